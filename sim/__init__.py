@@ -1,0 +1,1 @@
+"""The world that answers: MuJoCo, sensors, recording and report."""

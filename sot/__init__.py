@@ -1,0 +1,1 @@
+"""The robot, its contacts, the stack of tasks and the control tick."""
