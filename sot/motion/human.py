@@ -1,0 +1,154 @@
+"""A human in motion: canonical points and the frames of pelvis, chest and head over time."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.signal import butter, sosfiltfilt
+from scipy.spatial.transform import Rotation, Slerp
+
+from sot.errors import InputError
+
+SIDES = ("left", "right")
+SEGMENTS: dict[str, tuple[str, str]] = {
+    "trunk": ("waist", "neck"),
+    "head": ("head", "head_top"),
+    **{
+        f"{side}_{segment}": (f"{side}_{upper}", f"{side}_{lower}")
+        for side in SIDES
+        for segment, upper, lower in (
+            ("thigh", "hip", "knee"),
+            ("shank", "knee", "ankle"),
+            ("upper_arm", "shoulder", "elbow"),
+            ("forearm", "elbow", "wrist"),
+        )
+    },
+}
+
+
+@dataclass(frozen=True)
+class Human:
+    """A human's motion under canonical names, whatever its file called them.
+
+    Attributes:
+        name: of the clip.
+        rate: frames per second [Hz].
+        points: name -> (T, 3) position in the world [m]: waist (mid hips), chest, neck, head, head_top, and left_ and
+            right_ shoulder, elbow, wrist, hip, knee, ankle, toe.
+        frames: body -> (T, 3, 3) rotation from body to world of pelvis, chest and head: X forward, Y left, Z up when
+            the human stands upright and looks ahead.
+    """
+
+    name: str
+    rate: float
+    points: dict[str, np.ndarray]
+    frames: dict[str, np.ndarray]
+
+    @property
+    def count(self) -> int:
+        """Number of frames T."""
+        return len(self.points["waist"])
+
+    @property
+    def times(self) -> np.ndarray:
+        """(T,) seconds since the first frame."""
+        return np.arange(self.count) / self.rate
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first frame to the last."""
+        return (self.count - 1) / self.rate
+
+    @property
+    def leg(self) -> float:
+        """Length of thigh and shank, mean of both sides [m]."""
+        return self._length("thigh") + self._length("shank")
+
+    @property
+    def arm(self) -> float:
+        """Length of upper arm and forearm, mean of both sides [m]."""
+        return self._length("upper_arm") + self._length("forearm")
+
+    def _length(self, segment: str) -> float:
+        ends = [SEGMENTS[f"{side}_{segment}"] for side in SIDES]
+        bones = [np.linalg.norm(self.points[far] - self.points[near], axis=1) for near, far in ends]
+        return float(np.mean(np.median(bones, axis=1)))
+
+    def pelvis_frame(self) -> np.ndarray:
+        """(T, 3, 3) rotation from pelvis to world."""
+        return self.frames["pelvis"]
+
+    def chest_frame(self) -> np.ndarray:
+        """(T, 3, 3) rotation from chest to world."""
+        return self.frames["chest"]
+
+    def head_frame(self) -> np.ndarray:
+        """(T, 3, 3) rotation from head to world."""
+        return self.frames["head"]
+
+    def segment_direction(self, segment: str) -> np.ndarray:
+        """(T, 3) unit vectors along one of SEGMENTS, from its near end to its far end, in the world."""
+        near, far = SEGMENTS[segment]
+        along = self.points[far] - self.points[near]
+        return along / np.linalg.norm(along, axis=1, keepdims=True)
+
+    def slice(self, start: float = 0.0, duration: float | None = None) -> "Human":
+        """The part of `duration` seconds from `start`, to the end by default; less where the clip ends before.
+
+        Raises:
+            InputError: nothing of the clip lies in there.
+        """
+        first = round(start * self.rate)
+        last = self.count if duration is None else min(self.count, first + round(duration * self.rate) + 1)
+        if start < 0 or last - first < 2:
+            wanted = f"from {start:g} s" + (f" for {duration:g} s" if duration is not None else "")
+            raise InputError(f"{self.name}: nothing {wanted}; the clip lasts {self.duration:.2f} s")
+        return replace(
+            self,
+            points={name: position[first:last] for name, position in self.points.items()},
+            frames={body: rotation[first:last] for body, rotation in self.frames.items()},
+        )
+
+    def resampled(self, rate: float) -> "Human":
+        """At another rate [Hz], from the first frame to the last: cubic positions, spherically linear rotations."""
+        times = np.arange(int(self.duration * rate + 1e-6) + 1) / rate
+        times = np.minimum(times, self.duration)
+        points = CubicSpline(self.times, np.stack(list(self.points.values()), axis=1))(times)
+        frames = {body: Slerp(self.times, Rotation.from_matrix(r))(times) for body, r in self.frames.items()}
+        return replace(
+            self,
+            rate=rate,
+            points={name: points[:, i] for i, name in enumerate(self.points)},
+            frames={body: rotation.as_matrix() for body, rotation in frames.items()},
+        )
+
+    def low_passed(self, cutoff_hz: float) -> "Human":
+        """Without what is faster than `cutoff_hz`: second-order Butterworth forth and back, so without delay.
+
+        A cutoff that the frame rate cannot hold, at or above half of it, leaves the motion as it is.
+        """
+        if cutoff_hz >= 0.5 * self.rate:
+            return self
+        sos = butter(2, cutoff_hz, fs=self.rate, output="sos")
+        padding = min(self.count - 1, round(3 * self.rate / cutoff_hz))
+
+        def smooth(samples: np.ndarray) -> np.ndarray:
+            return sosfiltfilt(sos, samples, axis=0, padlen=padding)
+
+        points = smooth(np.stack(list(self.points.values()), axis=1))
+        return replace(
+            self,
+            points={name: points[:, i] for i, name in enumerate(self.points)},
+            frames={body: nearest_rotations(smooth(rotation)) for body, rotation in self.frames.items()},
+        )
+
+    def scaled(self, factor: float) -> "Human":
+        """Every position times `factor`."""
+        return replace(self, points={name: factor * position for name, position in self.points.items()})
+
+
+def nearest_rotations(matrices: np.ndarray) -> np.ndarray:
+    """The rotations nearest to (..., 3, 3) matrices in the Frobenius norm."""
+    u, _, vt = np.linalg.svd(matrices)
+    u[..., :, 2] *= np.sign(np.linalg.det(u @ vt))[..., None]
+    return u @ vt

@@ -1,0 +1,262 @@
+"""Who is who in a capture: any skeleton's joints under canonical names, and where its bodies face."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+
+from sot.errors import InputError
+from sot.motion.capture import Capture
+from sot.motion.human import SIDES, Human, nearest_rotations
+
+LIMBS = {"leg": ("hip", "knee", "ankle"), "arm": ("shoulder", "elbow", "wrist")}
+TIPS = {"wrist": "elbow", "toe": "ankle"}  # where a file does not name it, the farthest joint below
+JOINTS = ("head", *(f"{s}_{j}" for s in SIDES for limb in LIMBS.values() for j in limb), *(f"{s}_toe" for s in SIDES))
+HEAD_HEIGHT = (0.08, 0.30)  # m, from the head joint to its top, of a human
+AVERAGE_HEAD_HEIGHT = 0.2  # of the leg's length
+STANDING = np.cos(np.radians(25.0))  # a zero pose stands if its trunk and legs are this close to vertical
+UPRIGHT_FRAMES = 0.05  # of the clip, its most upright ones, calibrate where the zero pose does not stand
+SNAP = np.cos(np.radians(30.0))  # a head joint's lateral axis is one of its own axes if that is this close
+
+Names = Mapping[str, list[str]]
+
+
+def recognise(capture: Capture, mapping: str | Path | Mapping[str, str] | None = None) -> Human:
+    """Name a capture's joints and calibrate its pelvis, chest and head.
+
+    Joint names are looked up in `skeletons/*.toml`, one file a naming convention, without regard to case, punctuation
+    and a prefix that they share; the hierarchy must bear them out. `mapping` replaces the lookup: a TOML file, or its
+    contents, with lines `canonical = "Their name"`.
+
+    The rest follows from the hierarchy: the pelvis carries the hips, the chest carries the shoulders, the neck is the
+    first joint from the chest to the head. Each of these bodies turns with its joint; the constant rotation from joint
+    to body, Ramos (29), comes from poses in which the human stands: the file's zero pose if that is a standing figure,
+    else the most upright frames. There Y of pelvis and chest lies along hips and shoulders and Z along the trunk, while
+    the head looks level in the chest's direction.
+
+    Raises:
+        InputError: unknown names, or names that contradict the hierarchy or the way the body faces.
+    """
+    joints = _from_mapping(capture, mapping) if mapping is not None else _from_conventions(capture)
+    return _calibrated(capture, joints)
+
+
+def conventions() -> dict[str, Names]:
+    """Known naming conventions: name -> canonical joint -> the names it may have."""
+    folder = files("sot.motion") / "skeletons"
+    found = sorted((entry for entry in folder.iterdir() if entry.name.endswith(".toml")), key=lambda e: e.name)
+    return {entry.name.removesuffix(".toml"): _parse(entry.read_text("utf-8"), entry.name) for entry in found}
+
+
+def _parse(text: str, where: str) -> Names:
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{where}: not a mapping of joints: {error}") from error
+    names: dict[str, list[str]] = {}
+    for joint, value in table.items():
+        if joint not in JOINTS:
+            raise InputError(f"{where}: '{joint}' is no canonical joint; known are {', '.join(JOINTS)}")
+        names[joint] = [value] if isinstance(value, str) else value
+        if not isinstance(names[joint], list) or not all(isinstance(name, str) for name in names[joint]):
+            raise InputError(f"{where}: '{joint}' needs a joint's name in quotes")
+    return names
+
+
+def _from_mapping(capture: Capture, mapping: str | Path | Mapping[str, str]) -> dict[str, int]:
+    if isinstance(mapping, str | Path):
+        try:
+            names = _parse(Path(mapping).read_text("utf-8"), str(mapping))
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"{mapping}: cannot be read as a mapping of joints: {error}") from error
+        where = str(mapping)
+    else:
+        names, where = {joint: [name] for joint, name in mapping.items()}, "mapping"
+    table = {name.lower(): index for index, name in enumerate(capture.joints)}
+    for joint, (name, *_) in names.items():
+        if name.lower() not in table:
+            raise InputError(
+                f"{where}: {joint} = \"{name}\", but {capture.name} has no such joint; it has {', '.join(capture.joints)}"
+            )
+    joints = _complete(capture, {joint: table[name.lower()] for joint, (name, *_) in names.items()})
+    if missing := [joint for joint in JOINTS if joint not in joints]:
+        raise InputError(f"{where}: leaves out {', '.join(missing)}")
+    if wrong := _contradiction(capture, joints):
+        raise InputError(f"{where}: {wrong}")
+    return joints
+
+
+def _from_conventions(capture: Capture) -> dict[str, int]:
+    table: dict[str, int] = {}
+    for index, name in enumerate(capture.joints):
+        table.setdefault(_plain(name), index)
+    closest, reason = list(JOINTS), ""
+    for names in conventions().values():
+        for prefix in _prefixes(table, names):
+            joints = {
+                joint: table[prefix + _plain(alias)]
+                for joint, aliases in names.items()
+                for alias in reversed(aliases)
+                if prefix + _plain(alias) in table
+            }
+            joints = _complete(capture, joints)
+            missing = [joint for joint in JOINTS if joint not in joints]
+            wrong = "" if missing else _contradiction(capture, joints)
+            if not missing and not wrong:
+                return joints
+            if len(missing) < len(closest):
+                closest, reason = missing, wrong
+    lacking = f"not found: {', '.join(closest)}" if closest else reason
+    raise InputError(
+        f"{capture.name}: unknown skeleton ({lacking}); write a mapping file with lines like"
+        f" left_knee = \"Their name\" for {', '.join(JOINTS)}; its joints are {', '.join(capture.joints)}"
+    )
+
+
+def _plain(name: str) -> str:
+    return "".join(c for c in name.lower() if c.isalnum())
+
+
+def _prefixes(table: Mapping[str, int], names: Names) -> list[str]:
+    """What may stand before every name of a convention, read off the joints that end like its head."""
+    heads = [_plain(alias) for alias in names["head"]]
+    return sorted({name.removesuffix(head) for name in table for head in heads if name.endswith(head)}, key=len)
+
+
+def _complete(capture: Capture, joints: dict[str, int]) -> dict[str, int]:
+    """Wrists and toes that have no name, from the farthest joint or end site below the joint before."""
+    for side in SIDES:
+        for tip, base in TIPS.items():
+            if f"{side}_{tip}" not in joints and f"{side}_{base}" in joints:
+                farthest = _farthest_below(capture, joints[f"{side}_{base}"])
+                if farthest is not None:
+                    joints[f"{side}_{tip}"] = farthest
+    return joints
+
+
+def _farthest_below(capture: Capture, joint: int) -> int | None:
+    below = [j for j in range(len(capture.joints)) if j != joint and joint in _ancestry(capture, j)]
+    first = capture.positions[0]
+    return max(below, key=lambda j: float(np.linalg.norm(first[j] - first[joint])), default=None)
+
+
+def _ancestry(capture: Capture, joint: int) -> list[int]:
+    """The joint itself, its parent, and so on to the root."""
+    line = []
+    while joint >= 0:
+        line.append(joint)
+        joint = capture.parents[joint]
+    return line
+
+
+def _common_ancestor(capture: Capture, one: int, other: int) -> int:
+    above = set(_ancestry(capture, other))
+    return next(joint for joint in _ancestry(capture, one) if joint in above)
+
+
+def _contradiction(capture: Capture, joints: dict[str, int]) -> str:
+    """What in the hierarchy speaks against these names; empty if nothing does."""
+    for side in SIDES:
+        for limb in (*LIMBS.values(), ("ankle", "toe")):
+            for upper, lower in zip(limb, limb[1:], strict=False):
+                one, other = joints[f"{side}_{upper}"], joints[f"{side}_{lower}"]
+                if one == other or one not in _ancestry(capture, other):
+                    return f"{side}_{lower} ({capture.joints[other]}) is not below {side}_{upper} ({capture.joints[one]})"
+    for name in ("hip", "shoulder"):
+        pair = [joints[f"{side}_{name}"] for side in SIDES]
+        if _common_ancestor(capture, *pair) in pair:
+            return f"{capture.joints[pair[0]]} and {capture.joints[pair[1]]} cannot be the two {name}s"
+    return ""
+
+
+def _calibrated(capture: Capture, joints: dict[str, int]) -> Human:
+    pelvis = _common_ancestor(capture, joints["left_hip"], joints["right_hip"])
+    chest = _common_ancestor(capture, joints["left_shoulder"], joints["right_shoulder"])
+    points = _points(capture.positions, capture, joints, chest)
+    reference = _standing_zero_pose(capture, joints, chest)
+    if reference is not None:
+        rotations = np.tile(np.eye(3), (1, len(capture.joints), 1, 1))
+    else:
+        height = points["neck"][:, 2] - 0.5 * (points["left_ankle"] + points["right_ankle"])[:, 2]
+        chosen = np.argsort(height)[-max(1, round(UPRIGHT_FRAMES * capture.frames)) :]
+        reference = {name: position[chosen] for name, position in points.items()}
+        rotations = capture.rotations[chosen]
+
+    trunk = reference["neck"] - reference["waist"]
+    pelvis_target = _frame(reference["left_hip"] - reference["right_hip"], trunk)
+    chest_target = _frame(reference["left_shoulder"] - reference["right_shoulder"], trunk)
+    level = np.broadcast_to([0.0, 0.0, 1.0], trunk.shape)
+    head_target = _frame(np.cross(level, chest_target[:, :, 0]), level)
+    to_head = _snap_lateral(_mean_rotation(_transposed(rotations[:, joints["head"]]) @ head_target))
+    frames = {
+        "pelvis": capture.rotations[:, pelvis] @ _mean_rotation(_transposed(rotations[:, pelvis]) @ pelvis_target),
+        "chest": capture.rotations[:, chest] @ _mean_rotation(_transposed(rotations[:, chest]) @ chest_target),
+        "head": capture.rotations[:, joints["head"]] @ to_head,
+    }
+    ahead = sum(points[f"{side}_toe"] - points[f"{side}_ankle"] for side in SIDES)
+    if np.sum(ahead * frames["pelvis"][:, :, 0]) < 0:
+        raise InputError(f"{capture.name}: its toes point backwards; are left and right swapped in the joints' names?")
+
+    human = Human(capture.name, capture.rate, points, frames)
+    points["head_top"] = points["head"] + _head_height(capture, joints["head"], human.leg) * frames["head"][:, :, 2]
+    return human
+
+
+def _points(positions: np.ndarray, capture: Capture, joints: dict[str, int], chest: int) -> dict[str, np.ndarray]:
+    """Canonical points (T, 3) but the top of the head, out of positions (T, J, 3)."""
+    points = {name: positions[:, joint] for name, joint in joints.items()}
+    points["waist"] = 0.5 * (points["left_hip"] + points["right_hip"])
+    points["chest"] = positions[:, chest]
+    between = _ancestry(capture, joints["head"])[1:]
+    between = between[: between.index(chest)] if chest in between else []
+    # Some conversions drop a bone and leave the neck on the chest: take the next joint up. Others have no neck at all.
+    bones = [np.linalg.norm(capture.positions[0, j] - capture.positions[0, chest]) for j in between]
+    neck = next((j for j, bone in reversed(list(zip(between, bones, strict=True))) if bone > 0.03), None)
+    points["neck"] = 0.5 * (points["left_shoulder"] + points["right_shoulder"]) if neck is None else positions[:, neck]
+    return points
+
+
+def _standing_zero_pose(capture: Capture, joints: dict[str, int], chest: int) -> dict[str, np.ndarray] | None:
+    """The canonical points (1, 3) of the file's zero pose if that is a human standing, else None."""
+    points = _points(capture.zero[None], capture, joints, chest)
+    lines = [points["neck"] - points["waist"]]
+    lines += [points[f"{side}_hip"] - points[f"{side}_ankle"] for side in SIDES]
+    standing = all(line[0, 2] > STANDING * np.linalg.norm(line) for line in lines)
+    across = [points[f"left_{name}"] - points[f"right_{name}"] for name in ("hip", "shoulder")]
+    aligned = np.sum(across[0] * across[1]) > STANDING * np.linalg.norm(across[0]) * np.linalg.norm(across[1])
+    return points if standing and aligned else None
+
+
+def _frame(lateral: np.ndarray, up: np.ndarray) -> np.ndarray:
+    """(K, 3, 3) rotations with Y along `lateral` and Z as near as it can be to `up`."""
+    y = lateral / np.linalg.norm(lateral, axis=1, keepdims=True)
+    x = np.cross(y, up)
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    return np.stack([x, y, np.cross(x, y)], axis=2)
+
+
+def _transposed(rotations: np.ndarray) -> np.ndarray:
+    return rotations.swapaxes(-1, -2)
+
+
+def _mean_rotation(rotations: np.ndarray) -> np.ndarray:
+    """(3, 3) rotation nearest to the mean of (K, 3, 3) rotations."""
+    return nearest_rotations(rotations.mean(axis=0))
+
+
+def _snap_lateral(to_head: np.ndarray) -> np.ndarray:
+    """Animators align a head joint with the head's plane of symmetry: where that shows, yaw and roll become exact."""
+    y, z = to_head[:, 1], to_head[:, 2]
+    axis = np.zeros(3)
+    axis[np.argmax(np.abs(y))] = np.sign(y[np.argmax(np.abs(y))])
+    return _frame(axis[None], z[None])[0] if axis @ y > SNAP else to_head
+
+
+def _head_height(capture: Capture, head: int, leg: float) -> float:
+    """From the head joint to its top [m]: the file's, where that is a human's."""
+    top = _farthest_below(capture, head)
+    height = 0.0 if top is None else float(np.linalg.norm(capture.positions[0, top] - capture.positions[0, head]))
+    return height if HEAD_HEIGHT[0] <= height <= HEAD_HEIGHT[1] else AVERAGE_HEAD_HEIGHT * leg
