@@ -1,1 +1,7 @@
-"""Rows in, x out: solvers of prioritised problems that know numbers and no robot."""
+"""Hierarchies of linear rows and how to solve them: knows numbers, no robot."""
+
+from solvers.cascade import Cascade
+from solvers.rows import Block, Level, LevelResult, Rows, Solution, Status
+from solvers.weighted import Weighted
+
+__all__ = ["Block", "Cascade", "Level", "LevelResult", "Rows", "Solution", "Status", "Weighted"]

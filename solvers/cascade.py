@@ -1,0 +1,325 @@
+"""The strict hierarchy of Ramos (12)-(14): each level minimises its violation without touching those above.
+
+Level 0 holds, the others are least squares of decreasing priority:
+
+    min ‖w_k‖   subject to   A_k x - b_k = w_k,   lower_k <= C_k x - w_k <= upper_k,
+                             levels above keep the violation w* they have reached.
+
+*Null spaces.* What level k may still use is an orthonormal basis Z_k of the null space of all equalities above; they
+depend on the matrices only. Without inequalities the whole cascade is then a chain of least squares.
+
+*No QP where none is needed.* If the optimum of that chain satisfies every inequality, it is the optimum of the cascade:
+no level can do better with inequalities than without. The check is exact, and more: if the chain's point after level j
+satisfies them, levels up to j are done. Only what follows needs quadratic programs, each in the variables of Z_k.
+
+*Where inequalities bite.* They mostly do at the same level from tick to tick. A QP at a lower level, with the levels
+above held at the chain's optimum, is tried first: if it has a solution, they have theirs. If not, the QPs start higher.
+
+Regularisation appears nowhere, hence not in what a later level has to preserve either.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from solvers.nullspace import Projection, project
+from solvers.proxqp import PersistentQPs, QPResult
+from solvers.rows import Array, Level, LevelResult, Solution, Status
+
+
+class Cascade:
+    """Solver of strict hierarchies on null-space bases and persistent ProxQP problems.
+
+    Args:
+        damping: Damped least squares, Kim (10), of the levels below level 0: bounds their answer near singularities at
+            the price of a small error. 0 is exact.
+        rank_tolerance: Directions in which a level's rows, relative to their largest, are shorter than this are left to
+            the levels below.
+        tolerance: Violation that counts as none.
+    """
+
+    name = "cascade"
+
+    def __init__(self, damping: float = 0.0, rank_tolerance: float = 1e-7, tolerance: float = 1e-7) -> None:
+        self.damping = damping
+        self.rank_tolerance = rank_tolerance
+        self.tolerance = tolerance
+        self._qps = PersistentQPs(tolerance=10.0 * tolerance)
+        self._bite = 10**6  # the level at which inequalities bit last
+
+    def solve(self, levels: Sequence[Level]) -> Solution:
+        """Solve the hierarchy; ``levels[0]`` is hard.
+
+        If level 0 has no solution, its rows give way in the order they name, each step a level of its own right below
+        level 0; the solution's status is then RELAXED and `relaxed` names what gave way.
+        """
+        if len(levels) == 1:  # somebody has to ask for a point that satisfies level 0
+            levels = [levels[0], Level.stack("any", [], levels[0].A.shape[1])]
+            solution = self.solve(levels)
+            del solution.levels[1:]
+            return solution
+        solution = self._cascade(levels)
+        order = sorted({block.gives_way for block in levels[0].blocks if block.gives_way})
+        steps: list[int] = []
+        while solution.status == Status.FAILED and order:
+            steps.insert(0, order.pop(0))
+            solution = self._relaxed(levels, steps)
+        return solution
+
+    def _relaxed(self, levels: Sequence[Level], steps: list[int]) -> Solution:
+        """Solve with the rows of level 0 that give way at `steps` as levels of their own, last to give way on top."""
+        hard, gave_way = _split(levels[0], steps)
+        solution = self._cascade([hard, *gave_way, *levels[1:]])
+        if solution.status == Status.FAILED:
+            return solution
+        for level, result in zip(gave_way, solution.levels[1:], strict=False):
+            worst = np.abs(result.violation)
+            for block in level.blocks:
+                if worst[block.rows].max(initial=0.0) > self.tolerance:
+                    solution.relaxed[block.name] = float(worst[block.rows].max()) / block.weight
+        first = solution.levels[0]
+        first.violation = levels[0].violation(solution.x)
+        solution.levels = [first, *solution.levels[1 + len(gave_way) :]]
+        solution.status = first.status = Status.RELAXED
+        return solution
+
+    def _cascade(self, levels: Sequence[Level]) -> Solution:
+        chain = self._chain(levels)
+        hard = levels[0]
+        if np.abs(hard.A @ chain.points[0] - hard.b).max(initial=0.0) > self.tolerance * (
+            1.0 + np.abs(hard.b).max(initial=0.0)
+        ):
+            return self._solution(levels, chain.points[0], {}, Status.FAILED, failed=0)
+        C, lower, upper, owner = _inequalities(levels)
+        solved = len(levels) - 1
+        if len(lower):
+            values = C @ np.column_stack(chain.points)
+            outside = ((values > (upper + self.tolerance)[:, None]) | (values < (lower - self.tolerance)[:, None])).T
+            # A point after level j has to satisfy the inequalities of the levels up to j only.
+            solved = max((j for j in range(len(levels)) if not outside[j][owner <= j].any()), default=-1)
+        if solved == len(levels) - 1:
+            self._bite = 10**6
+            return self._solution(levels, chain.points[-1], {}, Status.SOLVED)
+        descent = _Descent(self, levels, chain, C, lower, upper, owner)
+        start = max(solved + 1, 1)
+        usable = max((k for k, Z in enumerate(chain.bases) if Z.shape[1]), default=0)
+        trial = min(self._bite, usable)
+        if trial > start:
+            answer = descent.run(trial, optional=True)
+            if answer is not None:
+                # Unbitten levels are given the chance to be skipped next time.
+                self._bite = trial if descent.bitten else trial + 1
+                return answer
+        answer = descent.run(start, optional=False)
+        assert answer is not None
+        self._bite = max(start, descent.first_bitten)
+        return answer
+
+    def _chain(self, levels: Sequence[Level]) -> "_Chain":
+        """Solve the equalities alone, one level after the other."""
+        size = levels[0].A.shape[1]
+        Z = np.eye(size, order="F")
+        x = np.zeros(size)
+        chain = _Chain([], [], [], [])
+        for k, level in enumerate(levels):
+            B = level.A @ Z
+            scale = max(1e-12, float(np.sqrt(np.einsum("ij,ij->i", level.A, level.A).max(initial=0.0))))
+            projection = project(B, self.rank_tolerance * scale)
+            damping = self.damping if k else 0.0
+            x = x + Z @ projection.least_squares(level.b - level.A @ x, damping)
+            chain.bases.append(Z)
+            chain.rows.append(B)
+            chain.projections.append(projection)
+            chain.points.append(x)
+            if k < len(levels) - 1:
+                Z = projection.remaining(Z)
+        return chain
+
+    def _solution(
+        self,
+        levels: Sequence[Level],
+        x: Array,
+        qps: dict[int, QPResult],
+        status: Status,
+        failed: int | None = None,
+    ) -> Solution:
+        results = []
+        for k, level in enumerate(levels):
+            violation = level.violation(x)
+            bounded = level.C @ x
+            active = (bounded >= level.upper - self.tolerance) | (bounded <= level.lower + self.tolerance)
+            qp = qps.get(k)
+            state = Status.FAILED if failed is not None and k >= failed else qp.status if qp else Status.SOLVED
+            residual = qp.residual if qp else 0.0
+            if k == 0:
+                residual = max(residual, float(np.abs(violation).max(initial=0.0)))
+            results.append(LevelResult(level.name, violation, active, qp is not None, residual, state))
+        return Solution(x, results, status)
+
+
+class _Chain:
+    """The equality-only cascade: what every level works in, its rows there, and the point after each."""
+
+    __slots__ = ("bases", "points", "projections", "rows")
+
+    def __init__(self, bases: list[Array], rows: list[Array], projections: list[Projection], points: list[Array]):
+        self.bases, self.rows, self.projections, self.points = bases, rows, projections, points
+
+
+class _Descent:
+    """Levels that need QPs, from a starting level to the last one."""
+
+    def __init__(
+        self,
+        cascade: Cascade,
+        levels: Sequence[Level],
+        chain: _Chain,
+        C: Array,
+        lower: Array,
+        upper: Array,
+        owner: Array,
+    ) -> None:
+        self.cascade, self.levels, self.chain = cascade, levels, chain
+        self.C, self.lower, self.upper, self.owner = C, lower, upper, owner
+        self.bitten = False
+        self.first_bitten = len(levels)
+
+    def run(self, start: int, optional: bool) -> Solution | None:
+        """QPs from level `start` on; None if the first one has no solution and was optional."""
+        cascade, levels = self.cascade, self.levels
+        tolerance = cascade.tolerance
+        lower, upper = self.lower.copy(), self.upper.copy()
+        x = self.chain.points[start - 1]
+        Z = self.chain.bases[start]
+        frozen = False  # whether violated inequalities have been frozen, so that the chain's bases hold no more
+        qps: dict[int, QPResult] = {}
+        self.first_bitten = len(levels)
+        for k in range(start, len(levels)):
+            level = levels[k]
+            if not frozen:
+                Z = self.chain.bases[k]
+            if not Z.shape[1]:
+                if k == start == 1 and self.outside(x):
+                    return cascade._solution(levels, x, qps, Status.FAILED, failed=0)
+                break
+            B = self.chain.rows[k] if not frozen else level.A @ Z
+            own = self.owner == k
+            if k > start and not len(level.b) and not own.any():
+                continue
+            bound = (self.owner < k) if k < len(levels) - 1 else ~own
+            hard_lower, hard_upper, hard = lower[bound], upper[bound], self.C[bound]
+            value = hard @ x
+            low, high = hard_lower - value, hard_upper - value
+            if k > start:  # what the level above has reached is feasible, whatever rounding says
+                low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
+            r = level.b - level.A @ x
+            qp = self._qp(
+                k,
+                B,
+                r,
+                hard @ Z,
+                low,
+                high,
+                self.C[own],
+                lower[own],
+                upper[own],
+                x,
+                Z,
+                optional and k == start,
+            )
+            if qp.status == Status.FAILED:
+                if k == start and optional:
+                    return None
+                # Without a first feasible point nothing can be kept; below it, the answer of the levels above is.
+                return cascade._solution(levels, x, qps, Status.FAILED, failed=k)
+            qps[k] = qp
+            n = Z.shape[1]
+            x = x + Z @ qp.y[:n]
+            # An inequality with a multiplier, or violated, stays where it is whatever the levels below do (its
+            # multiplier would have to push on the level otherwise): it bounds no more, it is part of what is held.
+            multipliers = np.zeros(len(lower))
+            multipliers[bound] = qp.multipliers[: len(low)]
+            multipliers[own] = self.C[own] @ x - np.clip(self.C[own] @ x, lower[own], upper[own])
+            held = np.flatnonzero(np.abs(multipliers) > tolerance * (1.0 + np.abs(multipliers).max(initial=0.0)))
+            if len(held) and k < len(levels) - 1:
+                self.first_bitten = min(self.first_bitten, k)
+                lower[held], upper[held] = -np.inf, np.inf
+                B = np.vstack([B, self.C[held] @ Z])
+                frozen = True
+            if frozen and k < len(levels) - 1:
+                scale = max(1.0, float(np.abs(B).max(initial=0.0)))
+                Z = project(B, cascade.rank_tolerance * scale).remaining(np.asfortranarray(Z))
+        self.bitten = self.first_bitten == start
+        worst = max((qp.status for qp in qps.values()), default=Status.SOLVED)
+        return cascade._solution(levels, x, qps, worst)
+
+    def outside(self, x: Array) -> bool:
+        """Whether x violates an inequality of level 0."""
+        hard, tolerance = self.owner == 0, self.cascade.tolerance
+        value = self.C[hard] @ x
+        return bool((value > self.upper[hard] + tolerance).any() or (value < self.lower[hard] - tolerance).any())
+
+    def _qp(
+        self,
+        k: int,
+        B: Array,
+        r: Array,
+        CZ: Array,
+        low: Array,
+        high: Array,
+        own: Array,
+        own_lower: Array,
+        own_upper: Array,
+        x: Array,
+        Z: Array,
+        optional: bool,
+    ) -> QPResult:
+        """One level's QP in y, and in the slack w of its own inequalities."""
+        n, p = Z.shape[1], len(own_lower)
+        H = np.zeros((n + p, n + p))
+        H[:n, :n] = B.T @ B
+        if self.cascade.damping:
+            H[:n, :n] += self.cascade.damping**2 * np.eye(n)
+        g = np.zeros(n + p)
+        g[:n] = -(B.T @ r)
+        if p:
+            H[n:, n:] = np.eye(p)
+            value = own @ x
+            CZ = np.block([[CZ, np.zeros((len(low), p))], [own @ Z, -np.eye(p)]])
+            low, high = np.concatenate([low, own_lower - value]), np.concatenate([high, own_upper - value])
+        return self.cascade._qps.solve((k, optional), H, g, CZ, low, high, second=not optional)
+
+
+def _inequalities(levels: Sequence[Level]) -> tuple[Array, Array, Array, Array]:
+    """Inequalities of all levels together, with the level that owns each."""
+    if all(not len(level.lower) for level in levels[1:]):
+        first = levels[0]
+        return first.C, first.lower, first.upper, np.zeros(len(first.lower), dtype=int)
+    return (
+        np.vstack([level.C for level in levels]),
+        np.concatenate([level.lower for level in levels]),
+        np.concatenate([level.upper for level in levels]),
+        np.repeat(np.arange(len(levels)), [len(level.lower) for level in levels]),
+    )
+
+
+def _split(hard: Level, steps: list[int]) -> tuple[Level, list[Level]]:
+    """Take the inequalities that give way at `steps` out of level 0, a level for each step in the order given."""
+
+    def part(name: str, wanted: set[int]) -> Level:
+        blocks, rows, start = [], [], 0
+        for block in hard.blocks:
+            if block.equality or block.gives_way not in wanted:
+                continue
+            rows.append(np.arange(block.rows.start, block.rows.stop))
+            count = block.rows.stop - block.rows.start
+            blocks.append(type(block)(block.name, block.unit, block.weight, False, slice(start, start + count)))
+            start += count
+        index = np.concatenate(rows) if rows else np.zeros(0, dtype=int)
+        none = np.zeros((0, hard.A.shape[1]))
+        return Level(name, none, none[:, 0], hard.C[index], hard.lower[index], hard.upper[index], blocks)
+
+    kept = part(hard.name, {b.gives_way for b in hard.blocks} - set(steps))
+    equalities = [block for block in hard.blocks if block.equality]
+    rest = Level(hard.name, hard.A, hard.b, kept.C, kept.lower, kept.upper, equalities + kept.blocks)
+    return rest, [part(f"relaxed {step}", {step}) for step in steps]

@@ -1,0 +1,177 @@
+"""What a solver is given and what it gives back: rows, levels, solutions.
+
+Nothing here knows a robot: a row is ``lower <= A x <= upper``, an equality where both sides agree, and it has a name
+and a unit so that whoever reads a result knows what was asked for.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+
+Array = np.ndarray
+
+
+class Status(IntEnum):
+    """How an answer came about; the higher, the worse."""
+
+    SOLVED = 0
+    SECOND_SOLVER = 1
+    """A QP went to the second solver, which solved it."""
+    RELAXED = 2
+    """Level 0 had no solution: some of its rows gave way."""
+    FAILED = 3
+    """No answer. The levels above the failed one keep theirs; without any of them ``x`` is not to be used."""
+
+
+@dataclass(slots=True)
+class Rows:
+    """Rows ``lower <= A x <= upper`` of one task or limit.
+
+    Args:
+        name: Who asks for the rows.
+        unit: Unit of ``A x``.
+        A: Matrix, shape (m, n).
+        lower: Lower bounds, shape (m,); ``-inf`` where there is none.
+        upper: Upper bounds, shape (m,); ``+inf`` where there is none.
+        weight: Scale of the rows' violation within their level.
+        gives_way: For rows of level 0 only: 0 if they must always hold, otherwise their place in the order in which
+            level 0 is relaxed when it has no solution (1 gives way first).
+    """
+
+    name: str
+    unit: str
+    A: Array
+    lower: Array
+    upper: Array
+    weight: float = 1.0
+    gives_way: int = 0
+
+
+@dataclass(slots=True)
+class Block:
+    """Which part of a level's stacked rows belongs to whom."""
+
+    name: str
+    unit: str
+    weight: float
+    equality: bool
+    rows: slice
+    gives_way: int = 0
+
+
+@dataclass(slots=True)
+class Level:
+    """Rows of one priority, stacked: ``A x = b`` and ``lower <= C x <= upper``, already multiplied by their weights.
+
+    Args:
+        name: The level's name.
+        A: Equalities, shape (m, n).
+        b: Right-hand side, shape (m,).
+        C: Inequalities, shape (p, n).
+        lower, upper: Bounds, shape (p,).
+        blocks: Who owns which rows.
+    """
+
+    name: str
+    A: Array
+    b: Array
+    C: Array
+    lower: Array
+    upper: Array
+    blocks: list[Block] = field(default_factory=list)
+
+    @classmethod
+    def stack(cls, name: str, rows: Sequence[Rows], size: int) -> "Level":
+        """Stack rows of ``size`` variables; rows whose bounds agree are equalities, the others inequalities.
+
+        Raises:
+            ValueError: If a matrix has another number of columns, bounds of another length, a lower bound above its
+                upper one, or an entry that is not a number.
+        """
+        equalities: list[tuple[Array, Array]] = []
+        inequalities: list[tuple[Array, Array, Array]] = []
+        blocks: list[Block] = []
+        n_equal = n_unequal = 0
+        for row in rows:
+            A, lower, upper = (np.asarray(part, dtype=float) for part in (row.A, row.lower, row.upper))
+            if A.ndim != 2 or A.shape[1] != size or lower.shape != (len(A),) or upper.shape != (len(A),):
+                raise ValueError(f"{row.name}: A is {A.shape}, lower {lower.shape}, upper {upper.shape}; n is {size}")
+            if not np.isfinite(A).all() or np.isnan(lower).any() or np.isnan(upper).any():
+                raise ValueError(f"{row.name}: a row holds a value that is not a number")
+            if (lower > upper).any():
+                raise ValueError(f"{row.name}: a lower bound lies above its upper bound")
+            equal = lower == upper
+            if equal.any():
+                equalities.append((row.weight * A[equal], row.weight * lower[equal]))
+                count = int(equal.sum())
+                where = slice(n_equal, n_equal + count)
+                blocks.append(Block(row.name, row.unit, row.weight, True, where, row.gives_way))
+                n_equal += count
+            if not equal.all():
+                keep = ~equal
+                inequalities.append((row.weight * A[keep], row.weight * lower[keep], row.weight * upper[keep]))
+                count = int(keep.sum())
+                where = slice(n_unequal, n_unequal + count)
+                blocks.append(Block(row.name, row.unit, row.weight, False, where, row.gives_way))
+                n_unequal += count
+        none = np.zeros((0, size))
+        return cls(
+            name,
+            np.vstack([none, *(A for A, _ in equalities)]),
+            np.concatenate([none[:, 0], *(b for _, b in equalities)]),
+            np.vstack([none, *(C for C, _, _ in inequalities)]),
+            np.concatenate([none[:, 0], *(lower for _, lower, _ in inequalities)]),
+            np.concatenate([none[:, 0], *(upper for _, _, upper in inequalities)]),
+            blocks,
+        )
+
+    def violation(self, x: Array) -> Array:
+        """Signed violation of every row at ``x``, equalities first, shape (m + p,); 0 where a row holds."""
+        value = self.C @ x
+        excess = np.maximum(value - self.upper, 0.0) + np.minimum(value - self.lower, 0.0)
+        return np.concatenate([self.A @ x - self.b, excess])
+
+
+@dataclass(slots=True)
+class LevelResult:
+    """What became of one level.
+
+    Args:
+        name: The level's name.
+        violation: Signed violation of its rows, equalities first, weighted as in the level, shape (m + p,).
+        active: Which of its inequalities hold with equality or are violated, shape (p,).
+        needed_qp: Whether a QP had to be solved, or least squares were enough.
+        residual: Largest violation of what the level had to preserve.
+        status: How the level's answer came about.
+    """
+
+    name: str
+    violation: Array
+    active: Array
+    needed_qp: bool
+    residual: float
+    status: Status
+
+    @property
+    def error(self) -> float:
+        """Norm of the level's weighted violation, the quantity that the level minimises."""
+        return float(np.sqrt(self.violation @ self.violation))
+
+
+@dataclass(slots=True)
+class Solution:
+    """Answer of a solver.
+
+    Args:
+        x: The variables, shape (n,).
+        levels: One result a level, level 0 first.
+        status: The worst of the levels' statuses.
+        relaxed: Names of the rows of level 0 that gave way, with the largest violation of each.
+    """
+
+    x: Array
+    levels: list[LevelResult]
+    status: Status
+    relaxed: dict[str, float] = field(default_factory=dict)

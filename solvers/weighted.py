@@ -1,0 +1,47 @@
+"""One weighted level instead of many strict ones: the usual alternative, behind the same interface."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from solvers.cascade import Cascade
+from solvers.rows import Level, LevelResult, Solution
+
+
+class Weighted:
+    """Level 0 hard, all others in one least-squares problem, each counting `ratio` times as much as the next.
+
+    Args:
+        ratio: Weight of a level's squared violation over that of the level below.
+        damping: As for `Cascade`.
+    """
+
+    name = "weighted"
+
+    def __init__(self, ratio: float = 10.0, damping: float = 0.0) -> None:
+        self.ratio = ratio
+        self._cascade = Cascade(damping=damping)
+
+    def solve(self, levels: Sequence[Level]) -> Solution:
+        """Solve; the results are told per level as the cascade tells them."""
+        soft = levels[1:]
+        weights = [np.sqrt(self.ratio) ** (len(soft) - 1 - k) for k in range(len(soft))]
+        merged = Level(
+            "weighted",
+            np.vstack([w * level.A for w, level in zip(weights, soft, strict=True)]),
+            np.concatenate([w * level.b for w, level in zip(weights, soft, strict=True)]),
+            np.vstack([w * level.C for w, level in zip(weights, soft, strict=True)]),
+            np.concatenate([w * level.lower for w, level in zip(weights, soft, strict=True)]),
+            np.concatenate([w * level.upper for w, level in zip(weights, soft, strict=True)]),
+        )
+        answer = self._cascade.solve([levels[0], merged])
+        first, last = answer.levels
+        results: list[LevelResult] = [first]
+        start = 0
+        for level in soft:
+            active = last.active[start : start + len(level.lower)]
+            start += len(level.lower)
+            results.append(
+                LevelResult(level.name, level.violation(answer.x), active, last.needed_qp, last.residual, last.status)
+            )
+        return Solution(answer.x, results, answer.status, answer.relaxed)
