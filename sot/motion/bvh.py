@@ -38,9 +38,6 @@ def read_bvh(path: str | Path) -> Capture:
     rate, first, promised = _header(path, lines, motion_line)
     values = _frames(path, lines, first, promised, sum(len(joint.channels) for joint in joints))
     positions, rotations = _forward_kinematics(joints, values)
-    still = np.zeros((1, values.shape[1]))
-    offsets = [joint.offset for joint in joints]
-    zero, _ = _forward_kinematics([_Joint(j.name, j.parent, o) for j, o in zip(joints, offsets, strict=True)], still)
     return Capture(
         name=path.stem,
         rate=rate,
@@ -48,7 +45,6 @@ def read_bvh(path: str | Path) -> Capture:
         parents=tuple(joint.parent for joint in joints),
         positions=positions,
         rotations=rotations,
-        zero=zero[0],
     )
 
 

@@ -24,9 +24,7 @@ class Capture:
         joints: J names, unique; parents come before their children.
         parents: J indices, -1 for the root.
         positions: (T, J, 3) of the joints in the world [m].
-        rotations: (T, J, 3, 3) from joint to world; all identity in the file's zero pose.
-        zero: (J, 3) joint positions when every rotation is zero [m]. A standing figure in some files, arbitrary in
-            others.
+        rotations: (T, J, 3, 3) from joint to world. How a joint's axes lie in its body is up to the file.
     """
 
     name: str
@@ -35,7 +33,6 @@ class Capture:
     parents: tuple[int, ...]
     positions: np.ndarray
     rotations: np.ndarray
-    zero: np.ndarray
 
     @property
     def frames(self) -> int:
@@ -78,13 +75,12 @@ def to_world(recorded: Capture) -> Capture:
 
     upright = _upright(positions, legs)
     turn = _turn_to_x(positions @ upright.T, legs) @ upright
-    positions, zero = positions @ turn.T, scale * recorded.zero @ turn.T
-    rotations = turn @ rotations @ turn.T  # turning on both sides keeps the zero pose at identity
+    positions, rotations = positions @ turn.T, turn @ rotations
 
     hips = positions[0, [leg.hip for leg in legs]].mean(axis=0)
     feet = positions[:, [joint for leg in legs for joint in (leg.knee, leg.ankle, leg.tip)], 2].min(axis=1)
     origin = np.array([hips[0], hips[1], np.percentile(feet, FLOOR_PERCENTILE)])
-    return replace(recorded, positions=positions - origin, rotations=rotations, zero=zero)
+    return replace(recorded, positions=positions - origin, rotations=rotations)
 
 
 def find_legs(capture: Capture) -> tuple[Leg, Leg]:
@@ -120,7 +116,7 @@ def find_legs(capture: Capture) -> tuple[Leg, Leg]:
                 if alike and np.allclose(bone[one[1:]], bone[other[1:]], rtol=0, atol=0.1 * reach[one[0]]):
                     best = max(best, (float(reach[one[0]]), one, other))
     if best[0] <= 0.0:
-        raise InputError(f"{capture.name}: found no pair of legs in its {len(parents)} joints, so it is no human motion")
+        raise InputError(f"{capture.name}: no human motion, for its {len(parents)} joints hold no pair of legs")
     return _leg(best[1], bone), _leg(best[2], bone)
 
 

@@ -2,8 +2,8 @@
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +17,6 @@ TIPS = {"wrist": "elbow", "toe": "ankle"}  # where a file does not name it, the 
 JOINTS = ("head", *(f"{s}_{j}" for s in SIDES for limb in LIMBS.values() for j in limb), *(f"{s}_toe" for s in SIDES))
 HEAD_HEIGHT = (0.08, 0.30)  # m, from the head joint to its top, of a human
 AVERAGE_HEAD_HEIGHT = 0.2  # of the leg's length
-STANDING = np.cos(np.radians(25.0))  # a zero pose stands if its trunk and legs are this close to vertical
-UPRIGHT_FRAMES = 0.05  # of the clip, its most upright ones, calibrate where the zero pose does not stand
 SNAP = np.cos(np.radians(30.0))  # a head joint's lateral axis is one of its own axes if that is this close
 
 Names = Mapping[str, list[str]]
@@ -32,10 +30,11 @@ def recognise(capture: Capture, mapping: str | Path | Mapping[str, str] | None =
     contents, with lines `canonical = "Their name"`.
 
     The rest follows from the hierarchy: the pelvis carries the hips, the chest carries the shoulders, the neck is the
-    first joint from the chest to the head. Each of these bodies turns with its joint; the constant rotation from joint
-    to body, Ramos (29), comes from poses in which the human stands: the file's zero pose if that is a standing figure,
-    else the most upright frames. There Y of pelvis and chest lies along hips and shoulders and Z along the trunk, while
-    the head looks level in the chest's direction.
+    first joint from the chest to the head. Each of these bodies turns with its joint. The constant rotation from joint
+    to body, Ramos (29), comes from the clip itself, since a file's zero pose often is no posture at all and a T-pose
+    holds the head as nobody does: in that half of the frames that has the trunk most upright, Y of pelvis and chest
+    lies along hips and shoulders and Z along the trunk, and the head is level and looks where the chest does, all on
+    average.
 
     Raises:
         InputError: unknown names, or names that contradict the hierarchy or the way the body faces.
@@ -78,9 +77,8 @@ def _from_mapping(capture: Capture, mapping: str | Path | Mapping[str, str]) -> 
     table = {name.lower(): index for index, name in enumerate(capture.joints)}
     for joint, (name, *_) in names.items():
         if name.lower() not in table:
-            raise InputError(
-                f"{where}: {joint} = \"{name}\", but {capture.name} has no such joint; it has {', '.join(capture.joints)}"
-            )
+            has = ", ".join(capture.joints)
+            raise InputError(f'{where}: {joint} = "{name}" is no joint of {capture.name}, which has {has}')
     joints = _complete(capture, {joint: table[name.lower()] for joint, (name, *_) in names.items()})
     if missing := [joint for joint in JOINTS if joint not in joints]:
         raise InputError(f"{where}: leaves out {', '.join(missing)}")
@@ -112,7 +110,7 @@ def _from_conventions(capture: Capture) -> dict[str, int]:
     lacking = f"not found: {', '.join(closest)}" if closest else reason
     raise InputError(
         f"{capture.name}: unknown skeleton ({lacking}); write a mapping file with lines like"
-        f" left_knee = \"Their name\" for {', '.join(JOINTS)}; its joints are {', '.join(capture.joints)}"
+        f' left_knee = "Their name" for {", ".join(JOINTS)}; its joints are {", ".join(capture.joints)}'
     )
 
 
@@ -161,10 +159,11 @@ def _contradiction(capture: Capture, joints: dict[str, int]) -> str:
     """What in the hierarchy speaks against these names; empty if nothing does."""
     for side in SIDES:
         for limb in (*LIMBS.values(), ("ankle", "toe")):
-            for upper, lower in zip(limb, limb[1:], strict=False):
+            for upper, lower in pairwise(limb):
                 one, other = joints[f"{side}_{upper}"], joints[f"{side}_{lower}"]
                 if one == other or one not in _ancestry(capture, other):
-                    return f"{side}_{lower} ({capture.joints[other]}) is not below {side}_{upper} ({capture.joints[one]})"
+                    names = capture.joints[other], capture.joints[one]
+                    return f"{side}_{lower} ({names[0]}) is not below {side}_{upper} ({names[1]})"
     for name in ("hip", "shoulder"):
         pair = [joints[f"{side}_{name}"] for side in SIDES]
         if _common_ancestor(capture, *pair) in pair:
@@ -175,27 +174,19 @@ def _contradiction(capture: Capture, joints: dict[str, int]) -> str:
 def _calibrated(capture: Capture, joints: dict[str, int]) -> Human:
     pelvis = _common_ancestor(capture, joints["left_hip"], joints["right_hip"])
     chest = _common_ancestor(capture, joints["left_shoulder"], joints["right_shoulder"])
-    points = _points(capture.positions, capture, joints, chest)
-    reference = _standing_zero_pose(capture, joints, chest)
-    if reference is not None:
-        rotations = np.tile(np.eye(3), (1, len(capture.joints), 1, 1))
-    else:
-        height = points["neck"][:, 2] - 0.5 * (points["left_ankle"] + points["right_ankle"])[:, 2]
-        chosen = np.argsort(height)[-max(1, round(UPRIGHT_FRAMES * capture.frames)) :]
-        reference = {name: position[chosen] for name, position in points.items()}
-        rotations = capture.rotations[chosen]
-
-    trunk = reference["neck"] - reference["waist"]
-    pelvis_target = _frame(reference["left_hip"] - reference["right_hip"], trunk)
-    chest_target = _frame(reference["left_shoulder"] - reference["right_shoulder"], trunk)
+    points = _points(capture, joints, chest)
+    trunk = points["neck"] - points["waist"]
+    tilt = np.arctan2(np.linalg.norm(trunk[:, :2], axis=1), trunk[:, 2])
+    upright = tilt <= np.median(tilt)
     level = np.broadcast_to([0.0, 0.0, 1.0], trunk.shape)
-    head_target = _frame(np.cross(level, chest_target[:, :, 0]), level)
-    to_head = _snap_lateral(_mean_rotation(_transposed(rotations[:, joints["head"]]) @ head_target))
-    frames = {
-        "pelvis": capture.rotations[:, pelvis] @ _mean_rotation(_transposed(rotations[:, pelvis]) @ pelvis_target),
-        "chest": capture.rotations[:, chest] @ _mean_rotation(_transposed(rotations[:, chest]) @ chest_target),
-        "head": capture.rotations[:, joints["head"]] @ to_head,
-    }
+    target = {"pelvis": _frame(points["left_hip"] - points["right_hip"], trunk)}
+    target["chest"] = _frame(points["left_shoulder"] - points["right_shoulder"], trunk)
+    target["head"] = _frame(np.cross(level, target["chest"][:, :, 0]), level)
+    frames = {}
+    for body, joint in (("pelvis", pelvis), ("chest", chest), ("head", joints["head"])):
+        turns = capture.rotations[:, joint]
+        to_body = nearest_rotations((turns.swapaxes(1, 2) @ target[body])[upright].mean(axis=0))
+        frames[body] = turns @ (_snap_lateral(to_body) if body == "head" else to_body)
     ahead = sum(points[f"{side}_toe"] - points[f"{side}_ankle"] for side in SIDES)
     if np.sum(ahead * frames["pelvis"][:, :, 0]) < 0:
         raise InputError(f"{capture.name}: its toes point backwards; are left and right swapped in the joints' names?")
@@ -205,46 +196,27 @@ def _calibrated(capture: Capture, joints: dict[str, int]) -> Human:
     return human
 
 
-def _points(positions: np.ndarray, capture: Capture, joints: dict[str, int], chest: int) -> dict[str, np.ndarray]:
-    """Canonical points (T, 3) but the top of the head, out of positions (T, J, 3)."""
+def _points(capture: Capture, joints: dict[str, int], chest: int) -> dict[str, np.ndarray]:
+    """Canonical points (T, 3), but for the top of the head."""
+    positions = capture.positions
     points = {name: positions[:, joint] for name, joint in joints.items()}
     points["waist"] = 0.5 * (points["left_hip"] + points["right_hip"])
     points["chest"] = positions[:, chest]
     between = _ancestry(capture, joints["head"])[1:]
     between = between[: between.index(chest)] if chest in between else []
     # Some conversions drop a bone and leave the neck on the chest: take the next joint up. Others have no neck at all.
-    bones = [np.linalg.norm(capture.positions[0, j] - capture.positions[0, chest]) for j in between]
+    bones = [np.linalg.norm(positions[0, j] - positions[0, chest]) for j in between]
     neck = next((j for j, bone in reversed(list(zip(between, bones, strict=True))) if bone > 0.03), None)
     points["neck"] = 0.5 * (points["left_shoulder"] + points["right_shoulder"]) if neck is None else positions[:, neck]
     return points
 
 
-def _standing_zero_pose(capture: Capture, joints: dict[str, int], chest: int) -> dict[str, np.ndarray] | None:
-    """The canonical points (1, 3) of the file's zero pose if that is a human standing, else None."""
-    points = _points(capture.zero[None], capture, joints, chest)
-    lines = [points["neck"] - points["waist"]]
-    lines += [points[f"{side}_hip"] - points[f"{side}_ankle"] for side in SIDES]
-    standing = all(line[0, 2] > STANDING * np.linalg.norm(line) for line in lines)
-    across = [points[f"left_{name}"] - points[f"right_{name}"] for name in ("hip", "shoulder")]
-    aligned = np.sum(across[0] * across[1]) > STANDING * np.linalg.norm(across[0]) * np.linalg.norm(across[1])
-    return points if standing and aligned else None
-
-
 def _frame(lateral: np.ndarray, up: np.ndarray) -> np.ndarray:
-    """(K, 3, 3) rotations with Y along `lateral` and Z as near as it can be to `up`."""
+    """(T, 3, 3) rotations with Y along `lateral` and Z as near as it can be to `up`."""
     y = lateral / np.linalg.norm(lateral, axis=1, keepdims=True)
     x = np.cross(y, up)
     x /= np.linalg.norm(x, axis=1, keepdims=True)
     return np.stack([x, y, np.cross(x, y)], axis=2)
-
-
-def _transposed(rotations: np.ndarray) -> np.ndarray:
-    return rotations.swapaxes(-1, -2)
-
-
-def _mean_rotation(rotations: np.ndarray) -> np.ndarray:
-    """(3, 3) rotation nearest to the mean of (K, 3, 3) rotations."""
-    return nearest_rotations(rotations.mean(axis=0))
 
 
 def _snap_lateral(to_head: np.ndarray) -> np.ndarray:
