@@ -133,7 +133,9 @@ def _link(name: str, parent: str | None) -> Link:
         sites |= {corner: (x, y, SOLE_Z) for corner, (x, y, _) in CORNERS.items()}
     joint = _joint(name) if parent else None
     shapes, collision = VISUAL[name], COLLISION.get(name, ())
-    return Link(f"{name}_LINK" if parent else name, parent, offset, body, joint, shapes, collision, contact, collides, sites)
+    return Link(
+        f"{name}_LINK" if parent else name, parent, offset, body, joint, shapes, collision, contact, collides, sites
+    )
 
 
 def _chain(prefix: str, count: int, parent: str) -> Iterator[Link]:
@@ -150,10 +152,10 @@ def _mirrored(link: Link) -> Link:
     contact, collides = CONTACTS[left(link.name)[:4]]
     return Link(
         left(link.name),
-        left(link.parent),
+        left(link.parent) if link.parent else None,
         mjcf.mirror(link.offset),
         link.body.mirrored(),
-        link.joint.mirrored(left(link.joint.name)),
+        link.joint.mirrored(left(link.joint.name)) if link.joint else None,
         tuple(s.mirrored() for s in link.shapes),
         tuple(s.mirrored() for s in link.collision),
         contact,
@@ -165,10 +167,10 @@ def _mirrored(link: Link) -> Link:
 def _with_roll(chain: list[Link]) -> list[Link]:
     """The chain with a roll joint before its last link, whose mass is shared between the two."""
     *before, last = chain
-    stem = last.joint.name[:-1]
-    cut = MassProperties.diagonal(*CUT_FOR_ROLL[last.joint.name])
+    name = last.name.removesuffix("_LINK")
+    cut = MassProperties.diagonal(*CUT_FOR_ROLL[name])
     carrier = replace(last, body=cut, shapes=last.shapes[:1], collision=(), sites={})
-    roll = _joint(f"{stem}2")
+    roll = _joint(f"{name[:-1]}2")
     end = replace(
         last,
         name=f"{roll.name}_LINK",
@@ -224,7 +226,14 @@ def robot_text(name: str, label: str, tree: Sequence[Link]) -> str:
     """The robot file (TOML) beside the model."""
     joints = [link.joint for link in tree if link.joint]
     points = [site for link in tree for site in link.sites if "_sole_" not in site]
-    groups = {"right_leg": "RLEG", "left_leg": "LLEG", "chest": "CHEST", "head": "HEAD", "right_arm": "RARM", "left_arm": "LARM"}
+    groups = {
+        "right_leg": "RLEG",
+        "left_leg": "LLEG",
+        "chest": "CHEST",
+        "head": "HEAD",
+        "right_arm": "RARM",
+        "left_arm": "LARM",
+    }
     lines = [
         "# Written by sot.models.hrp2: change its tables, not this file.",
         f'label = "{label}"',

@@ -4,7 +4,7 @@ Our own drawing. The leg links hang outside their hip joint, as their centres of
 blue, grey where something turns.
 """
 
-from sot.models.mjcf import Shape
+from sot.models.mjcf import Shape, Vector
 
 LOOKS = {
     "white": (0.92, 0.92, 0.94),
@@ -27,23 +27,23 @@ _SOLE = Shape(
 )
 
 
-def box(at, half, look, tilt=0.0):
+def box(at: Vector, half: Vector, look: str, tilt: float = 0.0) -> Shape:
     return Shape("box", half, at, None, look, tilt)
 
 
-def ellipsoid(at, radii, look, tilt=0.0):
+def ellipsoid(at: Vector, radii: Vector, look: str, tilt: float = 0.0) -> Shape:
     return Shape("ellipsoid", radii, at, None, look, tilt)
 
 
-def ball(at, radius, look):
+def ball(at: Vector, radius: float, look: str) -> Shape:
     return Shape("sphere", (radius,), at, None, look)
 
 
-def capsule(at, to, radius, look=""):
+def capsule(at: Vector, to: Vector, radius: float, look: str = "") -> Shape:
     return Shape("capsule", (radius,), at, to, look)
 
 
-def cylinder(at, to, radius, look):
+def cylinder(at: Vector, to: Vector, radius: float, look: str) -> Shape:
     return Shape("cylinder", (radius,), at, to, look)
 
 
@@ -142,7 +142,10 @@ VISUAL: dict[str, tuple[Shape, ...]] = {
 
 # Fewer and simpler than what is seen; they keep clear of each other over the ranges of the joints between them.
 COLLISION: dict[str, tuple[Shape, ...]] = {
-    "BODY": (capsule((-0.01, -0.07, 0.08), (-0.01, 0.07, 0.08), 0.075), capsule((-0.02, 0, 0.16), (-0.02, 0, 0.22), 0.11)),
+    "BODY": (
+        capsule((-0.01, -0.07, 0.08), (-0.01, 0.07, 0.08), 0.075),
+        capsule((-0.02, 0, 0.16), (-0.02, 0, 0.22), 0.11),
+    ),
     "CHEST1": (
         Shape("box", (0.105, 0.14, 0.10), (-0.02, 0.0, 0.125)),
         Shape("box", (0.055, 0.12, 0.115), (-0.155, 0.0, 0.13)),

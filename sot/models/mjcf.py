@@ -194,11 +194,11 @@ def write(
     visual = ET.SubElement(default, "default", {"class": "visual"})
     ET.SubElement(visual, "geom", contype="0", conaffinity="0", group="2")
     collision = ET.SubElement(default, "default", {"class": "collision"})
-    ET.SubElement(collision, "geom", group="3", rgba="0.9 0.5 0.1 0.4")
+    ET.SubElement(collision, "geom", group="3", friction="0.7 0.005 0.0001", rgba="0.9 0.5 0.1 0.4")
     asset = ET.SubElement(root, "asset")
     for look, rgb in looks.items():
         ET.SubElement(asset, "material", name=look, rgba=text((*rgb, 1.0)))
-    bodies = {None: ET.SubElement(root, "worldbody")}
+    bodies: dict[str | None, ET.Element] = {None: ET.SubElement(root, "worldbody")}
     for link in links:
         bodies[link.name] = _body(bodies[link.parent], link)
     actuator = ET.SubElement(root, "actuator")

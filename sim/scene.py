@@ -1,0 +1,100 @@
+"""The MuJoCo model of a robot on a floor, built from the robot's own model file."""
+
+import mujoco
+import numpy as np
+
+from sim.sensors import WHOLE, FloorSensors
+from sot.errors import InputError
+from sot.robot import Robot
+
+IMPRATIO = 10.0  # friction creeps under MuJoCo's soft contact; this halves it
+ALL_BITS = 0x7FFFFFFF
+
+
+def build(robot: Robot, timestep: float, friction: float) -> mujoco.MjModel:
+    """The robot, driven by one torque motor a joint (Pinocchio's order), on a plane at z = 0.
+
+    Args:
+        robot: its model file is read anew; actuators and key frames in it are replaced.
+        timestep: of the physics [s].
+        friction: coefficient of every contact with the floor.
+
+    Raises:
+        InputError: MuJoCo cannot read the model, or does not see the joints that Pinocchio sees.
+    """
+    try:
+        spec = mujoco.MjSpec.from_file(str(robot.path))
+        _drive(spec, robot)
+        _add_floor(spec, friction)
+        _add_lights(spec)
+        _add_sensors(spec, robot)
+        _set_options(spec, robot, timestep)
+        return spec.compile()
+    except (ValueError, KeyError) as error:
+        raise InputError(f"{robot.path}: MuJoCo cannot read it: {str(error).splitlines()[0]}") from None
+
+
+def _drive(spec: mujoco.MjSpec, robot: Robot) -> None:
+    """A free base, and ideal torque motors with the robot's effort limits."""
+    base = spec.worldbody.first_body()
+    if not base.joints:  # a URDF has no free joint
+        base.add_freejoint()
+    for unwanted in (*spec.actuators, *spec.keys):
+        spec.delete(unwanted)
+    joints = {joint.name: joint for joint in spec.joints}
+    for name, effort in zip(robot.joints, robot.effort, strict=True):
+        joints[name].actfrcrange = [-effort, effort]
+        motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        motor.set_to_motor()
+        motor.ctrlrange = [-effort, effort]
+        motor.ctrllimited = True
+
+
+def _add_sensors(spec: mujoco.MjSpec, robot: Robot) -> None:
+    carriers = {joint.name: joint.parent.name for joint in spec.joints}
+    frames = robot.model.frames
+    bodies = {foot: carriers[robot.model.names[frames[robot.point(foot)].parentJoint]] for foot in robot.feet}
+    FloorSensors.add_to(spec, {WHOLE: spec.worldbody.first_body().name} | bodies)
+
+
+def _add_floor(spec: mujoco.MjSpec, friction: float) -> None:
+    spec.add_texture(
+        name="floor",
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
+        rgb1=[0.80, 0.82, 0.85],
+        rgb2=[0.70, 0.72, 0.76],
+        width=256,
+        height=256,
+    )
+    material = spec.add_material(name="floor", texrepeat=[1, 1], texuniform=True)
+    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
+    spec.worldbody.add_geom(
+        name="floor",
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=[0, 0, 0.5],
+        material="floor",
+        # Of two geoms MuJoCo takes the larger friction, unless one has priority: then its own.
+        friction=[friction, 0.005, 0.0001],
+        priority=1,
+        condim=3,
+        conaffinity=ALL_BITS,
+    )
+
+
+def _add_lights(spec: mujoco.MjSpec) -> None:
+    spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
+    spec.visual.headlight.diffuse = [0.35, 0.35, 0.35]
+    for position in ([2.0, -2.0, 4.0], [1.0, 3.0, 4.0]):
+        direction = -np.array(position) / np.linalg.norm(position)
+        spec.worldbody.add_light(pos=position, dir=direction, diffuse=[0.4, 0.4, 0.4])
+
+
+def _set_options(spec: mujoco.MjSpec, robot: Robot, timestep: float) -> None:
+    spec.option.timestep = timestep
+    spec.option.gravity = robot.model.gravity.linear
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.impratio = IMPRATIO
+    # A diverged simulation must show, not start again from the reference posture.
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET

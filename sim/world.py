@@ -1,0 +1,106 @@
+"""MuJoCo with a robot on a floor: torques in, state and what the floor feels out. It never helps the robot."""
+
+from math import ceil
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+
+from sim.convert import joint_order, state_from_mujoco, state_to_mujoco
+from sim.scene import build
+from sim.sensors import FloorSensors, SelfDistance
+from sot.robot import Robot
+
+PHYSICS_TIMESTEP = 0.001
+
+
+class World:
+    """A robot on a plane at z = 0 under gravity, driven by joint torques.
+
+    What the sensors say (`foot_wrenches`, `contact_points`, `zmp`, `touching`, `self_distance`) belongs to the physics
+    step just made: the forces that acted in it and where the bodies were at its start.
+
+    Args:
+        robot: the robot; MuJoCo reads the same model file as Pinocchio.
+        timestep: time that one `step` advances, the control period [s]. It is cut into equal physics steps of at
+            most `PHYSICS_TIMESTEP`, the torque held.
+        friction: coefficient of every contact with the floor.
+
+    Attributes:
+        robot: as given.
+        model, data: MuJoCo's, open for pushes (`data.xfrc_applied`) and rendering.
+
+    Raises:
+        InputError: MuJoCo cannot read the robot's model file.
+    """
+
+    def __init__(self, robot: Robot, timestep: float = 0.001, friction: float = 0.7):
+        self.robot = robot
+        self.timestep = timestep
+        self._substeps = max(1, ceil(timestep / PHYSICS_TIMESTEP - 1e-9))
+        self.model = build(robot, timestep / self._substeps, friction)
+        self.data = mujoco.MjData(self.model)
+        hinges = [self.model.joint(k).name for k in range(1, self.model.njnt)]
+        self._order = joint_order(robot.joints, hinges[: robot.na])
+        self.reset(robot.rest)
+        feet = self._foot_origins()
+        self._floor = FloorSensors(self.model, self.data, feet)
+        self._self_distance = SelfDistance(self.model, self.data, int(self.model.body_rootid[feet[0][1]]))
+
+    def reset(self, q: np.ndarray, v: np.ndarray | None = None) -> None:
+        """Start over at a Pinocchio configuration (nq,) and velocity (nv,), at rest unless given, and time 0."""
+        mujoco.mj_resetData(self.model, self.data)
+        v = np.zeros(self.robot.nv) if v is None else v
+        self.data.qpos[: self.robot.nq], self.data.qvel[: self.robot.nv] = state_to_mujoco(q, v, self._order)
+        mujoco.mj_forward(self.model, self.data)
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.data.time
+
+    def state(self) -> tuple[np.ndarray, np.ndarray]:
+        """Configuration (nq,) and velocity (nv,) in Pinocchio's conventions; not numbers once the physics diverged."""
+        qpos, qvel = self.data.qpos[: self.robot.nq], self.data.qvel[: self.robot.nv]
+        return state_from_mujoco(qpos, qvel, self._order)
+
+    def step(self, tau: np.ndarray) -> None:
+        """Advance one control period under joint torques (na,) [N m]; the motors clip them to the effort limits."""
+        self.data.ctrl[:] = tau
+        mujoco.mj_step(self.model, self.data, nstep=self._substeps)
+
+    def foot_wrenches(self) -> dict[str, np.ndarray]:
+        """Force [N] and moment about the foot frame's origin [N m] of the floor on each foot (6,), world axes."""
+        return self._floor.wrenches()
+
+    def contact_points(self) -> np.ndarray:
+        """Position [m] and force of the floor on the robot [N] of each of their contacts (n, 6), world frame."""
+        return self._floor.points()
+
+    def zmp(self) -> np.ndarray:
+        """Measured zero-moment point (2,) on z = 0 [m], not a number where nothing is carried."""
+        return self._floor.zmp()
+
+    def touching(self) -> tuple[str, ...]:
+        """Names of the bodies other than the feet that touch the floor, sorted."""
+        return self._floor.touching()
+
+    def self_distance(self) -> float:
+        """Least distance [m] between two parts of the robot that may collide, negative in collision; for low rates."""
+        return self._self_distance()
+
+    def _foot_origins(self) -> list[tuple[str, int, np.ndarray]]:
+        """Each foot's name, its MuJoCo body, and the origin of the foot frame in that body [m].
+
+        Found from where both sides see the foot now (at rest), as their body frames need not agree.
+        """
+        model, data = self.robot.model, self.robot.model.createData()
+        pin.framesForwardKinematics(model, data, self.robot.rest)
+        origins = []
+        for foot in self.robot.feet:
+            frame = self.robot.point(foot)
+            joint = model.names[model.frames[frame].parentJoint]
+            body = int(self.model.joint(joint).bodyid[0])
+            rotation = self.data.xmat[body].reshape(3, 3)
+            origins.append((foot, body, rotation.T @ (data.oMf[frame].translation - self.data.xpos[body])))
+        return origins
