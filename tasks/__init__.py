@@ -1,1 +1,23 @@
 """What a stack is made of: one file a task."""
+
+from tasks.balance import Balance
+from tasks.bounds import JointBounds, TorqueBounds
+from tasks.center_of_mass import CenterOfMass
+from tasks.contact_forces import LeastForces
+from tasks.foot_sliding import FootSliding
+from tasks.momentum import AngularMomentum
+from tasks.operational_point import OperationalPoint, Pose
+from tasks.posture import Posture
+
+__all__ = [
+    "AngularMomentum",
+    "Balance",
+    "CenterOfMass",
+    "FootSliding",
+    "JointBounds",
+    "LeastForces",
+    "OperationalPoint",
+    "Pose",
+    "Posture",
+    "TorqueBounds",
+]

@@ -1,0 +1,128 @@
+"""A foot on the floor: the forces it can give and the motion it may not make."""
+
+from typing import Literal
+
+import numpy as np
+
+from sot.tick import Tick
+
+Array = np.ndarray
+Mode = Literal["fixed", "sliding", "off"]
+Form = Literal["pyramid", "unilateral"]
+
+
+class Contact:
+    """A flat surface of a body on level ground, with the forces at its vertices as variables.
+
+    Forms of its force variables φ:
+
+    - "pyramid": a force (x, y, z) at each vertex, Ramos (3), in the friction pyramid inscribed in the cone.
+    - "unilateral": the paper's reduced form, Ramos (7)-(9): the wrench at the frame and the vertices' normal forces,
+      linked by three equalities; pressure must not be negative, friction is not limited.
+
+    Modes: "fixed" holds all six axes and gives forces; "sliding" holds height, roll and pitch and gives none
+    (Ramos IV-C); "off" does neither.
+
+    Args:
+        point: Operational point of the robot on the surface.
+        vertices: Corners in the point's frame, shape (nc, 3) [m].
+        friction: Coulomb coefficient that is relied upon.
+        inset: Distance by which the vertices are drawn in: keeps the pressure off the very edge [m].
+        form: See above.
+        stiffness: Of the drive that lays the surface flat on the floor [1/s²].
+        damping: Of any motion that the contact should not make [1/s].
+    """
+
+    def __init__(
+        self,
+        point: str,
+        vertices: Array,
+        friction: float = 0.5,
+        inset: float = 0.008,
+        form: Form = "pyramid",
+        stiffness: float = 100.0,
+        damping: float = 30.0,
+    ) -> None:
+        self.point, self.form = point, form
+        self.mode: Mode = "fixed"
+        self.load = 1.0
+        """Ramp on the normal force: 1 carries whatever is needed, 0 nothing."""
+        centre = vertices.mean(axis=0)
+        self.vertices = vertices - inset * np.sign(vertices - centre) * [1.0, 1.0, 0.0]
+        self.friction, self.stiffness, self.damping = friction, stiffness, damping
+
+    @property
+    def force_count(self) -> int:
+        """Number of force variables in the present mode."""
+        if self.mode != "fixed":
+            return 0
+        count = len(self.vertices)
+        return 3 * count if self.form == "pyramid" else 6 + count
+
+    @property
+    def held(self) -> tuple[int, ...]:
+        """Axes (x, y, z, roll, pitch, yaw) that the present mode holds."""
+        return {"fixed": (0, 1, 2, 3, 4, 5), "sliding": (2, 3, 4), "off": ()}[self.mode]
+
+    def wrench_map(self, tick: Tick) -> Array:
+        """Map from φ to the wrench (force, moment about the point) that the floor exerts, world axes, (6, k)."""
+        count = len(self.vertices)
+        if self.form == "unilateral":
+            return np.hstack([np.eye(6), np.zeros((6, count))])
+        G = np.zeros((6, 3 * count))
+        arms = self.vertices @ tick.frame(self.point).rotation.T
+        for i, (x, y, z) in enumerate(arms):
+            k = 3 * i
+            G[0, k] = G[1, k + 1] = G[2, k + 2] = 1.0
+            G[3, k + 1], G[3, k + 2] = -z, y
+            G[4, k], G[4, k + 2] = z, -x
+            G[5, k], G[5, k + 1] = -y, x
+        return G
+
+    def force_equalities(self, tick: Tick) -> Array:
+        """Rows E with ``E φ = 0``, shape (e, k): Ramos (7) for the unilateral form, none for pyramids."""
+        if self.form == "pyramid":
+            return np.zeros((0, self.force_count))
+        arms = self.vertices @ tick.frame(self.point).rotation.T
+        E = np.zeros((3, self.force_count))
+        # Normal force, and its moments about x and y, as sums over the vertices: Ramos (8), (9) with the frame on the
+        # surface (c_z = 0).
+        E[0, 2], E[0, 6:] = -1.0, 1.0
+        E[1, 3], E[1, 6:] = -1.0, arms[:, 1]
+        E[2, 4], E[2, 6:] = -1.0, -arms[:, 0]
+        return E
+
+    def force_inequalities(self, largest: float) -> tuple[Array, Array, Array]:
+        """Rows ``lower <= C φ <= upper``; `largest` is the normal force of the contact at full load [N]."""
+        count = len(self.vertices)
+        top = np.inf if self.load >= 1.0 else self.load * largest / count
+        if self.form == "unilateral":
+            C = np.hstack([np.zeros((count, 6)), np.eye(count)])
+            return C, np.zeros(count), np.full(count, top)
+        mu = self.friction / np.sqrt(2.0)  # inscribed: on its diagonals the pyramid reaches the cone, not beyond
+        corner = np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu], [0, 0, 1]])
+        C = np.kron(np.eye(count), corner)
+        lower = np.tile([-np.inf] * 4 + [0.0], count)
+        upper = np.tile([0.0] * 4 + [top], count)
+        return C, lower, upper
+
+    def acceleration(self, tick: Tick) -> Array:
+        """Acceleration that the held surface is to have, shape (6,): none, but for laying it flat and at rest.
+
+        Velocity damping alone would hold a foot in whatever tilt it has landed.
+        """
+        frame = tick.frame(self.point)
+        wanted = -self.damping * frame.velocity
+        normal = frame.rotation[:, 2]
+        # The floor's normal seen from the sole's: n × e_z is the rotation that brings the sole flat.
+        wanted[3] += self.stiffness * normal[1]
+        wanted[4] -= self.stiffness * normal[0]
+        wanted[2] -= self.stiffness * frame.position[2]
+        return wanted
+
+    def centre_of_pressure(self, phi: Array, tick: Tick) -> tuple[Array, float]:
+        """Sum of vertex positions times normal force (2,) [m N], and the normal force [N], Ramos (11)."""
+        normal = phi[2::3] if self.form == "pyramid" else phi[6:]
+        frame = tick.frame(self.point)
+        ground = frame.position[:2] + (self.vertices @ frame.rotation.T)[:, :2]
+        return normal @ ground, float(normal.sum())

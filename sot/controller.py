@@ -1,0 +1,125 @@
+"""State in, torques out: one tick of the stack of tasks."""
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Protocol
+
+import numpy as np
+
+from solvers.rows import Level, Solution, Status
+from sot.dynamics import Dynamics, FormName
+from sot.robot import Robot
+from sot.schedule import Schedule
+from sot.stack import Stack
+from sot.tick import Tick
+
+Array = np.ndarray
+
+HOLD_DAMPING = 5.0
+"""Joint damping of the last resort, a hold of the last torque [N m s/rad]."""
+
+
+class Solver(Protocol):
+    """Levels in, solution out."""
+
+    name: str
+
+    def solve(self, levels: list[Level]) -> Solution:
+        """Solve the hierarchy; `levels[0]` is hard."""
+
+
+@dataclass(slots=True)
+class Command:
+    """What a tick commands, and what it knows about it.
+
+    Args:
+        torque: τ, shape (na,), within the robot's limits [N m].
+        acceleration: v̇ that the controller expects, shape (nv,).
+        wrenches: Floor on each contact of the stack, at its point, world axes, shape (contacts, 6) [N, N m].
+        zmp: Predicted zero-moment point, Ramos (11), shape (2,) [m]; nan without load.
+        solution: The solver's answer, level by level.
+        status: `Status.FAILED` if the torque is a hold of the last one.
+        model_us, assemble_us, solve_us: Where the time went [µs].
+    """
+
+    torque: Array
+    acceleration: Array
+    wrenches: Array
+    zmp: Array
+    solution: Solution
+    status: Status
+    model_us: float
+    assemble_us: float
+    solve_us: float
+
+
+class Controller:
+    """Runs a stack on a robot.
+
+    Args:
+        robot: The robot.
+        stack: What it is asked for; may be changed between ticks.
+        solver: `Cascade`, `Weighted`, ...
+        period: Control period [s].
+        schedule: Changes of the stack over time.
+        form: "condensed" (the one that runs) or "full" (the paper's variables; equal, slower).
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        stack: Stack,
+        solver: Solver,
+        period: float = 0.001,
+        schedule: Schedule | None = None,
+        form: FormName = "condensed",
+    ) -> None:
+        self.robot, self.stack, self.solver, self.schedule = robot, stack, solver, schedule
+        self.dynamics = Dynamics(robot, form)
+        self.tick = Tick(robot, period)
+        self._held = np.zeros(robot.na)
+
+    def __call__(self, t: float, q: Array, v: Array) -> Command:
+        """One tick: the state at time `t` [s], Pinocchio's conventions, to torques."""
+        start = perf_counter()
+        stack, robot = self.stack, self.robot
+        if self.schedule is not None:
+            self.schedule.apply(t, stack)
+        self.tick.contacts = stack.contacts
+        self.tick.update(t, q, v)
+        modelled = perf_counter()
+        levels = self.dynamics.assemble(self.tick, stack.contacts, stack.hard, stack.levels)
+        assembled = perf_counter()
+        solution = self.solver.solve(levels)
+        usable = solution.levels[0].status != Status.FAILED
+        if usable:
+            decoded = self.dynamics.decode(solution.x)
+            # Only rounding is left to clip: the bounds are rows of level 0.
+            torque = np.clip(decoded.torque, -robot.effort, robot.effort)
+            acceleration, wrenches = decoded.acceleration, np.array(decoded.wrenches).reshape(-1, 6)
+            zmp = self._zmp(decoded.forces)
+        else:
+            torque = np.clip(self._held - HOLD_DAMPING * v[6:], -robot.effort, robot.effort)
+            acceleration, wrenches = np.zeros(robot.nv), np.full((len(stack.contacts), 6), np.nan)
+            zmp = np.full(2, np.nan)
+        self._held = torque
+        solved = perf_counter()
+        return Command(
+            torque,
+            acceleration,
+            wrenches,
+            zmp,
+            solution,
+            solution.status,
+            1e6 * (modelled - start),
+            1e6 * (assembled - modelled),
+            1e6 * (solved - assembled),
+        )
+
+    def _zmp(self, forces: list[Array]) -> Array:
+        moment, load = np.zeros(2), 0.0
+        for contact, phi in zip(self.stack.contacts, forces, strict=True):
+            if len(phi):
+                part, normal = contact.centre_of_pressure(phi, self.tick)
+                moment, load = moment + part, load + normal
+        return moment / load if load > 1.0 else np.full(2, np.nan)

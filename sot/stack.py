@@ -1,0 +1,94 @@
+"""The stack of tasks: named levels in order of priority, over hard limits and contacts."""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from sot.contact import Contact
+from sot.errors import InputError
+from sot.task import Task
+
+
+class Stack:
+    """What the robot is asked for, most important first; everything can change between two ticks.
+
+    The equation of motion is always in level 0; so are the contacts and what `hard` lists.
+
+    Args:
+        contacts: Surfaces on the floor.
+        hard: Limits that hold before any task.
+        levels: Tasks of each level, by the level's name, in order of priority. Tasks of one level share by weight.
+
+    Raises:
+        InputError: If two tasks or two contacts have the same name.
+    """
+
+    def __init__(self, contacts: Iterable[Contact], hard: Iterable[Task], levels: Mapping[str, Sequence[Task]]) -> None:
+        self.contacts = list(contacts)
+        self.hard = list(hard)
+        self._levels = {name: list(tasks) for name, tasks in levels.items()}
+        names = [task.name for task in (*self.hard, *self.tasks)] + [contact.point for contact in self.contacts]
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError(f"the stack has two entries named '{name}': give one of them another name")
+
+    @property
+    def levels(self) -> list[tuple[str, list[Task]]]:
+        """Names and tasks of the levels that have any, in order of priority."""
+        return [(name, tasks) for name, tasks in self._levels.items() if tasks]
+
+    @property
+    def tasks(self) -> list[Task]:
+        """All tasks below level 0, in order of priority."""
+        return [task for tasks in self._levels.values() for task in tasks]
+
+    def add(self, task: Task, level: str, before: str | None = None) -> None:
+        """Add a task to a level; a level that is new comes before `before`, or last.
+
+        Raises:
+            InputError: If there is a task of that name, or no level `before`.
+        """
+        if any(task.name == other.name for other in (*self.hard, *self.tasks)):
+            raise InputError(f"the stack has a task '{task.name}' already")
+        if level not in self._levels:
+            self._insert(level, before)
+        self._levels[level].append(task)
+
+    def remove(self, name: str) -> Task:
+        """Take a task out of its level and return it.
+
+        Raises:
+            InputError: If there is no task of that name.
+        """
+        for tasks in self._levels.values():
+            for task in tasks:
+                if task.name == name:
+                    tasks.remove(task)
+                    return task
+        raise InputError(f"the stack has no task '{name}': it has {', '.join(task.name for task in self.tasks)}")
+
+    def move(self, name: str, level: str, before: str | None = None) -> None:
+        """Move a task to another level, made before `before` or last if it is new.
+
+        Raises:
+            InputError: If there is no such task, or no level `before`.
+        """
+        if level not in self._levels:
+            self._insert(level, before)
+        self._levels[level].append(self.remove(name))
+
+    def contact(self, point: str) -> Contact:
+        """The contact at an operational point, to change its mode or load.
+
+        Raises:
+            InputError: If the stack has none there.
+        """
+        for contact in self.contacts:
+            if contact.point == point:
+                return contact
+        raise InputError(f"the stack has no contact '{point}': it has {', '.join(c.point for c in self.contacts)}")
+
+    def _insert(self, level: str, before: str | None) -> None:
+        if before is not None and before not in self._levels:
+            raise InputError(f"the stack has no level '{before}': it has {', '.join(self._levels)}")
+        order = list(self._levels)
+        order.insert(len(order) if before is None else order.index(before), level)
+        self._levels = {name: self._levels.get(name, []) for name in order}

@@ -1,0 +1,28 @@
+"""Contact forces no larger than they need to be."""
+
+import numpy as np
+
+from solvers.rows import Rows
+from sot.task import Task
+from sot.tick import Tick
+
+
+class LeastForces(Task):
+    """All force variables towards zero: of the ways to share the load between vertices, the most even one.
+
+    Meant for the last level, which it makes strictly convex: everything above leaves the internal forces free.
+
+    Args:
+        weight: Scale within the level [1/N].
+    """
+
+    on = "force"
+
+    def __init__(self, weight: float = 0.01, name: str = "LeastForces") -> None:
+        super().__init__(name, "N", "N", weight)
+
+    def rows(self, tick: Tick) -> Rows:
+        """Rows ``φ = 0``."""
+        count = sum(contact.force_count for contact in tick.contacts)
+        nothing = np.zeros(count)
+        return self._rows(np.eye(count), nothing, nothing)

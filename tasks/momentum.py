@@ -1,0 +1,42 @@
+"""Angular momentum about the centre of mass."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from solvers.rows import Rows
+from sot.task import Task
+from sot.tick import Tick
+
+Array = np.ndarray
+MomentumReference = Callable[[float], tuple[Array, Array]]
+
+
+class AngularMomentum(Task):
+    """``L̇ = L̇_ref + k (L_ref − L)``: the whole body's spin follows a reference, or is damped where there is none.
+
+    Args:
+        reference: ``t -> (L, L̇)``, shapes (3,), world axes [N m s, N m].
+        k: Gain [1/s].
+        weight: Scale within the level.
+    """
+
+    def __init__(
+        self,
+        reference: MomentumReference | None = None,
+        k: float = 5.0,
+        weight: float = 1.0,
+        name: str = "AngularMomentum",
+    ) -> None:
+        super().__init__(name, "N m", "N m s", weight)
+        self.k = k
+        still = np.zeros(3)
+        self._reference: MomentumReference = reference or (lambda t: (still, still))
+
+    def rows(self, tick: Tick) -> Rows:
+        """Rows ``A_L v̇ = L̇ − Ȧ_L v``."""
+        momentum, matrix, drift = tick.centroidal()
+        wanted, rate = self._reference(tick.t)
+        self.error = wanted - momentum[3:]
+        target = rate + self.k * self.error - drift[3:]
+        return self._rows(matrix[3:], target, target)

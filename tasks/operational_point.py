@@ -1,0 +1,92 @@
+"""Position and orientation of a point of the robot, any axes of them, Ramos (18)-(19)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from sot.errors import InputError
+from sot.robot import Robot
+from sot.task import MotionTask
+from sot.tick import Tick
+
+Array = np.ndarray
+AXES = "xyzRPY"
+
+
+@dataclass(slots=True)
+class Pose:
+    """Where a point is to be and how it is to move, in the world.
+
+    Args:
+        position: Shape (3,) [m].
+        rotation: Shape (3, 3).
+        velocity: Linear and angular, world axes, shape (6,).
+        acceleration: Its derivative, shape (6,).
+    """
+
+    position: Array
+    rotation: Array
+    velocity: Array
+    acceleration: Array
+
+
+PoseReference = Callable[[float], Pose]
+
+
+class OperationalPoint(MotionTask):
+    """A point of the robot follows a trajectory or goes to a target, in the axes selected.
+
+    Args:
+        robot: The robot.
+        point: Name of one of its operational points.
+        reference: A trajectory ``t -> Pose``, a target position (3,), or a target placement (`pin.SE3`).
+        axes: Any of "xyz" (position) and "RPY" (rotation about the world's X, Y, Z), the selection of Ramos (18).
+        kp, kd, weight: As for `MotionTask`.
+        name: Unless given, the point and its axes.
+
+    Raises:
+        InputError: If the robot has no such point, or the axes are others.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        point: str,
+        reference: PoseReference | Array | pin.SE3,
+        axes: str = AXES,
+        kp: float = 100.0,
+        kd: float | None = None,
+        weight: float = 1.0,
+        name: str | None = None,
+    ) -> None:
+        if not axes or set(axes) - set(AXES) or len(set(axes)) < len(axes):
+            raise InputError(f"axes '{axes}' of {point}: choose some of {AXES}, each once")
+        turns, shifts = set(axes) & set("RPY"), set(axes) & set("xyz")
+        unit, error_unit = ("m/s²", "m") if not turns else ("rad/s²", "rad") if not shifts else ("SI", "m, rad")
+        super().__init__(name or f"{point} {axes}", unit, error_unit, kp, kd, weight)
+        robot.point(point)
+        self.point = point
+        self.selected = np.array([AXES.index(axis) for axis in AXES if axis in axes])
+        self._turns = bool(turns)
+        self._reference: PoseReference = reference if callable(reference) else _still(reference)
+
+    def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
+        """Error, its rate, J, J̇ v and feed-forward in the selected axes; orientation errors as rotation vectors."""
+        of = self.selected
+        frame, target = tick.frame(self.point), self._reference(tick.t)
+        error = np.empty(6)
+        error[:3] = target.position - frame.position
+        error[3:] = pin.log3(target.rotation @ frame.rotation.T) if self._turns else 0.0
+        rate = target.velocity - frame.velocity
+        return error[of], rate[of], frame.jacobian[of], frame.drift[of], target.acceleration[of]
+
+
+def _still(target: Array | pin.SE3) -> PoseReference:
+    rest = np.zeros(6)
+    if isinstance(target, pin.SE3):
+        pose = Pose(target.translation.copy(), target.rotation.copy(), rest, rest)
+    else:
+        pose = Pose(np.asarray(target, dtype=float), np.eye(3), rest, rest)
+    return lambda t: pose

@@ -1,0 +1,76 @@
+"""Joint positions that follow a reference, Ramos (16)-(17)."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from sot.errors import InputError
+from sot.robot import Robot
+from sot.task import MotionTask
+from sot.tick import Tick
+
+Array = np.ndarray
+JointReference = Callable[[float], tuple[Array, Array, Array]]
+
+
+class Posture(MotionTask):
+    """Any subset of the joints follows a reference; the Jacobian selects them, Ramos (16).
+
+    Args:
+        robot: The robot.
+        reference: ``t -> (position, velocity, acceleration)`` of all joints, shapes (na,); or a constant posture (na,).
+        joints: A joint group of the robot, or joint names; all joints unless given.
+        kp, kd: Gains of `MotionTask`.
+        feedforward: Whether the reference's acceleration is added; without it the task is Ramos (17).
+        weight: Scale within the level; an array (number of joints,) weighs each joint.
+        name: Unless given, "Posture" and the joint group.
+
+    Raises:
+        InputError: If the robot has no such group or joint.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        reference: JointReference | Array,
+        joints: str | Sequence[str] | None = None,
+        kp: float = 100.0,
+        kd: float | None = None,
+        feedforward: bool = True,
+        weight: float = 1.0,
+        name: str | None = None,
+    ) -> None:
+        label = "Posture" if joints is None else f"Posture {joints if isinstance(joints, str) else ' '.join(joints)}"
+        super().__init__(name or label, "rad/s²", "rad", kp, kd, weight)
+        self.joints = _indices(robot, joints)
+        self.feedforward = feedforward
+        self._reference: JointReference
+        if callable(reference):
+            self._reference = reference
+        else:
+            still = np.asarray(reference, dtype=float)
+            rest = np.zeros_like(still)
+            self._reference = lambda t: (still, rest, rest)
+        self._J = np.zeros((len(self.joints), robot.nv))
+        self._J[np.arange(len(self.joints)), 6 + self.joints] = 1.0
+        self._no_drift = np.zeros(len(self.joints))
+
+    def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
+        """Error, its rate, J, J̇ v and feed-forward of the joints."""
+        position, velocity, acceleration = self._reference(tick.t)
+        of = self.joints
+        forward = acceleration[of] if self.feedforward else self._no_drift
+        return position[of] - tick.q[7:][of], velocity[of] - tick.v[6:][of], self._J, self._no_drift, forward
+
+
+def _indices(robot: Robot, joints: str | Sequence[str] | None) -> Array:
+    if joints is None:
+        return np.arange(robot.na)
+    if isinstance(joints, str):
+        if joints not in robot.groups:
+            raise InputError(f"{robot.name} has no joint group '{joints}': it has {', '.join(robot.groups)}")
+        return np.array(robot.groups[joints])
+    unknown = [name for name in joints if name not in robot.joints]
+    if unknown:
+        raise InputError(f"{robot.name} has no joint '{unknown[0]}': it has {', '.join(robot.joints)}")
+    return np.array([robot.joints.index(name) for name in joints])
