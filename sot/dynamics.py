@@ -10,6 +10,7 @@ and solves for x = (v̇, φ). Rows on τ become rows on x. Both give the same an
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -92,7 +93,7 @@ class Dynamics:
         nv, na = self.robot.nv, self.robot.na
         counts = [contact.force_count for contact in contacts]
         ends = np.cumsum([0, *counts])
-        self._parts = [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        self._parts = [slice(a, b) for a, b in pairwise(ends)]
         first = nv if self.form == "condensed" else nv + na
         self._size = first + int(ends[-1])
         self._force = slice(first, self._size)

@@ -21,8 +21,8 @@ class Balance(Task):
         z* = z_ref + (1 + k/ω) (ξ − ξ_ref),   brought back into the support polygon,
         c̈* = c̈_ref + ω² ((c − c_ref) − (z* − z_ref))
 
-    lets ξ converge at the rate k, and asks for no pressure that the feet can not give; ω² = g / c_z. What the plan knows of
-    angular momentum is in c̈_ref and z_ref.
+    lets ξ converge at the rate k, and asks for no pressure that the feet cannot give; ω² = g / c_z. What the plan
+    knows of angular momentum is in c̈_ref and z_ref.
 
     Args:
         reference: ``t -> (c, ċ, c̈, z)``, shapes (3,), (3,), (3,), (2,), world.

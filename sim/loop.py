@@ -1,0 +1,141 @@
+"""The loop that closes: state from the world, torques from the controller, a row of the log a tick."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_SLIDING, RunLog
+from sim.world import World
+from sot.controller import Command, Controller
+from sot.motion.trajectory import Motion
+
+LOW_WAIST = 0.6
+"""Fallen: waist below this share of its reference height."""
+TILTED_TRUNK = np.cos(np.deg2rad(60.0))
+"""Fallen: cosine of the largest angle between the chest's axis and its reference."""
+SLOW_RATE = 60.0
+"""Rate of what is costly to measure and of the progress told [Hz]."""
+
+_MODES = {"off": FOOT_OFF, "fixed": FOOT_FIXED, "sliding": FOOT_SLIDING}
+
+
+@dataclass(slots=True)
+class Run:
+    """A run's log and how it ended.
+
+    Args:
+        log: One row a control tick, to the end or to the fall.
+        wall_s: Wall-clock time of controller, physics and logging [s].
+        fell_at_s: When the robot fell [s], None if it did not.
+        reason: By which sign.
+    """
+
+    log: RunLog
+    wall_s: float
+    fell_at_s: float | None = None
+    reason: str = ""
+
+
+def run(
+    controller: Controller, world: World, motion: Motion, progress: Callable[[float], object] | None = None
+) -> Run:
+    """Run a controller in a world for as long as a motion lasts, from the motion's first configuration.
+
+    Args:
+        controller: Its period is the world's timestep.
+        world: Reset to the motion's start.
+        motion: The reference, for the planned quantities in the log and the signs of a fall.
+        progress: Told the time [s] now and then.
+    """
+    robot = world.robot
+    if abs(world.timestep - controller.tick.period) > 1e-12:
+        raise ValueError(f"the world steps by {world.timestep} s, the controller by {controller.tick.period} s")
+    ticks = round(motion.duration / world.timestep)
+    every = max(1, round(1.0 / (SLOW_RATE * world.timestep)))
+    world.reset(motion.q[0], motion.v[0])
+    entries = [(level, task) for level, tasks in controller.stack.levels for task in tasks]
+    log = RunLog.allocate(
+        robot, ticks, [f"{level}: {task.name}" for level, task in entries], [task.error_unit for _, task in entries]
+    )
+    columns = {task.name: k for k, (_, task) in enumerate(entries)}
+    watch = _FallWatch(world, motion)
+    # The matrices of a tick are far too small to share between threads.
+    with threadpool_limits(1):
+        start = perf_counter()
+        for k in range(ticks):
+            t = k * world.timestep
+            q, v = world.state()
+            if not (np.isfinite(q).all() and np.isfinite(v).all()):
+                return Run(log, perf_counter() - start, t, "the simulation diverged")
+            begin = perf_counter()
+            command = controller(t, q, v)
+            log.tick_us[k] = 1e6 * (perf_counter() - begin)
+            world.step(command.torque)
+            _write(log, k, t, q, v, command, controller, world, motion, columns)
+            log.ticks = k + 1
+            if k % every == 0:
+                log.self_distance[k] = world.self_distance()
+                if progress is not None:
+                    progress(t)
+                if reason := watch(t, controller):
+                    return Run(log, perf_counter() - start, t, reason)
+        return Run(log, perf_counter() - start)
+
+
+class _FallWatch:
+    """Looks for the signs of a fall."""
+
+    def __init__(self, world: World, motion: Motion) -> None:
+        self._world, self._motion = world, motion
+        self._waist, self._chest = motion.track("waist"), motion.track("chest")
+
+    def __call__(self, t: float, controller: Controller) -> str:
+        k = min(round(t * self._motion.rate), len(self._motion.q) - 1)
+        waist, chest = controller.tick.frame("waist"), controller.tick.frame("chest")
+        if waist.position[2] < LOW_WAIST * self._waist.position[k, 2]:
+            return "the waist sank below 60 % of its reference height"
+        if chest.rotation[:, 2] @ self._chest.rotation[k][:, 2] < TILTED_TRUNK:
+            return "the trunk tilted by more than 60° from its reference"
+        if bodies := self._world.touching():
+            return f"{', '.join(bodies)} touched the floor"
+        return ""
+
+
+def _write(
+    log: RunLog,
+    k: int,
+    t: float,
+    q: np.ndarray,
+    v: np.ndarray,
+    command: Command,
+    controller: Controller,
+    world: World,
+    motion: Motion,
+    columns: dict[str, int],
+) -> None:
+    """One row of the log. The forces are those of the step that the command has just driven."""
+    log.time[k], log.q[k], log.v[k] = t, q, v
+    log.torque[k], log.acceleration[k] = command.torque, command.acceleration
+    log.zmp_control[k], log.zmp_measured[k] = command.zmp, world.zmp()
+    log.zmp_planned[k], log.com[k] = motion.sample(t).zmp, controller.tick.com
+    wrenches = world.foot_wrenches()
+    for i, foot in enumerate(world.robot.feet):
+        log.foot_wrench[k, i] = wrenches[foot]
+    for contact in controller.stack.contacts:
+        if contact.point in wrenches:
+            i = world.robot.feet.index(contact.point)
+            log.foot_mode[k, i], log.foot_ramp[k, i] = _MODES[contact.mode], contact.load
+    solution = command.solution
+    log.status[k] = command.status
+    log.residual[k] = max(level.residual for level in solution.levels)
+    for (_, tasks), level in zip(controller.stack.levels, solution.levels[1:], strict=True):
+        for task in tasks:
+            column = columns.get(task.name)
+            if column is not None:
+                log.level_error[k, column] = np.sqrt(task.error @ task.error)
+                log.level_slack[k, column] = level.error
+                log.level_active[k, column] = np.count_nonzero(level.active)
+    log.model_us[k], log.assemble_us[k], log.solve_us[k] = command.model_us, command.assemble_us, command.solve_us
