@@ -1,0 +1,151 @@
+"""A quadratic program over a whole trajectory, solved in time linear in its length.
+
+A trajectory couples only neighbouring samples, so that its Hessian H and the normal matrix AᵀWA of its limits are
+banded. A primal-dual interior point method then needs nothing but banded Cholesky factorisations.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.linalg.blas import dsbmv
+from scipy.linalg.lapack import dpbtrf, dpbtrs
+
+Array = NDArray[np.float64]
+
+TO_THE_BOUNDARY = 0.995
+
+
+@dataclass(frozen=True)
+class BandedSolution:
+    """x (n,), whether it is optimal, iterations (0: no limit was active) and the largest violation of a limit."""
+
+    x: Array
+    solved: bool
+    iterations: int
+    violation: float
+
+
+class BandedQP:
+    """min ½ xᵀH x + gᵀx  subject to  lower <= A x <= upper, with banded H and AᵀA.
+
+    The structure of the limits is analysed once; `solve` may then be called with many H and g. The method is
+    Mehrotra's predictor-corrector; where no limit is active, the unconstrained minimum is returned at once.
+    """
+
+    def __init__(self, A: sp.sparray, lower: Array, upper: Array, band: int):
+        """
+        Args:
+            A: (m, n) sparse limits; two columns that share a row are at most `band` apart.
+            lower, upper: (m,) bounds, infinite where there is none; every row needs lower < upper.
+            band: number of subdiagonals of H.
+
+        Raises:
+            ValueError: a row with lower >= upper, or a row wider than the band.
+        """
+        if not np.all(lower < upper):
+            raise ValueError("a limit leaves no room: every row needs lower < upper")
+        A = sp.csr_array(A)
+        above, below = np.isfinite(upper), np.isfinite(lower)
+        self.n, self.band = A.shape[1], band
+        room = 0.5 * (upper - lower)
+        unit = np.where(np.isfinite(room), room, np.maximum(1.0, np.abs(np.where(above, upper, lower))))
+        A = sp.diags_array(1.0 / unit) @ A  # slacks of the order of one, whatever the units of the rows
+        self._unit = np.concatenate([unit[above], unit[below]])
+        self._G = sp.vstack([A[above], -A[below]], format="csr")  # every limit as a row of G x <= h
+        self._Gt = self._G.T.tocsr()
+        self._h = np.concatenate([upper[above], -lower[below]]) / self._unit
+        self._fold = _folding(self._G, band)
+
+    def solve(
+        self, H: Array, g: Array, around: Array | None = None, iterations: int = 60, tolerance: float = 1e-7
+    ) -> BandedSolution:
+        """The minimum, for a Hessian and a gradient of one's own.
+
+        Args:
+            H: (n, band + 1) lower diagonals of the positive definite Hessian, `H[j, i - j] = H_ij`.
+            g: (n,) gradient at `around`.
+            around: (n,) point about which the objective is expanded, zero unless given.
+            iterations: most Newton steps.
+            tolerance: of complementarity and stationarity, both relative to g, and of the violation of a limit.
+        """
+        G, Gt, band = self._G, self._Gt, self.band
+        origin = np.zeros(self.n) if around is None else around
+        h = self._h - G @ origin
+        x = _solve(_factor(H.copy()), -g)
+        slack = h - G @ x
+        if slack.size == 0 or slack.min() >= 0.0:
+            return BandedSolution(origin + x, True, 0, 0.0)
+
+        scale = 1.0 + float(np.abs(g).max())
+        s = np.maximum(slack, 1.0)
+        z = np.full(s.size, 0.1 * scale)
+        solved, iteration = False, 0
+        while iteration < iterations:
+            dual = dsbmv(band, 1.0, H.T, x, lower=1) + g + Gt @ z
+            primal = h - G @ x - s
+            gap = float(s @ z) / s.size
+            solved = gap < tolerance * scale and _largest(dual) < tolerance * scale and _largest(primal) < tolerance
+            if solved:
+                break
+            iteration += 1
+            factor = _factor(H + (self._fold @ (z / s)).reshape(H.shape))
+
+            def newton(target: Array, factor=factor, dual=dual, primal=primal, s=s, z=z) -> tuple[Array, Array, Array]:
+                dx = _solve(factor, Gt @ ((target + z * primal) / s) - dual)
+                ds = primal - G @ dx
+                return dx, ds, -(target + z * ds) / s
+
+            _, ds, dz = newton(s * z)
+            ahead = float((s + _longest(s, ds) * ds) @ (z + _longest(z, dz) * dz)) / s.size
+            dx, ds, dz = newton(s * z + ds * dz - (ahead / gap) ** 3 * gap)
+            step = min(1.0, TO_THE_BOUNDARY * min(_longest(s, ds), _longest(z, dz)))
+            x, s, z = x + step * dx, s + step * ds, z + step * dz
+        violation = float(max(0.0, (self._unit * (G @ x - h)).max()))
+        return BandedSolution(origin + x, solved, iteration, violation)
+
+
+def _folding(G: sp.csr_array, band: int) -> sp.csr_array:
+    """The linear map from row weights w to the lower diagonals of GᵀWG, flattened as `H` is."""
+    products, cells, rows = [], [], []
+    counts = np.diff(G.indptr)
+    for count in np.unique(counts[counts > 0]):
+        row = np.flatnonzero(counts == count)
+        entry = G.indptr[row][:, None] + np.arange(count)
+        column, value = G.indices[entry], G.data[entry]
+        for a in range(count):
+            for b in range(count):
+                lower = column[:, a] >= column[:, b]
+                offset = column[lower, a] - column[lower, b]
+                if offset.size and offset.max() > band:
+                    raise ValueError(f"a limit couples variables {offset.max()} apart, the band is {band}")
+                products.append(value[lower, a] * value[lower, b])
+                cells.append(column[lower, b].astype(np.int64) * (band + 1) + offset)
+                rows.append(row[lower])
+    shape = (G.shape[1] * (band + 1), G.shape[0])
+    if not products:
+        return sp.csr_array(shape)
+    return sp.csr_array((np.concatenate(products), (np.concatenate(cells), np.concatenate(rows))), shape=shape)
+
+
+def _factor(H: Array) -> Array:
+    """Banded Cholesky factor; overwrites H."""
+    factor, info = dpbtrf(H.T, lower=1, overwrite_ab=1)
+    if info:
+        raise np.linalg.LinAlgError(f"H is not positive definite at variable {info}")
+    return factor
+
+
+def _solve(factor: Array, b: Array) -> Array:
+    return dpbtrs(factor, b, lower=1)[0]
+
+
+def _longest(value: Array, step: Array) -> float:
+    """Largest multiple of the step, at most 1, that keeps the value non-negative."""
+    shrinking = step < 0.0
+    return min(1.0, float((value[shrinking] / -step[shrinking]).min())) if shrinking.any() else 1.0
+
+
+def _largest(value: Array) -> float:
+    return float(np.abs(value).max())

@@ -1,0 +1,138 @@
+"""A CoM motion that keeps the ZMP inside the support polygon: one sparse convex programme for a whole clip.
+
+With the height of the CoM and the angular momentum L about it given, the ZMP is linear in the horizontal CoM:
+    z_x = c_x − h c̈_x − L̇_y / (m (g + c̈_z)),   z_y = c_y − h c̈_y + L̇_x / (m (g + c̈_z)),   h = c_z / (g + c̈_z).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.linalg.blas import dsbmv
+
+from solvers.banded import BandedQP
+from sot.motion.contacts import Phase, Polygon, phase_at
+from sot.motion.spline import AT_KNOT, Spline
+
+Array = NDArray[np.float64]
+
+GRAVITY = 9.81  # m/s²
+INSET = (0.025, 0.020)  # m along X and Y, from the sole's edge to the planned ZMP: what the closed loop may use up
+COM_ERROR = 0.02  # m, a deviation from the wanted CoM that costs as much as JERK_ERROR
+JERK_ERROR = 20.0  # m/s³
+OUTSIDE = 1e5  # price of a metre that the ZMP leaves the shrunk polygon by: only if it must
+LIFT = 0.3  # of gravity that a landing or jump may take away before the ZMP loses its meaning
+HELD = 1e12  # weight that holds the CoM at rest at both ends
+
+
+@dataclass(frozen=True)
+class Centroidal:
+    """What the balance plan takes from a whole-body motion at its knots, and does not change.
+
+    Attributes:
+        com: (T, 3) wanted CoM [m]; its height is kept.
+        vertical: (T,) its vertical acceleration [m/s²].
+        momentum_rate: (T, 3) time derivative of the angular momentum about the CoM [N m].
+        mass: of the robot [kg].
+    """
+
+    com: Array
+    vertical: Array
+    momentum_rate: Array
+    mass: float
+
+    def zmp(self, com: Array, acceleration: Array) -> Array:
+        """ZMP (T, 2) on z = 0 if the CoM moved along com (T, 2) with acceleration (T, 2) instead."""
+        height, offset = self._terms()
+        return com - height[:, None] * acceleration + offset
+
+    def _terms(self) -> tuple[Array, Array]:
+        gravity = np.maximum(GRAVITY + self.vertical, LIFT * GRAVITY)
+        rate = self.momentum_rate / (self.mass * gravity)[:, None]
+        return self.com[:, 2] / gravity, np.column_stack([-rate[:, 1], rate[:, 0]])
+
+
+@dataclass(frozen=True)
+class BalancePlan:
+    """Horizontal CoM as a spline (2), its ZMP (T, 2) at the knots, and the largest excursion out of the inset [m]."""
+
+    com: Spline
+    zmp: Array
+    excursion: float
+
+
+def plan_balance(
+    wanted: Centroidal, phases: Sequence[Phase], polygons: Sequence[Polygon], period: float
+) -> BalancePlan:
+    """The CoM nearest to the wanted one whose ZMP stays in the polygons, shrunk by INSET.
+
+    Where no such CoM exists, the ZMP leaves the inset by the least (an exact penalty). It starts and ends at rest, where the
+    wanted CoM starts and over the middle of the support.
+
+    Args:
+        wanted: the whole-body motion at T knots.
+        phases, polygons: contact phases and the support polygon of each.
+        period: time between knots [s].
+    """
+    length = len(wanted.com)
+    of_knot = phase_at(phases, period * np.arange(length))
+    inset = [polygon.shrunk(*INSET) for polygon in polygons]
+    height, offset = wanted._terms()
+    target = wanted.com[:, :2].copy()
+
+    # variables of a knot: its control point's x and y, and the excursion of the ZMP
+    n = 3 * (length + 2)
+    curve = np.array([1.0, -2.0, 1.0]) / period**2
+    rows, columns, values, upper = [], [], [], []
+    count = 0
+    for index, polygon in enumerate(inset):
+        knots = np.flatnonzero(of_knot == index)
+        for normal, edge in zip(polygon.normals, polygon.offsets, strict=True):
+            row = count + np.arange(len(knots))
+            count += len(knots)
+            for i in range(3):
+                for axis in range(2):
+                    rows.append(row)
+                    columns.append(3 * (knots + i) + axis)
+                    values.append(normal[axis] * (AT_KNOT[i] - height[knots] * curve[i]))
+            rows.append(row)
+            columns.append(3 * (knots + 1) + 2)
+            values.append(-np.ones(len(knots)))
+            upper.append(edge - offset[knots] @ normal)
+    zmp_rows = sp.csr_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(count, n))
+    excursions = sp.csr_array((np.ones(length + 2), (np.arange(length + 2), np.arange(2, n, 3))), shape=(length + 2, n))
+    A = sp.vstack([zmp_rows, excursions], format="csr")
+    lower = np.concatenate([np.full(count, -np.inf), np.zeros(length + 2)])
+    upper_all = np.concatenate([*upper, np.full(length + 2, np.inf)])
+
+    end = polygons[of_knot[-1]].centre
+    around = np.zeros((length + 2, 3))
+    around[1:-1, :2], around[:3, :2], around[-3:, :2] = target, target[0], end
+    H, g = _objective(target, period)
+    g += dsbmv(H.shape[1] - 1, 1.0, H.T, around.ravel(), lower=1)
+    H.reshape(-1, 3, 10)[[0, 1, 2, -3, -2, -1], :2, 0] += HELD
+    solution = BandedQP(A, lower, upper_all, band=H.shape[1] - 1).solve(H, g, around.ravel())
+    control = solution.x.reshape(-1, 3)
+    com = Spline(control[:, :2].copy(), period)
+    return BalancePlan(com, wanted.zmp(com.knots, com.accelerations), float(control[:, 2].max()))
+
+
+def _objective(target: Array, period: float) -> tuple[Array, Array]:
+    """Banded Hessian (n, 10) and gradient at zero (n,) over (x, y, excursion) of every control point."""
+    length = len(target)
+    H = np.zeros((length + 2, 3, 10))
+    g = np.zeros((length + 2, 3))
+    jerk = np.array([-1.0, 3.0, -3.0, 1.0]) / (period**3 * JERK_ERROR)
+    value = AT_KNOT / COM_ERROR
+    for i in range(3):
+        g[i : i + length, :2] -= value[i] * target / COM_ERROR
+        for apart in range(3 - i):
+            H[i : i + length, :2, 3 * apart] += value[i] * value[i + apart]
+    for i in range(4):
+        for apart in range(4 - i):
+            H[i : i + length - 1, :2, 3 * apart] += jerk[i] * jerk[i + apart]
+    H[:, 2, 0] = 1.0
+    g[:, 2] = OUTSIDE
+    return H.reshape(-1, 10), g.ravel()

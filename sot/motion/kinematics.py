@@ -1,0 +1,76 @@
+"""Residuals of a robot's points and their Jacobians, in the coordinates that motions are fitted in."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from sot.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+class Kinematics:
+    """Evaluates one configuration at a time. Jacobians have all nv columns and Pinocchio's velocities, until
+    `in_coordinates` turns them into those of coordinates y (see coordinates).
+
+    Args:
+        robot: whose points.
+        columns: indices into y (nv) that may move.
+    """
+
+    def __init__(self, robot: Robot, columns: Sequence[int]):
+        self.robot = robot
+        self.columns = np.array(columns)
+        self._model, self._data = robot.model, robot.model.createData()
+        self._moves_base = bool(self.columns.min() < 6)
+        self._q = np.empty(robot.nq)
+
+    def at(self, y: Array) -> None:
+        """Evaluate the coordinates y (nv,) from now on."""
+        q = self._q
+        self._rpy = y[3:6]
+        q[:3], q[3:7], q[7:] = y[:3], pin.Quaternion(pin.rpy.rpyToMatrix(self._rpy)).coeffs(), y[6:]
+        pin.computeJointJacobians(self._model, self._data, q)
+
+    def in_coordinates(self, J: Array) -> Array:
+        """Jacobian (n, s) with respect to the chosen coordinates, from one (n, nv); overwrites it."""
+        if self._moves_base:
+            J[:, :3] = J[:, :3] @ self._data.oMi[1].rotation.T
+            J[:, 3:6] = J[:, 3:6] @ pin.rpy.computeRpyJacobian(self._rpy, pin.LOCAL)
+        return J[:, self.columns]
+
+    def joints(self, columns: Array) -> Array:
+        """Joint coordinates (s,) of columns, each at least 6."""
+        return self._q[columns + 1]
+
+    def placement(self, frame: int) -> pin.SE3:
+        """Pose of a frame in the world."""
+        return pin.updateFramePlacement(self._model, self._data, frame)
+
+    def jacobian(self, frame: int) -> Array:
+        """(6, nv) of a frame, linear over angular, in world axes."""
+        return pin.getFrameJacobian(self._model, self._data, frame, pin.LOCAL_WORLD_ALIGNED)
+
+    def com(self) -> tuple[Array, Array]:
+        """CoM (3,) and its Jacobian (3, nv)."""
+        J = pin.jacobianCenterOfMass(self._model, self._data, self._q)
+        return self._data.com[0].copy(), J
+
+    def position(self, frame: int, wanted: Array) -> tuple[Array, Array]:
+        """Error (3,) of a frame's position against a wanted one [m], and its Jacobian."""
+        return self.placement(frame).translation - wanted, self.jacobian(frame)[:3]
+
+    def orientation(self, frame: int, wanted: Array) -> tuple[Array, Array]:
+        """Rotation vector (3,) from a wanted orientation (3, 3) to a frame's, Ramos (24)-(27), and its Jacobian."""
+        error = pin.log3(self.placement(frame).rotation @ wanted.T)
+        return error, pin.Jlog3(pin.exp3(-error)) @ self.jacobian(frame)[3:]
+
+    def direction(self, start: int, end: int, wanted: Array) -> tuple[Array, Array]:
+        """Error (3,) of the direction between two frames against a wanted unit vector (3,), and its Jacobian."""
+        way = self.placement(end).translation - self.placement(start).translation
+        length = np.sqrt(way @ way)
+        along = way / length
+        J = (self.jacobian(end)[:3] - self.jacobian(start)[:3]) / length
+        return along - wanted, J - np.outer(along, along @ J)

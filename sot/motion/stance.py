@@ -1,0 +1,102 @@
+"""A human put where the robot stands: in its size, over its feet, on the motion's time line."""
+
+import itertools
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+
+from sot.motion.human import SIDES, Human
+from sot.robot import Robot
+
+Array = NDArray[np.float64]
+
+DRIFT_HZ = 0.3  # slower than this, where the feet stand and face is a drift to take out
+STANDING = 10.0  # percentile of the lower ankle's height that is taken for standing
+LEAD = 1.0  # s, from rest to the first pose
+TAIL = 1.0  # s, rest in the last pose
+
+
+@dataclass(frozen=True)
+class Build:
+    """Sizes of a robot that a human is fitted to, from its rest posture.
+
+    Attributes:
+        leg, arm: lengths of both segments [m].
+        hips: middle of the hips in the waist frame (3,) [m].
+        ankles: middle of the ankles in the world (3,) [m].
+    """
+
+    leg: float
+    arm: float
+    hips: Array
+    ankles: Array
+
+    @staticmethod
+    def of(robot: Robot) -> "Build":
+        data = robot.model.createData()
+        pin.framesForwardKinematics(robot.model, data, robot.rest)
+
+        def place(point: str) -> Array:
+            return data.oMf[robot.point(point)].translation
+
+        def length(*points: str) -> float:
+            chain = [place(point) for point in points]
+            return float(sum(np.linalg.norm(b - a) for a, b in itertools.pairwise(chain)))
+
+        hips = np.mean([place(f"{side}_hip") for side in SIDES], axis=0)
+        return Build(
+            leg=float(np.mean([length(*(f"{side}_{p}" for p in ("hip", "knee", "ankle"))) for side in SIDES])),
+            arm=float(np.mean([length(*(f"{side}_{p}" for p in ("shoulder", "elbow", "wrist"))) for side in SIDES])),
+            hips=data.oMf[robot.point("waist")].actInv(hips),
+            ankles=np.mean([place(f"{side}_ankle") for side in SIDES], axis=0),
+        )
+
+
+def over_feet(human: Human, build: Build) -> Human:
+    """The human in the robot's size, turned and moved so that its feet stay, on average, about the robot's.
+
+    Drift and turning slower than DRIFT_HZ are taken out: a robot with planted feet can follow neither. Heights are
+    above the ankles, which differ in height from robot to human.
+    """
+    ankles = np.mean([human.points[f"{side}_ankle"] for side in SIDES], axis=0)
+    forward = np.sum([human.points[f"{side}_toe"] - human.points[f"{side}_ankle"] for side in SIDES], axis=0)
+    heading = _slow(np.unwrap(np.arctan2(forward[:, 1], forward[:, 0])), human.rate)
+    origin = _slow(ankles[:, :2], human.rate)
+    height = np.percentile(np.min([human.points[f"{side}_ankle"][:, 2] for side in SIDES], axis=0), STANDING)
+
+    cosine, sine, nought = np.cos(heading), np.sin(heading), np.zeros_like(heading)
+    turn = np.array([[cosine, sine, nought], [-sine, cosine, nought], [nought, nought, nought + 1.0]]).transpose(
+        2, 0, 1
+    )
+    centre = np.column_stack([origin, np.full(human.count, height)])
+    scale = build.leg / human.leg
+    return replace(
+        human,
+        points={
+            name: build.ankles + scale * np.einsum("tij,tj->ti", turn, place - centre)
+            for name, place in human.points.items()
+        },
+        frames={body: turn @ rotation for body, rotation in human.frames.items()},
+    )
+
+
+def on_time_line(human: Human, rate: float) -> Human:
+    """Resampled, with the first pose held for LEAD before and the last for TAIL after."""
+    human = human.resampled(rate)
+    index = np.concatenate(
+        [np.zeros(round(LEAD * rate), int), np.arange(human.count), np.full(round(TAIL * rate), human.count - 1)]
+    )
+    return replace(
+        human,
+        points={name: place[index] for name, place in human.points.items()},
+        frames={body: rotation[index] for body, rotation in human.frames.items()},
+    )
+
+
+def _slow(values: Array, rate: float) -> Array:
+    """The part of values (T, ...) slower than DRIFT_HZ."""
+    padding = min(len(values) - 1, round(rate / DRIFT_HZ))
+    return sosfiltfilt(butter(2, DRIFT_HZ, fs=rate, output="sos"), values, axis=0, padlen=padding)

@@ -1,0 +1,65 @@
+"""What the robot's body is asked to do at every knot: a human's directions and frames, led in from the rest posture."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from sot.motion.human import SEGMENTS, SIDES, Human
+from sot.motion.stance import LEAD, Build
+from sot.robot import Robot
+
+Array = NDArray[np.float64]
+
+UPPER = ("trunk", "head", *(f"{side}_{part}" for side in SIDES for part in ("upper_arm", "forearm")))
+
+
+@dataclass(frozen=True)
+class Targets:
+    """Targets at T knots, in the robot's world.
+
+    Attributes:
+        hips: (T, 3) middle of the hips [m].
+        frames: pelvis, chest, head -> (T, 3, 3).
+        directions: segment -> (T, 3) unit vectors.
+    """
+
+    hips: Array
+    frames: dict[str, Array]
+    directions: dict[str, Array]
+
+    @property
+    def length(self) -> int:
+        return len(self.hips)
+
+
+def targets(human: Human, robot: Robot, build: Build) -> Targets:
+    """Targets from a human that stands over the robot's feet, on the motion's time line, LEAD at its start."""
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.rest)
+    lead = _ease(np.arange(human.count) / human.rate / LEAD)[:, None]
+
+    def at_rest(point: str) -> Array:
+        return data.oMf[robot.point(point)].translation
+
+    directions = {}
+    for segment in UPPER:
+        near, far = SEGMENTS[segment]
+        rest = at_rest(far) - at_rest(near)
+        mixed = (1.0 - lead) * rest / np.linalg.norm(rest) + lead * human.segment_direction(segment)
+        directions[segment] = mixed / np.linalg.norm(mixed, axis=1, keepdims=True)
+
+    hips = (1.0 - lead) * data.oMf[robot.point("waist")].act(build.hips) + lead * human.points["waist"]
+    frames = {}
+    for body, rotation in human.frames.items():
+        turn = Rotation.from_matrix(rotation).as_rotvec()
+        frames[body] = Rotation.from_rotvec(lead * turn).as_matrix()
+    return Targets(hips, frames, directions)
+
+
+def _ease(s: Array) -> Array:
+    """From 0 to 1 with the least jerk, over s in 0..1."""
+    s = np.clip(s, 0.0, 1.0)
+    return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)

@@ -1,0 +1,190 @@
+"""A robot motion over time, and the paths of the robot's points along it."""
+
+import itertools
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from sot.errors import InputError
+from sot.motion.contacts import Phase
+from sot.robot import Robot
+
+Array = NDArray[np.float64]
+
+FIELDS = ("q", "v", "a", "com", "com_velocity", "com_acceleration", "zmp", "momentum")
+
+
+class MotionSample(NamedTuple):
+    """A motion at one time, as `Motion` names it."""
+
+    q: Array
+    v: Array
+    a: Array
+    com: Array
+    com_velocity: Array
+    com_acceleration: Array
+    zmp: Array
+
+
+@dataclass(frozen=True)
+class Track:
+    """Path of a robot point: `position` (T, 3) and `rotation` (T, 3, 3) in the world; `velocity` and `acceleration`
+    (T, 6), linear over angular, of the point in world axes (the acceleration is the classical one: ẍ of the point)."""
+
+    position: Array
+    rotation: Array
+    velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A motion of a robot, at rest at both ends.
+
+    Attributes:
+        robot: who moves.
+        rate: samples per second [Hz].
+        q, v, a: (T, nq), (T, nv), (T, nv) in Pinocchio's conventions; v and a are the derivatives of q.
+        com, com_velocity, com_acceleration: (T, 3) centre of mass, world [m, m/s, m/s²].
+        zmp: (T, 2) planned zero moment point on the floor [m].
+        momentum: (T, 3) angular momentum about the centre of mass, world axes [N m s].
+        phases: which feet stand where, in order of time.
+    """
+
+    robot: Robot
+    rate: float
+    q: Array
+    v: Array
+    a: Array
+    com: Array
+    com_velocity: Array
+    com_acceleration: Array
+    zmp: Array
+    momentum: Array
+    phases: tuple[Phase, ...]
+    _tracks: dict[str, Track] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        parts = [getattr(self, name) for name in MotionSample._fields]
+        edges = np.cumsum([0] + [part.shape[1] for part in parts])
+        object.__setattr__(self, "_table", np.ascontiguousarray(np.hstack(parts)))
+        object.__setattr__(self, "_slices", [slice(a, b) for a, b in itertools.pairwise(edges)])
+
+    @property
+    def times(self) -> Array:
+        """(T,) from zero [s]."""
+        return np.arange(len(self.q)) / self.rate
+
+    @property
+    def duration(self) -> float:
+        """Time of the last sample [s]."""
+        return (len(self.q) - 1) / self.rate
+
+    def sample(self, t: float) -> MotionSample:
+        """The motion at a time [s], linear between samples, at rest before the first and after the last."""
+        x = min(max(t * self.rate, 0.0), len(self._table) - 1.0)
+        k = int(x)
+        row = self._table[k]
+        if x > k:
+            row = row + (x - k) * (self._table[k + 1] - row)
+        return MotionSample._make([row[part] for part in self._slices])
+
+    def track(self, point: str) -> Track:
+        """The path of an operational point of the robot, computed once.
+
+        Raises:
+            InputError: the robot has no such point.
+        """
+        if point not in self._tracks:
+            self._tracks[point] = self._follow(self.robot.point(point))
+        return self._tracks[point]
+
+    def _follow(self, frame: int) -> Track:
+        model, data, axes = self.robot.model, self.robot.model.createData(), pin.LOCAL_WORLD_ALIGNED
+        length = len(self.q)
+        track = Track(np.empty((length, 3)), np.empty((length, 3, 3)), np.empty((length, 6)), np.empty((length, 6)))
+        for k in range(length):
+            pin.forwardKinematics(model, data, self.q[k], self.v[k], self.a[k])
+            pose = pin.updateFramePlacement(model, data, frame)
+            track.position[k], track.rotation[k] = pose.translation, pose.rotation
+            track.velocity[k] = pin.getFrameVelocity(model, data, frame, axes).vector
+            track.acceleration[k] = pin.getFrameClassicalAcceleration(model, data, frame, axes).vector
+        return track
+
+    def save(self, path: str | Path) -> None:
+        """Write to an `.npz` file."""
+        phases = {
+            "phase_times": np.array([(phase.start, phase.end) for phase in self.phases]),
+            "phase_stands": np.array([[foot in phase.feet for foot in self.robot.feet] for phase in self.phases]),
+            "phase_feet": np.array(
+                [
+                    [phase.feet.get(foot, pin.SE3.Identity()).homogeneous for foot in self.robot.feet]
+                    for phase in self.phases
+                ]
+            ),
+        }
+        columns = {name: getattr(self, name) for name in FIELDS}
+        np.savez_compressed(path, robot=self.robot.name, joints=self.robot.joints, rate=self.rate, **columns, **phases)
+
+    @staticmethod
+    def load(path: str | Path, robot: Robot | None = None) -> "Motion":
+        """Read what `save` wrote; the robot is loaded by its name unless given.
+
+        Raises:
+            InputError: not a motion file, damaged, or of another robot.
+        """
+        content = _read(Path(path))
+        name = str(content["robot"])
+        robot = Robot.load(name) if robot is None else robot
+        if tuple(content["joints"]) != robot.joints:
+            raise InputError(f"{path}: a motion of the robot '{name}', whose joints are not those of '{robot.name}'")
+        return Motion(
+            robot, float(content["rate"]), *_columns(Path(path), content, robot), _phases(Path(path), content, robot)
+        )
+
+
+def _read(path: Path) -> Mapping[str, Array]:
+    needed = {"robot", "joints", "rate", "phase_times", "phase_stands", "phase_feet", *FIELDS}
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            missing = sorted(needed - set(file.files))
+            if missing:
+                raise InputError(f"{path}: not a motion file, it lacks {', '.join(missing)}")
+            return {key: file[key] for key in needed}
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile, AttributeError) as error:
+        raise InputError(f"{path}: cannot be read as a motion (.npz): {error}") from None
+
+
+def _columns(path: Path, content: Mapping[str, Array], robot: Robot) -> list[Array]:
+    widths = (robot.nq, robot.nv, robot.nv, 3, 3, 3, 2, 3)
+    length = len(np.atleast_1d(content["q"]))
+    if length < 2 or content["rate"].shape != () or not 0.0 < float(content["rate"]) < np.inf:
+        raise InputError(f"{path}: needs two samples or more and a positive rate")
+    for name, width in zip(FIELDS, widths, strict=True):
+        values = content[name]
+        if values.shape != (length, width):
+            raise InputError(f"{path}: '{name}' has shape {values.shape}, expected {(length, width)}")
+        if values.dtype.kind != "f" or not np.isfinite(values).all():
+            raise InputError(f"{path}: '{name}' holds something that is not a finite number")
+    return [content[name] for name in FIELDS]
+
+
+def _phases(path: Path, content: Mapping[str, Array], robot: Robot) -> tuple[Phase, ...]:
+    times, stands, feet = content["phase_times"], content["phase_stands"], content["phase_feet"]
+    count, sides = len(np.atleast_1d(times)), len(robot.feet)
+    if count < 1 or times.shape != (count, 2) or stands.shape != (count, sides) or feet.shape != (count, sides, 4, 4):
+        raise InputError(f"{path}: its contact phases have wrong shapes")
+    return tuple(
+        Phase(
+            float(start),
+            float(end),
+            {foot: pin.SE3(pose) for foot, pose, on in zip(robot.feet, poses, standing, strict=True) if on},
+        )
+        for (start, end), standing, poses in zip(times, stands, feet, strict=True)
+    )
