@@ -230,9 +230,11 @@ class _RobotFile:
         return vector.astype(float)
 
     def frame(self, key: str, model: pin.Model, name: Any) -> int:
-        if not isinstance(name, str) or not model.existFrame(name):
+        """Frame of a name; of a joint, its link and a site of one name, the last in the model (the most specific)."""
+        ids = [k for k, frame in enumerate(model.frames) if frame.name == name]
+        if not ids:
             raise InputError(f"{self.path}: '{key}' names the frame '{name}', which the model does not have")
-        return model.getFrameId(name)
+        return ids[-1]
 
 
 def _read_model(path: Path, robot_file: Path) -> pin.Model:

@@ -109,10 +109,11 @@ CONTACTS = {
     "LLEG": (LEFT_LEG, CHEST | HEAD | RIGHT_LEG),
 }
 
-CORNERS = {  # right sole, in the foot frame
-    f"right_sole_{end}_{side}": (x, y, 0.0)
-    for end, x in zip(("front", "back"), reversed(SOLE_X), strict=True)
-    for side, y in zip(("out", "in"), SOLE_Y, strict=True)
+CORNERS = {  # right sole, in the foot frame, going round
+    "right_sole_front_out": (SOLE_X[1], SOLE_Y[0]),
+    "right_sole_front_in": (SOLE_X[1], SOLE_Y[1]),
+    "right_sole_back_in": (SOLE_X[0], SOLE_Y[1]),
+    "right_sole_back_out": (SOLE_X[0], SOLE_Y[0]),
 }
 
 
@@ -130,7 +131,7 @@ def _link(name: str, parent: str | None) -> Link:
     offset = JOINTS[name][1] if parent else (0.0, 0.0, 0.0)
     sites = dict(POINTS.get(name, {}))
     if name == "RLEG5":
-        sites |= {corner: (x, y, SOLE_Z) for corner, (x, y, _) in CORNERS.items()}
+        sites |= {corner: (x, y, SOLE_Z) for corner, (x, y) in CORNERS.items()}
     joint = _joint(name) if parent else None
     shapes, collision = VISUAL[name], COLLISION.get(name, ())
     return Link(
