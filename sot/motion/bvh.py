@@ -167,8 +167,14 @@ def _header(path: Path, lines: list[str], motion_line: int) -> tuple[float, int,
                     f" expected {1 / RATES[1]:g} to {1 / RATES[0]:g} s"
                 )
         if len(found) == 2:
-            return 1.0 / found["frame time"], index + 1, int(found["frames"])
+            return _rate(found["frame time"]), index + 1, int(found["frames"])
     raise InputError(f"{path}, line {len(lines)}: the file ends before its frames; it is truncated")
+
+
+def _rate(frame_time: float) -> float:
+    """Frames per second; a whole number where only the rounding of the frame time stands against it."""
+    rate = 1.0 / frame_time
+    return float(round(rate)) if abs(rate - round(rate)) < 1e-4 * rate else rate
 
 
 def _frames(path: Path, lines: list[str], first: int, promised: int, count: int) -> np.ndarray:

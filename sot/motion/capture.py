@@ -11,6 +11,7 @@ LEG = (0.6, 1.1)  # m, hip to ankle, of a human who can dance
 AVERAGE_LEG = 0.85  # m
 UNITS = (1.0, 0.01, 0.001, 0.0254, 0.0254 / 0.45, 0.3048)  # m, cm, mm, inch, inch/0.45 (CMU), foot: m per unit
 JUMP = 9.0  # m/s, faster than a joint gets from one frame to the next unless the first was a reference pose
+FARTHEST = 1e6  # file units from the origin, a kilometre in the smallest unit
 FLOOR_PERCENTILE = 3.0  # of the lowest point of the feet: neither a jump nor a dip of noise moves the floor
 
 
@@ -65,8 +66,8 @@ def to_world(recorded: Capture) -> Capture:
     Raises:
         InputError: no pair of legs, or numbers too large to be a motion.
     """
-    if not np.isfinite(recorded.positions).all():
-        raise InputError(f"{recorded.name}: its numbers are too large to be a human motion")
+    if not np.abs(recorded.positions).max() < FARTHEST:
+        raise InputError(f"{recorded.name}: its positions are too large to be a human motion")
     legs = find_legs(recorded)
     scale = _metres_per_unit(recorded, legs)
     positions = recorded.positions * scale
@@ -90,9 +91,7 @@ def find_legs(capture: Capture) -> tuple[Leg, Leg]:
         InputError: no joint has two equal chains of at least two bones below it.
     """
     parents = np.array(capture.parents)
-    with np.errstate(over="ignore", invalid="ignore"):
-        bones = np.linalg.norm(capture.positions - capture.positions[:, parents], axis=2)
-    bone = np.median(bones, axis=0)
+    bone = np.median(np.linalg.norm(capture.positions - capture.positions[:, parents], axis=2), axis=0)
     bone[0] = 0.0
     children: list[list[int]] = [[] for _ in parents]
     reach = np.zeros(len(parents))
@@ -115,7 +114,7 @@ def find_legs(capture: Capture) -> tuple[Leg, Leg]:
                 alike = len(one) == len(other) >= 3
                 if alike and np.allclose(bone[one[1:]], bone[other[1:]], rtol=0, atol=0.1 * reach[one[0]]):
                     best = max(best, (float(reach[one[0]]), one, other))
-    if best[0] <= 0.0:
+    if best[0] < 1e-6:
         raise InputError(f"{capture.name}: no human motion, for its {len(parents)} joints hold no pair of legs")
     return _leg(best[1], bone), _leg(best[2], bone)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from sot.errors import InputError
 from sot.motion.capture import Capture
-from sot.motion.human import SIDES, Human, nearest_rotations
+from sot.motion.human import SEGMENTS, SIDES, Human, nearest_rotations
 
 LIMBS = {"leg": ("hip", "knee", "ankle"), "arm": ("shoulder", "elbow", "wrist")}
 TIPS = {"wrist": "elbow", "toe": "ankle"}  # where a file does not name it, the farthest joint below
@@ -55,13 +55,18 @@ def _parse(text: str, where: str) -> Names:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{where}: not a mapping of joints: {error}") from error
+    return _checked(table, where)
+
+
+def _checked(table: Mapping[str, object], where: str) -> Names:
     names: dict[str, list[str]] = {}
     for joint, value in table.items():
         if joint not in JOINTS:
             raise InputError(f"{where}: '{joint}' is no canonical joint; known are {', '.join(JOINTS)}")
-        names[joint] = [value] if isinstance(value, str) else value
-        if not isinstance(names[joint], list) or not all(isinstance(name, str) for name in names[joint]):
+        aliases = value if isinstance(value, list) else [value]
+        if not aliases or not all(isinstance(alias, str) for alias in aliases):
             raise InputError(f"{where}: '{joint}' needs a joint's name in quotes")
+        names[joint] = aliases
     return names
 
 
@@ -73,13 +78,16 @@ def _from_mapping(capture: Capture, mapping: str | Path | Mapping[str, str]) -> 
             raise InputError(f"{mapping}: cannot be read as a mapping of joints: {error}") from error
         where = str(mapping)
     else:
-        names, where = {joint: [name] for joint, name in mapping.items()}, "mapping"
+        names, where = _checked(mapping, "mapping"), "mapping"
     table = {name.lower(): index for index, name in enumerate(capture.joints)}
-    for joint, (name, *_) in names.items():
-        if name.lower() not in table:
+    joints: dict[str, int] = {}
+    for joint, aliases in names.items():
+        known = [table[alias.lower()] for alias in aliases if alias.lower() in table]
+        if not known:
             has = ", ".join(capture.joints)
-            raise InputError(f'{where}: {joint} = "{name}" is no joint of {capture.name}, which has {has}')
-    joints = _complete(capture, {joint: table[name.lower()] for joint, (name, *_) in names.items()})
+            raise InputError(f'{where}: {joint} = "{aliases[0]}" is no joint of {capture.name}, which has {has}')
+        joints[joint] = known[0]
+    joints = _complete(capture, joints)
     if missing := [joint for joint in JOINTS if joint not in joints]:
         raise InputError(f"{where}: leaves out {', '.join(missing)}")
     if wrong := _contradiction(capture, joints):
@@ -121,7 +129,8 @@ def _plain(name: str) -> str:
 def _prefixes(table: Mapping[str, int], names: Names) -> list[str]:
     """What may stand before every name of a convention, read off the joints that end like its head."""
     heads = [_plain(alias) for alias in names["head"]]
-    return sorted({name.removesuffix(head) for name in table for head in heads if name.endswith(head)}, key=len)
+    found = {name.removesuffix(head) for name in table for head in heads if name.endswith(head)}
+    return sorted(found | {""}, key=len)
 
 
 def _complete(capture: Capture, joints: dict[str, int]) -> dict[str, int]:
@@ -175,6 +184,7 @@ def _calibrated(capture: Capture, joints: dict[str, int]) -> Human:
     pelvis = _common_ancestor(capture, joints["left_hip"], joints["right_hip"])
     chest = _common_ancestor(capture, joints["left_shoulder"], joints["right_shoulder"])
     points = _points(capture, joints, chest)
+    _check_apart(capture, points)
     trunk = points["neck"] - points["waist"]
     tilt = np.arctan2(np.linalg.norm(trunk[:, :2], axis=1), trunk[:, 2])
     upright = tilt <= np.median(tilt)
@@ -209,6 +219,14 @@ def _points(capture: Capture, joints: dict[str, int], chest: int) -> dict[str, n
     neck = next((j for j, bone in reversed(list(zip(between, bones, strict=True))) if bone > 0.03), None)
     points["neck"] = 0.5 * (points["left_shoulder"] + points["right_shoulder"]) if neck is None else positions[:, neck]
     return points
+
+
+def _check_apart(capture: Capture, points: dict[str, np.ndarray]) -> None:
+    segments = [ends for ends in SEGMENTS.values() if "head_top" not in ends]
+    for one, other in (*segments, ("left_hip", "right_hip"), ("left_shoulder", "right_shoulder")):
+        distance = np.linalg.norm(points[one] - points[other], axis=1)
+        if distance.min() < 1e-3:
+            raise InputError(f"{capture.name}: {one} and {other} coincide in frame {int(distance.argmin())}")
 
 
 def _frame(lateral: np.ndarray, up: np.ndarray) -> np.ndarray:
