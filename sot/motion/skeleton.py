@@ -64,9 +64,9 @@ def _checked(table: Mapping[str, object], where: str) -> Names:
         if joint not in JOINTS:
             raise InputError(f"{where}: '{joint}' is no canonical joint; known are {', '.join(JOINTS)}")
         aliases = value if isinstance(value, list) else [value]
-        if not aliases or not all(isinstance(alias, str) for alias in aliases):
+        names[joint] = [alias for alias in aliases if isinstance(alias, str)]
+        if not aliases or len(names[joint]) < len(aliases):
             raise InputError(f"{where}: '{joint}' needs a joint's name in quotes")
-        names[joint] = aliases
     return names
 
 
