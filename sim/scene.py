@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from sim.sensors import WHOLE, FloorSensors
+from sim.sensors import FloorSensors
 from sot.errors import InputError
 from sot.robot import Robot
 
@@ -30,7 +30,7 @@ def build(robot: Robot, timestep: float, friction: float) -> mujoco.MjModel:
         _add_sensors(spec, robot)
         _set_options(spec, robot, timestep)
         return spec.compile()
-    except (ValueError, KeyError) as error:
+    except ValueError as error:
         raise InputError(f"{robot.path}: MuJoCo cannot read it: {str(error).splitlines()[0]}") from None
 
 
@@ -41,7 +41,10 @@ def _drive(spec: mujoco.MjSpec, robot: Robot) -> None:
         base.add_freejoint()
     for unwanted in (*spec.actuators, *spec.keys):
         spec.delete(unwanted)
-    joints = {joint.name: joint for joint in spec.joints}
+    joints = {joint.name: joint for joint in spec.joints if joint.type != mujoco.mjtJoint.mjJNT_FREE}
+    if set(joints) != set(robot.joints):
+        differ = ", ".join(sorted(set(joints) ^ set(robot.joints)))
+        raise InputError(f"{robot.path}: MuJoCo and Pinocchio do not see the same joints: look at {differ}")
     for name, effort in zip(robot.joints, robot.effort, strict=True):
         joints[name].actfrcrange = [-effort, effort]
         motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
@@ -51,10 +54,14 @@ def _drive(spec: mujoco.MjSpec, robot: Robot) -> None:
 
 
 def _add_sensors(spec: mujoco.MjSpec, robot: Robot) -> None:
-    carriers = {joint.name: joint.parent.name for joint in spec.joints}
-    frames = robot.model.frames
-    bodies = {foot: carriers[robot.model.names[frames[robot.point(foot)].parentJoint]] for foot in robot.feet}
-    FloorSensors.add_to(spec, {WHOLE: spec.worldbody.first_body().name} | bodies)
+    joints = {joint.name: joint for joint in spec.joints}
+    feet = {}
+    for foot in robot.feet:
+        frame = robot.model.frames[robot.point(foot)]
+        joint = joints[robot.model.names[frame.parentJoint]]
+        # Pinocchio's frame of the joint: the body's, moved to where the joint is.
+        feet[foot] = (joint.parent, joint.pos + frame.placement.translation)
+    FloorSensors.add_to(spec, feet)
 
 
 def _add_floor(spec: mujoco.MjSpec, friction: float) -> None:

@@ -1,15 +1,17 @@
 """What a world measures: forces between floor and robot, and how near the robot's parts come to one another."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import nan
 
 import mujoco
 import numpy as np
 
+ROBOT = 1  # the body at the root of the robot: the first of the world
 FAR = 10.0  # m, where MuJoCo may stop measuring a distance
 WHOLE = "robot"  # the sensor of the whole robot, beside one a foot
 _FIELDS = ("FOUND", "FORCE", "TORQUE", "POS")
 _WIDTH = 10  # numbers of these fields: 1 + 3 + 3 + 3
+_HIDDEN = 5  # a group that viewers do not show
 _NET_FORCE = 3  # MuJoCo's code for contacts reduced to one wrench
 
 
@@ -17,41 +19,37 @@ class FloorSensors:
     """Net wrenches of the floor (every static geom) on each foot and on the whole robot, by MuJoCo's contact sensors.
 
     Args:
-        model, data: MuJoCo's, the model with the sensors that `add_to` declares.
-        feet: for each foot its name, its body, and the origin of the foot frame in that body [m].
+        model, data: MuJoCo's, the model with what `add_to` declares.
+        feet: names of the feet.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, feet: Sequence[tuple[str, int, np.ndarray]]):
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, feet: Sequence[str]):
         self._model, self._data = model, data
-        self._feet = feet
-        self._sensed = {name: _slice(model, name) for name in (WHOLE, *(foot[0] for foot in feet))}
-        self._foot_bodies = {int(model.body_weldid[body]) for _, body, _ in feet}
-        self._robot = int(model.body_rootid[feet[0][1]])
+        self._sensed = {name: _slice(model, name) for name in (WHOLE, *feet)}
+        self._sites = {foot: model.site(_site(foot)).id for foot in feet}
+        self._foot_bodies = set(model.body_weldid[model.site_bodyid[list(self._sites.values())]].tolist())
 
     @staticmethod
-    def add_to(spec: mujoco.MjSpec, bodies: dict[str, str]) -> None:
-        """Declare one sensor for each body, under the name given for it; it covers all that the body carries."""
-        fields = sum(1 << int(getattr(mujoco.mjtConDataField, f"mjCONDATA_{name}")) for name in _FIELDS)
-        for name, body in bodies.items():
-            spec.add_sensor(
-                name=name,
-                type=mujoco.mjtSensor.mjSENS_CONTACT,
-                objtype=mujoco.mjtObj.mjOBJ_BODY,
-                objname="world",
-                reftype=mujoco.mjtObj.mjOBJ_XBODY,
-                refname=body,
-                intprm=[fields, _NET_FORCE, 1],
-            )
+    def add_to(spec: mujoco.MjSpec, feet: Mapping[str, tuple[mujoco.MjsBody, np.ndarray]]) -> None:
+        """Declare the sensors: of the first body of the world, the robot's base with all it carries, and of each foot.
+
+        Args:
+            spec: of the scene.
+            feet: name of a foot -> its body and the origin of the foot frame in it [m].
+        """
+        _add_contact_sensor(spec, WHOLE, spec.worldbody.first_body())
+        for foot, (body, origin) in feet.items():
+            _add_contact_sensor(spec, foot, body)
+            body.add_site(name=_site(foot), pos=origin, group=_HIDDEN)
 
     def wrenches(self) -> dict[str, np.ndarray]:
         """Force and moment about the foot frame's origin, by foot (6,), world axes [N, N m]."""
         out = {}
-        for foot, body, origin in self._feet:
-            _, fx, fy, fz, mx, my, mz, *point = self._data.sensordata[self._sensed[foot]].tolist()
-            sole = self._data.xpos[body] + self._data.xmat[body].reshape(3, 3) @ origin
-            x, y, z = (np.array(point) - sole).tolist()
-            moment = (mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx)
-            out[foot] = np.array((fx, fy, fz, *moment))
+        for foot, site in self._sites.items():
+            _, fx, fy, fz, mx, my, mz, x, y, z = self._data.sensordata[self._sensed[foot]].tolist()
+            ox, oy, oz = self._data.site_xpos[site].tolist()
+            x, y, z = x - ox, y - oy, z - oz
+            out[foot] = np.array((fx, fy, fz, mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx))
         return out
 
     def zmp(self) -> np.ndarray:
@@ -71,27 +69,49 @@ class FloorSensors:
 
     def points(self) -> np.ndarray:
         """Position and force on the robot of each contact with the floor (n, 6), world frame [m, N]."""
-        rows = []
-        wrench = np.zeros(6)
-        for k, _, sign in self._contacts():
-            contact = self._data.contact[k]
+        contacts = list(self._contacts())
+        position, frame = self._data.contact.pos, self._data.contact.frame.reshape(-1, 3, 3)
+        out = np.empty((len(contacts), 6))
+        wrench = np.empty(6)
+        for row, (k, _, sign) in zip(out, contacts, strict=True):
             mujoco.mj_contactForce(self._model, self._data, k, wrench)
-            rows.append((*contact.pos, *(sign * contact.frame.reshape(3, 3).T @ wrench[:3])))
-        return np.array(rows).reshape(-1, 6)
+            row[:3] = position[k]
+            row[3:] = sign * wrench[:3] @ frame[k]
+        return out
 
     def _contacts(self) -> Iterator[tuple[int, int, float]]:
         """Index, body of the robot, and the sign that turns MuJoCo's force, on the second geom, into the robot's."""
-        for k, geoms in enumerate(self._data.contact.geom):
-            first, second = self._model.geom_bodyid[geoms].tolist()
-            if self._model.body_weldid[first] == 0 and self._model.body_rootid[second] == self._robot:
+        bodies = self._model.geom_bodyid[self._data.contact.geom]
+        static = (self._model.body_weldid[bodies] == 0).tolist()
+        own = (self._model.body_rootid[bodies] == ROBOT).tolist()
+        for k, (first, second) in enumerate(bodies.tolist()):
+            if static[k][0] and own[k][1]:
                 yield k, second, 1.0
-            elif self._model.body_weldid[second] == 0 and self._model.body_rootid[first] == self._robot:
+            elif static[k][1] and own[k][0]:
                 yield k, first, -1.0
+
+
+def _site(foot: str) -> str:
+    return f"{foot}_sensor"
 
 
 def _slice(model: mujoco.MjModel, sensor: str) -> slice:
     start = int(model.sensor(sensor).adr[0])
     return slice(start, start + _WIDTH)
+
+
+def _add_contact_sensor(spec: mujoco.MjSpec, name: str, body: mujoco.MjsBody) -> None:
+    """A sensor of the net wrench that the world's static geoms put on a body and all that it carries."""
+    fields = sum(1 << int(getattr(mujoco.mjtConDataField, f"mjCONDATA_{field}")) for field in _FIELDS)
+    spec.add_sensor(
+        name=name,
+        type=mujoco.mjtSensor.mjSENS_CONTACT,
+        objtype=mujoco.mjtObj.mjOBJ_BODY,
+        objname="world",
+        reftype=mujoco.mjtObj.mjOBJ_XBODY,
+        refname=body.name,
+        intprm=[fields, _NET_FORCE, 1],
+    )
 
 
 class SelfDistance:
@@ -101,12 +121,11 @@ class SelfDistance:
 
     Args:
         model, data: MuJoCo's.
-        robot: the body at the root of the robot.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, robot: int):
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData):
         self._model, self._data = model, data
-        own = np.flatnonzero(model.body_rootid[model.geom_bodyid] == robot).tolist()
+        own = np.flatnonzero(model.body_rootid[model.geom_bodyid] == ROBOT).tolist()
         pairs = [(a, b) for a in own for b in own if a < b and _may_collide(model, a, b)]
         self._first, self._second = np.array(pairs, dtype=int).reshape(-1, 2).T
         self._radii = model.geom_rbound[self._first] + model.geom_rbound[self._second]

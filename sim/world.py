@@ -4,7 +4,6 @@ from math import ceil
 
 import mujoco
 import numpy as np
-import pinocchio as pin
 
 from sim.convert import joint_order, state_from_mujoco, state_to_mujoco
 from sim.scene import build
@@ -40,12 +39,10 @@ class World:
         self._substeps = max(1, ceil(timestep / PHYSICS_TIMESTEP - 1e-9))
         self.model = build(robot, timestep / self._substeps, friction)
         self.data = mujoco.MjData(self.model)
-        hinges = [self.model.joint(k).name for k in range(1, self.model.njnt)]
-        self._order = joint_order(robot.joints, hinges[: robot.na])
+        self._order = joint_order(robot.joints, [self.model.joint(1 + k).name for k in range(robot.na)])
         self.reset(robot.rest)
-        feet = self._foot_origins()
-        self._floor = FloorSensors(self.model, self.data, feet)
-        self._self_distance = SelfDistance(self.model, self.data, int(self.model.body_rootid[feet[0][1]]))
+        self._floor = FloorSensors(self.model, self.data, robot.feet)
+        self._self_distance = SelfDistance(self.model, self.data)
 
     def reset(self, q: np.ndarray, v: np.ndarray | None = None) -> None:
         """Start over at a Pinocchio configuration (nq,) and velocity (nv,), at rest unless given, and time 0."""
@@ -88,19 +85,3 @@ class World:
     def self_distance(self) -> float:
         """Least distance [m] between two parts of the robot that may collide, negative in collision; for low rates."""
         return self._self_distance()
-
-    def _foot_origins(self) -> list[tuple[str, int, np.ndarray]]:
-        """Each foot's name, its MuJoCo body, and the origin of the foot frame in that body [m].
-
-        Found from where both sides see the foot now (at rest), as their body frames need not agree.
-        """
-        model, data = self.robot.model, self.robot.model.createData()
-        pin.framesForwardKinematics(model, data, self.robot.rest)
-        origins = []
-        for foot in self.robot.feet:
-            frame = self.robot.point(foot)
-            joint = model.names[model.frames[frame].parentJoint]
-            body = int(self.model.joint(joint).bodyid[0])
-            rotation = self.data.xmat[body].reshape(3, 3)
-            origins.append((foot, body, rotation.T @ (data.oMf[frame].translation - self.data.xpos[body])))
-        return origins

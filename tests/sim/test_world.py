@@ -214,3 +214,11 @@ def test_a_model_that_mujoco_cannot_read_is_refused(tmp_path):
     (tmp_path / "robot.urdf").write_text("<robot")
     with pytest.raises(InputError, match=r"robot.urdf: MuJoCo cannot read it"):
         World(robot)
+
+
+def test_a_model_with_other_joints_for_mujoco_is_refused(tmp_path):
+    robot = Robot.load(urdf_robot.write(tmp_path))
+    model = tmp_path / "robot.urdf"
+    model.write_text(model.read_text().replace('joint name="HEAD1"', 'joint name="NOD"'))
+    with pytest.raises(InputError, match="do not see the same joints: look at HEAD1, NOD"):
+        World(robot)
