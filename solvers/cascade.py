@@ -22,9 +22,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from solvers.nullspace import Projection, project
+from solvers.chain import Chain, Held
+from solvers.nullspace import project
 from solvers.proxqp import PersistentQPs, QPResult
 from solvers.rows import Array, Level, LevelResult, Solution, Status
+
+ROUNDS = 4
+"""Changes of the guessed active inequalities that are tried before QPs are."""
 
 
 class Cascade:
@@ -46,6 +50,8 @@ class Cascade:
         self.tolerance = tolerance
         self._qps = PersistentQPs(tolerance=10.0 * tolerance)
         self._bite = 10**6  # the level at which inequalities bit last
+        self._held: list[Held] | None = None  # and which ones they were
+        self._shape: tuple[tuple[int, int], ...] = ()
 
     def solve(self, levels: Sequence[Level]) -> Solution:
         """Solve the hierarchy; ``levels[0]`` is hard.
@@ -84,56 +90,83 @@ class Cascade:
         return solution
 
     def _cascade(self, levels: Sequence[Level]) -> Solution:
-        chain = self._chain(levels)
-        hard = levels[0]
-        if np.abs(hard.A @ chain.points[0] - hard.b).max(initial=0.0) > self.tolerance * (
-            1.0 + np.abs(hard.b).max(initial=0.0)
-        ):
-            return self._solution(levels, chain.points[0], {}, Status.FAILED, failed=0)
         C, lower, upper, owner = _inequalities(levels)
-        solved = len(levels) - 1
-        if len(lower):
-            values = C @ np.column_stack(chain.points)
-            outside = ((values > (upper + self.tolerance)[:, None]) | (values < (lower - self.tolerance)[:, None])).T
-            # A point after level j has to satisfy the inequalities of the levels up to j only.
-            solved = max((j for j in range(len(levels)) if not outside[j][owner <= j].any()), default=-1)
-        if solved == len(levels) - 1:
-            self._bite = 10**6
-            return self._solution(levels, chain.points[-1], {}, Status.SOLVED)
-        descent = _Descent(self, levels, chain, C, lower, upper, owner)
+        chain = Chain(levels, C, lower, upper, self.rank_tolerance, self.damping)
+        guessed = self._guess(chain, owner)
+        if guessed is not None:
+            return guessed
+        self._held = None
+        chain.run()
+        hard = levels[0]
+        if _relative(hard.A @ chain.points[0] - hard.b, hard.b) > self.tolerance:
+            return self._solution(levels, chain.points[0], {}, Status.FAILED, failed=0)
+        values = C @ np.column_stack(chain.points)
+        outside = ((values > (upper + self.tolerance)[:, None]) | (values < (lower - self.tolerance)[:, None])).T
+        # A point after level j has to satisfy the inequalities of the levels up to j only.
+        solved = max((j for j in range(len(levels)) if not outside[j][owner <= j].any()), default=-1)
+        descent = _Descent(self, levels, chain, owner)
         start = max(solved + 1, 1)
-        usable = max((k for k, Z in enumerate(chain.bases) if Z.shape[1]), default=0)
+        if start == len(levels):
+            return self._solution(levels, chain.points[-1], {}, Status.SOLVED)
+        usable = max((k for k in range(len(levels)) if chain.bases[k].shape[1]), default=0)
         trial = min(self._bite, usable)
         if trial > start:
             answer = descent.run(trial, optional=True)
             if answer is not None:
-                # Unbitten levels are given the chance to be skipped next time.
-                self._bite = trial if descent.bitten else trial + 1
+                # Levels that were not bitten are given the chance to be skipped next time.
+                self._bite = trial if descent.first_bitten == trial else trial + 1
+                self._remember(levels, owner, descent)
                 return answer
         answer = descent.run(start, optional=False)
         assert answer is not None
-        self._bite = max(start, descent.first_bitten)
+        self._bite = max(start, min(descent.first_bitten, len(levels) - 1))
+        self._remember(levels, owner, descent)
         return answer
 
-    def _chain(self, levels: Sequence[Level]) -> "_Chain":
-        """Solve the equalities alone, one level after the other."""
-        size = levels[0].A.shape[1]
-        Z = np.eye(size, order="F")
-        x = np.zeros(size)
-        chain = _Chain([], [], [], [])
-        for k, level in enumerate(levels):
-            B = level.A @ Z
-            scale = max(1e-12, float(np.sqrt(np.einsum("ij,ij->i", level.A, level.A).max(initial=0.0))))
-            projection = project(B, self.rank_tolerance * scale)
-            damping = self.damping if k else 0.0
-            x = x + Z @ projection.least_squares(level.b - level.A @ x, damping)
-            chain.bases.append(Z)
-            chain.rows.append(B)
-            chain.projections.append(projection)
-            chain.points.append(x)
-            if k < len(levels) - 1:
-                Z = projection.remaining(Z)
-        return chain
+    def _guess(self, chain: Chain, owner: Array) -> Solution | None:
+        """The answer if the inequalities held last time, or few others, are the right ones."""
+        levels = chain.levels
+        shape = tuple((len(level.b), len(level.lower)) for level in levels)
+        if shape != self._shape or self._held is None:
+            self._shape, self._held = shape, [Held() for _ in levels]
+        if owner.any():
+            return None  # own inequalities of lower levels are objectives too: that is the descent's business
+        held, first = self._held, 0
+        for _ in range(ROUNDS):
+            chain.run(held, first)
+            wrong = [held[k].side * chain.multipliers(k) < -self.tolerance for k in range(len(levels))]
+            value = chain.C @ chain.points[-1]
+            excess = np.maximum(value - chain.upper, chain.lower - value)
+            for hold in held:
+                excess[hold.rows] = np.abs(excess[hold.rows])
+            beyond = excess > self.tolerance
+            dropped = [k for k in range(len(levels)) if wrong[k].any()]
+            if not dropped and not beyond.any():
+                hard = levels[0]
+                if _relative(hard.A @ chain.points[0] - hard.b, hard.b) > self.tolerance:
+                    return None
+                self._held = held
+                return self._solution(levels, chain.points[-1], {}, Status.SOLVED)
+            if dropped:
+                first = dropped[0]
+                held = [Held(h.rows[~w], h.side[~w]) if w.any() else h for h, w in zip(held, wrong, strict=True)]
+                continue
+            row = int(np.argmax(excess))
+            if any((hold.rows == row).any() for hold in held):
+                return None
+            strength = [float(np.abs(chain.C[row] @ chain.bases[k]).max(initial=0.0)) for k in range(len(levels))]
+            usable = [k for k in range(1, len(levels)) if strength[k] > 1e-6]
+            if not usable:
+                return None
+            first = usable[-1]
+            side = 1.0 if value[row] > chain.upper[row] else -1.0
+            held = list(held)
+            held[first] = Held(np.append(held[first].rows, row), np.append(held[first].side, side))
+        return None
+
+    def _remember(self, levels: Sequence[Level], owner: Array, descent: "_Descent") -> None:
+        if not owner.any():
+            self._held = [descent.held.get(k, Held()) for k in range(len(levels))]
 
     def _solution(
         self,
@@ -146,8 +179,10 @@ class Cascade:
         results = []
         for k, level in enumerate(levels):
             violation = level.violation(x)
-            bounded = level.C @ x
-            active = (bounded >= level.upper - self.tolerance) | (bounded <= level.lower + self.tolerance)
+            active = _NONE
+            if len(level.lower):
+                bounded = level.C @ x
+                active = (bounded >= level.upper - self.tolerance) | (bounded <= level.lower + self.tolerance)
             qp = qps.get(k)
             state = Status.FAILED if failed is not None and k >= failed else qp.status if qp else Status.SOLVED
             residual = qp.residual if qp else 0.0
@@ -157,32 +192,21 @@ class Cascade:
         return Solution(x, results, status)
 
 
-class _Chain:
-    """The equality-only cascade: what every level works in, its rows there, and the point after each."""
+def _relative(residual: Array, b: Array) -> float:
+    return float(np.abs(residual).max(initial=0.0)) / (1.0 + float(np.abs(b).max(initial=0.0)))
 
-    __slots__ = ("bases", "points", "projections", "rows")
 
-    def __init__(self, bases: list[Array], rows: list[Array], projections: list[Projection], points: list[Array]):
-        self.bases, self.rows, self.projections, self.points = bases, rows, projections, points
+_NONE = np.zeros(0, dtype=bool)
 
 
 class _Descent:
     """Levels that need QPs, from a starting level to the last one."""
 
-    def __init__(
-        self,
-        cascade: Cascade,
-        levels: Sequence[Level],
-        chain: _Chain,
-        C: Array,
-        lower: Array,
-        upper: Array,
-        owner: Array,
-    ) -> None:
-        self.cascade, self.levels, self.chain = cascade, levels, chain
-        self.C, self.lower, self.upper, self.owner = C, lower, upper, owner
-        self.bitten = False
+    def __init__(self, cascade: Cascade, levels: Sequence[Level], chain: Chain, owner: Array) -> None:
+        self.cascade, self.levels, self.chain, self.owner = cascade, levels, chain, owner
+        self.C, self.lower, self.upper = chain.C, chain.lower, chain.upper
         self.first_bitten = len(levels)
+        self.held: dict[int, Held] = {}
 
     def run(self, start: int, optional: bool) -> Solution | None:
         """QPs from level `start` on; None if the first one has no solution and was optional."""
@@ -193,7 +217,7 @@ class _Descent:
         Z = self.chain.bases[start]
         frozen = False  # whether violated inequalities have been frozen, so that the chain's bases hold no more
         qps: dict[int, QPResult] = {}
-        self.first_bitten = len(levels)
+        self.first_bitten, self.held = len(levels), {}
         for k in range(start, len(levels)):
             level = levels[k]
             if not frozen:
@@ -241,15 +265,18 @@ class _Descent:
             multipliers[bound] = qp.multipliers[: len(low)]
             multipliers[own] = self.C[own] @ x - np.clip(self.C[own] @ x, lower[own], upper[own])
             held = np.flatnonzero(np.abs(multipliers) > tolerance * (1.0 + np.abs(multipliers).max(initial=0.0)))
-            if len(held) and k < len(levels) - 1:
+            if len(held):
                 self.first_bitten = min(self.first_bitten, k)
+                self.held[k] = Held(held, np.sign(multipliers[held]))
+            if k == len(levels) - 1:
+                break
+            if len(held):
                 lower[held], upper[held] = -np.inf, np.inf
                 B = np.vstack([B, self.C[held] @ Z])
                 frozen = True
-            if frozen and k < len(levels) - 1:
+            if frozen:
                 scale = max(1.0, float(np.abs(B).max(initial=0.0)))
                 Z = project(B, cascade.rank_tolerance * scale).remaining(np.asfortranarray(Z))
-        self.bitten = self.first_bitten == start
         worst = max((qp.status for qp in qps.values()), default=Status.SOLVED)
         return cascade._solution(levels, x, qps, worst)
 

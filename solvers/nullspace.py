@@ -46,6 +46,15 @@ class Projection:
             y = lapack.dormqr("L", "N", self.qr[:, :k], self.tau[:k], y, _WORK)[0]
         return y[:, 0]
 
+    def multipliers(self, g: Array) -> Array:
+        """λ with ``Bᵀ λ = g`` for a g in the range of Bᵀ, shape (m,); 0 for rows that others imply."""
+        k = self.rank
+        out = np.zeros(self.qr.shape[1])
+        if k:
+            turned = lapack.dormqr("L", "T", self.qr[:, :k], self.tau[:k], g[:, None], _WORK)[0]
+            out[self.pivots[:k]], _ = lapack.dtrtrs(self.qr[:k, :k], turned[:k, 0], lower=0)
+        return out
+
     def remaining(self, Z: Array) -> Array:
         """Orthonormal basis of what is left of the columns of Z, shape (rows of Z, n - rank)."""
         if not self.rank:

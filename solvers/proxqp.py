@@ -89,6 +89,7 @@ class PersistentQPs:
         qp = proxqp.dense.QP(n, 0, m, False, proxqp.dense.HessianType.Dense, proxqp.dense.DenseBackend.PrimalDualLDLT)
         qp.settings.eps_abs = self.accuracy
         qp.settings.eps_rel = 0.0
+        qp.settings.eps_primal_inf = 1e-7
         # Without this ProxQP may stop far from the optimum: its residuals say nothing of complementarity.
         qp.settings.check_duality_gap = True
         qp.settings.eps_duality_gap_abs = self.accuracy

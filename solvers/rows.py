@@ -129,6 +129,8 @@ class Level:
 
     def violation(self, x: Array) -> Array:
         """Signed violation of every row at ``x``, equalities first, shape (m + p,); 0 where a row holds."""
+        if not len(self.lower):
+            return self.A @ x - self.b
         value = self.C @ x
         excess = np.maximum(value - self.upper, 0.0) + np.minimum(value - self.lower, 0.0)
         return np.concatenate([self.A @ x - self.b, excess])
