@@ -50,6 +50,10 @@ class Contact:
         centre = vertices.mean(axis=0)
         self.vertices = vertices - inset * np.sign(vertices - centre) * [1.0, 1.0, 0.0]
         self.friction, self.stiffness, self.damping = friction, stiffness, damping
+        self._map = self._empty_map()
+        self._cone = (
+            self._pyramids() if form == "pyramid" else np.hstack([np.zeros((len(vertices), 6)), np.eye(len(vertices))])
+        )
 
     @property
     def force_count(self) -> int:
@@ -65,18 +69,16 @@ class Contact:
         return {"fixed": (0, 1, 2, 3, 4, 5), "sliding": (2, 3, 4), "off": ()}[self.mode]
 
     def wrench_map(self, tick: Tick) -> Array:
-        """Map from φ to the wrench (force, moment about the point) that the floor exerts, world axes, (6, k)."""
-        count = len(self.vertices)
-        if self.form == "unilateral":
-            return np.hstack([np.eye(6), np.zeros((6, count))])
-        G = np.zeros((6, 3 * count))
-        arms = self.vertices @ tick.frame(self.point).rotation.T
-        for i, (x, y, z) in enumerate(arms):
-            k = 3 * i
-            G[0, k] = G[1, k + 1] = G[2, k + 2] = 1.0
-            G[3, k + 1], G[3, k + 2] = -z, y
-            G[4, k], G[4, k + 2] = z, -x
-            G[5, k], G[5, k + 1] = -y, x
+        """Map from φ to the wrench (force, moment about the point) that the floor exerts, world axes, (6, k).
+
+        The array is the contact's own, valid until the next tick.
+        """
+        G = self._map
+        if self.form == "pyramid":
+            x, y, z = tick.frame(self.point).rotation @ self.vertices.T
+            G[3, 1::3], G[3, 2::3] = -z, y
+            G[4, 0::3], G[4, 2::3] = z, -x
+            G[5, 0::3], G[5, 1::3] = -y, x
         return G
 
     def force_equalities(self, tick: Tick) -> Array:
@@ -97,14 +99,10 @@ class Contact:
         count = len(self.vertices)
         top = np.inf if self.load >= 1.0 else self.load * largest / count
         if self.form == "unilateral":
-            C = np.hstack([np.zeros((count, 6)), np.eye(count)])
-            return C, np.zeros(count), np.full(count, top)
-        mu = self.friction / np.sqrt(2.0)  # inscribed: on its diagonals the pyramid reaches the cone, not beyond
-        corner = np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu], [0, 0, 1]])
-        C = np.kron(np.eye(count), corner)
-        lower = np.tile([-np.inf] * 4 + [0.0], count)
-        upper = np.tile([0.0] * 4 + [top], count)
-        return C, lower, upper
+            return self._cone, np.zeros(count), np.full(count, top)
+        lower, upper = np.full(5 * count, -np.inf), np.zeros(5 * count)
+        lower[4::5], upper[4::5] = 0.0, top
+        return self._cone, lower, upper
 
     def acceleration(self, tick: Tick) -> Array:
         """Acceleration that the held surface is to have, shape (6,): none, but for laying it flat and at rest.
@@ -126,3 +124,16 @@ class Contact:
         frame = tick.frame(self.point)
         ground = frame.position[:2] + (self.vertices @ frame.rotation.T)[:, :2]
         return normal @ ground, float(normal.sum())
+
+    def _empty_map(self) -> Array:
+        """The part of `wrench_map` that no motion changes."""
+        count = len(self.vertices)
+        if self.form == "unilateral":
+            return np.hstack([np.eye(6), np.zeros((6, count))])
+        return np.vstack([np.tile(np.eye(3), count), np.zeros((3, 3 * count))])
+
+    def _pyramids(self) -> Array:
+        """Friction pyramids of all vertices, with the normal force as every fifth row."""
+        mu = self.friction / np.sqrt(2.0)  # inscribed: on its diagonals the pyramid reaches the cone, not beyond
+        corner = np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu], [0, 0, 1]])
+        return np.kron(np.eye(len(self.vertices)), corner)

@@ -42,6 +42,10 @@ class Decoded:
     wrenches: list[Array]
 
 
+FRICTION_GIVES_WAY = 3
+"""Place of the friction pyramids in the order in which level 0 is relaxed: the last."""
+
+
 class Dynamics:
     """Builds a tick's levels in the variables of one form, and reads the answer back.
 
@@ -110,105 +114,57 @@ class Dynamics:
             self._torque_offset = tick.h[6:]
 
     def _hard(self, tick: Tick, contacts: Sequence[Contact], hard: Sequence[Task]) -> Level:
-        nv, na, n = self.robot.nv, self.robot.na, self._size
+        equal, bounded = _Stacked(self._size, True), _Stacked(self._size, False)
+        nv, na = self.robot.nv, self.robot.na
         if self.form == "condensed":
-            motion = np.concatenate([tick.M[:6], -self._jt[:6]], axis=1) / self.weight
-            offset = -tick.h[:6] / self.weight
+            motion = np.concatenate([tick.M[:6], -self._jt[:6]], axis=1)
+            offset = -tick.h[:6]
         else:
-            motion = np.zeros((nv, n))
-            motion[:, :nv] = tick.M
+            motion = np.concatenate([tick.M, np.zeros((nv, na)), -self._jt], axis=1)
             motion[6:, nv : nv + na] = -self.torque_unit * np.eye(na)
-            motion[:, self._force] = -self._jt
-            motion /= self.weight
-            offset = -tick.h / self.weight
-        A, b = [motion], [offset]
-        blocks = [Block("Dynamics", "N", 1.0 / self.weight, True, slice(0, len(offset)))]
-        C, lower, upper = [], [], []
-        top = 0
+            offset = -tick.h
+        equal.add(motion / self.weight, offset / self.weight, Block("Dynamics", "N", 1.0 / self.weight, True, slice(0)))
         for contact, part in zip(contacts, self._parts, strict=True):
-            held = list(contact.held)
-            if held:
-                rows = np.zeros((len(held), n))
+            if held := contact.held:
+                of = list(held)
+                rows = np.zeros((len(of), self._size))
                 frame = tick.frame(contact.point)
-                rows[:, :nv] = frame.jacobian[held]
-                A.append(rows)
-                b.append((contact.acceleration(tick) - frame.drift)[held])
-                start = blocks[-1].rows.stop
-                blocks.append(Block(f"Contact {contact.point}", "m/s²", 1.0, True, slice(start, start + len(held))))
+                rows[:, :nv] = frame.jacobian[of]
+                wanted = (contact.acceleration(tick) - frame.drift)[of]
+                equal.add(rows, wanted, Block(f"Contact {contact.point}", "m/s²", 1.0, True, slice(0)))
             if part.stop > part.start:
                 columns = slice(self._force.start + part.start, self._force.start + part.stop)
-                E = contact.force_equalities(tick)
-                if len(E):
-                    rows = np.zeros((len(E), n))
+                if len(E := contact.force_equalities(tick)):
+                    rows = np.zeros((len(E), self._size))
                     rows[:, columns] = E
-                    A.append(rows)
-                    b.append(np.zeros(len(E)))
-                    start = blocks[-1].rows.stop
-                    blocks.append(Block(f"Pressure {contact.point}", "N", 1.0, True, slice(start, start + len(E))))
+                    equal.add(rows, np.zeros(len(E)), Block(f"Pressure {contact.point}", "N", 1.0, True, slice(0)))
                 F, low, high = contact.force_inequalities(2.0 * self.weight)
-                rows = np.zeros((len(F), n))
+                rows = np.zeros((len(F), self._size))
                 rows[:, columns] = F
-                C.append(rows)
-                lower.append(low / self.force_unit)
-                upper.append(high / self.force_unit)
-                where = slice(top, top + len(F))
-                blocks.append(Block(f"Friction {contact.point}", "N", 1.0 / self.force_unit, False, where, 3))
-                top = where.stop
-        equalities = sum(len(part) for part in b)
+                unit = 1.0 / self.force_unit
+                label = Block(f"Friction {contact.point}", "N", unit, False, slice(0), FRICTION_GIVES_WAY)
+                bounded.add(rows, low * unit, label, high * unit)
         for task in hard:
-            rows = task.rows(tick)
-            matrix, low, high = self._columns(task, rows)
-            if task.equality:
-                A.append(matrix)
-                b.append(low)
-                where = slice(equalities, equalities + len(low))
-                equalities = where.stop
-            else:
-                C.append(matrix)
-                lower.append(low)
-                upper.append(high)
-                where = slice(top, top + len(low))
-                top = where.stop
-            blocks.append(Block(task.name, task.unit, rows.weight, task.equality, where, task.gives_way))
-        return Level(
-            "hard",
-            np.concatenate(A),
-            np.concatenate(b),
-            np.concatenate([np.zeros((0, n)), *C]),
-            np.concatenate([np.zeros(0), *lower]),
-            np.concatenate([np.zeros(0), *upper]),
-            blocks,
-        )
+            self._add(task, tick, equal, bounded)
+        return _level("hard", equal, bounded)
 
     def _level(self, name: str, tasks: Sequence[Task], tick: Tick) -> Level:
-        equal, bounded = [], []
-        blocks = []
-        m = p = 0
+        equal, bounded = _Stacked(self._size, True), _Stacked(self._size, False)
         for task in tasks:
-            rows = task.rows(tick)
-            matrix, low, high = self._columns(task, rows)
-            if task.equality:
-                equal.append((matrix, low))
-                where = slice(m, m := m + len(low))
-            else:
-                bounded.append((matrix, low, high))
-                where = slice(p, p := p + len(low))
-            blocks.append(Block(task.name, task.unit, rows.weight, task.equality, where))
-        none = np.zeros((0, self._size))
-        return Level(
-            name,
-            np.concatenate([none, *(A for A, _ in equal)]),
-            np.concatenate([none[:, 0], *(b for _, b in equal)]),
-            np.concatenate([none, *(C for C, _, _ in bounded)]),
-            np.concatenate([none[:, 0], *(low for _, low, _ in bounded)]),
-            np.concatenate([none[:, 0], *(high for _, _, high in bounded)]),
-            blocks,
-        )
+            self._add(task, tick, equal, bounded)
+        return _level(name, equal, bounded)
+
+    def _add(self, task: Task, tick: Tick, equal: "_Stacked", bounded: "_Stacked") -> None:
+        rows = task.rows(tick)
+        matrix, low, high = self._columns(task, rows)
+        block = Block(task.name, task.unit, rows.weight, task.equality, slice(0), task.gives_way)
+        (equal if task.equality else bounded).add(matrix, low, block, high)
 
     def _columns(self, task: Task, rows: Rows) -> tuple[Array, Array, Array]:
         """A task's rows, weighted, in the columns of x."""
         nv, w = self.robot.nv, rows.weight
-        low, high = w * rows.lower, w * rows.upper
+        low = w * rows.lower
+        high = low if task.equality else w * rows.upper
         if task.on == "torque" and self.form == "condensed":
             shift = w * (rows.A @ self._torque_offset)
             return (w * rows.A) @ self._torque_map, low - shift, high - shift
@@ -220,3 +176,48 @@ class Dynamics:
         else:
             A[:, self._force] = (w * self.force_unit) * rows.A
         return A, low, high
+
+
+class _Stacked:
+    """Rows of one level and kind, gathered."""
+
+    __slots__ = ("blocks", "equality", "high", "low", "matrices", "size")
+
+    def __init__(self, size: int, equality: bool) -> None:
+        self.size, self.equality = size, equality
+        self.matrices: list[Array] = []
+        self.low: list[Array] = []
+        self.high: list[Array] = []
+        self.blocks: list[Block] = []
+
+    def add(self, matrix: Array, low: Array, block: Block, high: Array | None = None) -> None:
+        start = self.blocks[-1].rows.stop if self.blocks else 0
+        block.rows = slice(start, start + len(low))
+        self.blocks.append(block)
+        self.matrices.append(matrix)
+        self.low.append(low)
+        if high is not None:
+            self.high.append(high)
+
+    def matrix(self) -> Array:
+        if len(self.matrices) == 1:
+            return self.matrices[0]
+        return np.concatenate(self.matrices) if self.matrices else np.empty((0, self.size))
+
+
+def _joined(parts: list[Array]) -> Array:
+    if len(parts) == 1:
+        return parts[0]
+    return np.concatenate(parts) if parts else np.empty(0)
+
+
+def _level(name: str, equal: _Stacked, bounded: _Stacked) -> Level:
+    return Level(
+        name,
+        equal.matrix(),
+        _joined(equal.low),
+        bounded.matrix(),
+        _joined(bounded.low),
+        _joined(bounded.high),
+        equal.blocks + bounded.blocks,
+    )

@@ -1,7 +1,7 @@
 """The contract between what a stack is made of and what runs it."""
 
 from abc import ABC, abstractmethod
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -10,6 +10,22 @@ from sot.tick import Tick
 
 Array = np.ndarray
 On = Literal["acceleration", "torque", "force"]
+
+
+class Pose(NamedTuple):
+    """Where a point is to be and how it is to move, in the world.
+
+    Args:
+        position: Shape (3,) [m].
+        rotation: Shape (3, 3).
+        velocity: Linear over angular, world axes, shape (6,) [m/s, rad/s].
+        acceleration: Its derivative, shape (6,) [m/s², rad/s²].
+    """
+
+    position: Array
+    rotation: Array
+    velocity: Array
+    acceleration: Array
 
 
 class Task(ABC):

@@ -6,7 +6,7 @@ from tasks.center_of_mass import CenterOfMass
 from tasks.contact_forces import LeastForces
 from tasks.foot_sliding import FootSliding
 from tasks.momentum import AngularMomentum
-from tasks.operational_point import OperationalPoint, Pose
+from tasks.operational_point import OperationalPoint
 from tasks.posture import Posture
 
 __all__ = [
@@ -17,7 +17,6 @@ __all__ = [
     "JointBounds",
     "LeastForces",
     "OperationalPoint",
-    "Pose",
     "Posture",
     "TorqueBounds",
 ]

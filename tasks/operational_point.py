@@ -1,35 +1,17 @@
 """Position and orientation of a point of the robot, any axes of them, Ramos (18)-(19)."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
 from sot.robot import Robot
-from sot.task import MotionTask
+from sot.task import MotionTask, Pose
 from sot.tick import Tick
 
 Array = np.ndarray
 AXES = "xyzRPY"
-
-
-@dataclass(slots=True)
-class Pose:
-    """Where a point is to be and how it is to move, in the world.
-
-    Args:
-        position: Shape (3,) [m].
-        rotation: Shape (3, 3).
-        velocity: Linear and angular, world axes, shape (6,).
-        acceleration: Its derivative, shape (6,).
-    """
-
-    position: Array
-    rotation: Array
-    velocity: Array
-    acceleration: Array
 
 
 PoseReference = Callable[[float], Pose]

@@ -2,7 +2,7 @@
 
 import itertools
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from sot.errors import InputError
 from sot.motion.contacts import Phase
 from sot.robot import Robot
+from sot.task import Pose
 
 Array = NDArray[np.float64]
 
@@ -94,6 +95,37 @@ class Motion:
         if x > k:
             row = row + (x - k) * (self._table[k + 1] - row)
         return MotionSample._make([row[part] for part in self._slices])
+
+    def joints(self, t: float) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration of the actuated joints at a time [s], (na,) each: a posture's reference."""
+        now = self.sample(t)
+        return now.q[7:], now.v[6:], now.a[6:]
+
+    def balance(self, t: float) -> tuple[Array, Array, Array, Array]:
+        """CoM (3,), its velocity and acceleration, and the ZMP (2,) at a time [s]: a balance task's reference."""
+        now = self.sample(t)
+        return now.com, now.com_velocity, now.com_acceleration, now.zmp
+
+    def pose(self, point: str) -> Callable[[float], Pose]:
+        """An operational point's reference: its pose, velocity and acceleration at any time [s].
+
+        Raises:
+            InputError: the robot has no such point.
+        """
+        track, last = self.track(point), len(self.q) - 1
+
+        def at(t: float) -> Pose:
+            x = min(max(t * self.rate, 0.0), float(last))
+            k = int(x)
+            dt = (x - k) / self.rate
+            pose = Pose(track.position[k], track.rotation[k], track.velocity[k], track.acceleration[k])
+            if not dt:
+                return pose
+            turn = pin.exp3(dt * pose.velocity[3:])
+            velocity = pose.velocity + dt * pose.acceleration
+            return Pose(pose.position + dt * pose.velocity[:3], turn @ pose.rotation, velocity, pose.acceleration)
+
+        return at
 
     def track(self, point: str) -> Track:
         """The path of an operational point of the robot, computed once.
