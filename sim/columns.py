@@ -1,0 +1,79 @@
+"""Whole columns of a run, sent to a rerun recording at once."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import rerun as rr
+
+TIMELINE = "time"
+Color = tuple[int, int, int]
+Entity = str | Sequence[str]  # a path, or its parts where they may hold any character
+COLORS: dict[str, Color] = {
+    "measured": (255, 140, 40),
+    "controller": (90, 170, 255),
+    "planned": (110, 210, 110),
+    "limit": (215, 60, 60),
+    "com": (250, 220, 60),
+    "human": (235, 200, 120),
+    "ghost": (120, 165, 130),
+    "floor": (58, 62, 70),
+    "grid": (80, 85, 95),
+    "text": (225, 225, 225),
+}
+SERIES: tuple[Color, ...] = (
+    *((235, 90, 90), (80, 180, 95), (80, 140, 245), (225, 165, 40)),
+    *((175, 105, 225), (60, 185, 195), (150, 150, 150)),
+)
+
+
+class Columns:
+    """A rerun recording that takes arrays over time."""
+
+    def __init__(self, stream: rr.RecordingStream) -> None:
+        self.stream = stream
+
+    def static(self, entity: Entity, *archetypes: rr.AsComponents) -> None:
+        """What holds for the whole recording."""
+        self.stream.log(_path(entity), *archetypes, static=True)
+
+    def over_time(self, entity: Entity, times: np.ndarray, columns: rr.ComponentColumnList) -> None:
+        """Component columns with one row per time [s]."""
+        self.stream.send_columns(_path(entity), [rr.TimeColumn(TIMELINE, duration=times)], columns)
+
+    def curves(
+        self,
+        entity: Entity,
+        times: np.ndarray,
+        values: np.ndarray,
+        names: Sequence[str],
+        colors: str | Sequence[str] = (),
+    ) -> None:
+        """Curves (T, n), or (T,) for a single one, with their names.
+
+        Args:
+            entity: where they go.
+            times: (T,) [s].
+            values: the curves; nan where there is nothing to show.
+            names: one a curve.
+            colors: names of `COLORS`, one a curve or one for all; otherwise each gets a colour of its own.
+        """
+        values = values.reshape(len(times), -1)
+        if isinstance(colors, str):
+            colors = [colors] * len(names)
+        shades = [COLORS[color] for color in colors] or [SERIES[k % len(SERIES)] for k in range(len(names))]
+        self.static(entity, rr.SeriesLines(names=list(names), colors=shades, widths=[1.5] * len(names)))
+        # Seven digits are enough to look at, and the zeros behind them make the file smaller.
+        rounded = values.astype(np.float32).astype(np.float64)
+        columns = rr.Scalars.columns(scalars=rounded.ravel())
+        self.over_time(entity, times, columns.partition([values.shape[1]] * len(times)))
+
+    def points(self, entity: Entity, times: np.ndarray, positions: np.ndarray, color: str, radius: float) -> None:
+        """A point (T, 3) that moves, not shown where it is nan."""
+        seen = np.isfinite(positions).all(axis=1)
+        self.static(entity, rr.Points3D.from_fields(colors=[COLORS[color]], radii=[radius]))
+        columns = rr.Points3D.columns(positions=positions[seen].astype(np.float32))
+        self.over_time(entity, times, columns.partition(seen.astype(int)))
+
+
+def _path(entity: Entity) -> str:
+    return entity if isinstance(entity, str) else rr.new_entity_path(entity)

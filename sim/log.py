@@ -1,0 +1,147 @@
+"""What a run leaves behind: one row a control tick, and the facts that hold for the whole run."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Self
+
+import numpy as np
+
+from sot.robot import Robot
+
+FOOT_OFF, FOOT_FIXED, FOOT_SLIDING = 0, 1, 2
+"""Values of `RunLog.foot_mode`."""
+
+
+@dataclass(slots=True)
+class RunLog:
+    """Columns of a run, allocated at once and filled row by row; only the first `ticks` rows are used.
+
+    Conventions are Pinocchio's, feet in the order of `Robot.feet`, vectors in world axes, SI units. What was not
+    measured at a tick is nan.
+
+    Attributes:
+        ticks: rows in use.
+        level_names: names of the stack's levels below the hard one, in order.
+        level_units: unit of each level's error.
+        time: start of the tick [s], (T,).
+        q, v: simulated configuration and velocity, (T, nq) and (T, nv).
+        torque: commanded joint torque before any actuator clamps it [N m], (T, na).
+        acceleration: commanded generalised acceleration, (T, nv).
+        foot_wrench: measured force and moment of the floor on each foot, the moment about the foot frame's origin
+            [N, N m], (T, 2, 6).
+        foot_mode: planned contact of each foot, `FOOT_OFF`, `FOOT_FIXED` or `FOOT_SLIDING`, (T, 2).
+        foot_ramp: share of its largest normal force that each foot may take, 0..1, (T, 2).
+        zmp_measured: from the measured contact forces [m], (T, 2); nan without load.
+        zmp_control: predicted by the controller, Ramos (11) [m], (T, 2).
+        zmp_planned: of the reference [m], (T, 2).
+        com: centre of mass of the simulated robot [m], (T, 3).
+        level_error: norm of each level's error, in its unit, (T, L).
+        level_slack: norm of each level's violation, (T, L).
+        level_active: active inequality rows of each level, (T, L).
+        status: `solvers.rows.Status` of the tick, (T,).
+        residual: largest violation of what the tick's answer had to preserve, (T,).
+        tick_us: time of the whole tick [µs], (T,).
+        model_us, assemble_us, solve_us: its parts: robot model, rows, solver [µs], (T,).
+        self_distance: least distance between bodies of the robot [m], (T,); measured at a lower rate, nan between.
+    """
+
+    ticks: int
+    level_names: tuple[str, ...]
+    level_units: tuple[str, ...]
+    time: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    torque: np.ndarray
+    acceleration: np.ndarray
+    foot_wrench: np.ndarray
+    foot_mode: np.ndarray
+    foot_ramp: np.ndarray
+    zmp_measured: np.ndarray
+    zmp_control: np.ndarray
+    zmp_planned: np.ndarray
+    com: np.ndarray
+    level_error: np.ndarray
+    level_slack: np.ndarray
+    level_active: np.ndarray
+    status: np.ndarray
+    residual: np.ndarray
+    tick_us: np.ndarray
+    model_us: np.ndarray
+    assemble_us: np.ndarray
+    solve_us: np.ndarray
+    self_distance: np.ndarray
+
+    @classmethod
+    def allocate(
+        cls, robot: Robot, ticks: int, level_names: Sequence[str] = (), level_units: Sequence[str] = ()
+    ) -> Self:
+        """An empty log with room for a number of ticks."""
+        feet, levels = len(robot.feet), len(level_names)
+        shapes: dict[str, tuple[int, ...]] = {
+            "q": (robot.nq,),
+            "v": (robot.nv,),
+            "torque": (robot.na,),
+            "acceleration": (robot.nv,),
+            "foot_wrench": (feet, 6),
+            "foot_ramp": (feet,),
+            "zmp_measured": (2,),
+            "zmp_control": (2,),
+            "zmp_planned": (2,),
+            "com": (3,),
+            "level_error": (levels,),
+            "level_slack": (levels,),
+        }
+        columns = {
+            field.name: np.full((ticks, *shapes.get(field.name, ())), np.nan)
+            for field in fields(cls)
+            if field.type is np.ndarray
+        }
+        columns["foot_mode"] = np.zeros((ticks, feet), dtype=np.int8)
+        columns["level_active"] = np.zeros((ticks, levels), dtype=np.int32)
+        columns["status"] = np.zeros(ticks, dtype=np.int8)
+        return cls(ticks=0, level_names=tuple(level_names), level_units=tuple(level_units), **columns)
+
+    def trimmed(self) -> Self:
+        """The rows in use, as views."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return type(self)(
+            **{name: value[: self.ticks] if isinstance(value, np.ndarray) else value for name, value in values.items()}
+        )
+
+    @property
+    def period(self) -> float:
+        """Control period [s]."""
+        return float(self.time[1] - self.time[0]) if self.ticks > 1 else 0.0
+
+    def rows_at(self, rate: float) -> np.ndarray:
+        """Rows in use that lie closest to a lower rate [Hz]."""
+        if self.ticks < 2:
+            return np.arange(self.ticks)
+        step = max(1.0 / (rate * self.period), 1.0)
+        return np.round(np.arange(0.0, self.ticks - 0.5, step)).astype(int).clip(max=self.ticks - 1)
+
+
+@dataclass(frozen=True, slots=True)
+class RunInfo:
+    """What was run, and how it ended.
+
+    Attributes:
+        clip, robot, solver, feet: what was asked for, by name.
+        rate_hz: control rate.
+        speed: playing speed, 1 is the dancer's; `speed_min` the slowest at any moment, and `stretched_s` the time
+            that slowing down added.
+        wall_s: wall-clock time of controller, physics and recording [s].
+        fell_at_s: when the robot fell, None if it did not; `reason` says by which sign.
+    """
+
+    clip: str
+    robot: str
+    solver: str
+    feet: str
+    rate_hz: float
+    wall_s: float
+    speed: float = 1.0
+    speed_min: float = 1.0
+    stretched_s: float = 0.0
+    fell_at_s: float | None = None
+    reason: str = ""

@@ -1,0 +1,29 @@
+"""The support that a run's planned contacts give, tick by tick."""
+
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+
+from sim.log import FOOT_FIXED, RunLog
+from sot.motion.contacts import Phase, Polygon, phase_at, support
+from sot.motion.trajectory import Motion
+
+
+def planned_support(log: RunLog, motion: Motion) -> Iterator[tuple[np.ndarray, Polygon]]:
+    """Rows of a log that share a support polygon, with that polygon; rows without support are left out.
+
+    A foot counts where the plan puts it, while its contact is fixed and its force ramp is over.
+    """
+    feet = motion.robot.feet
+    carries = (log.foot_mode == FOOT_FIXED) & (log.foot_ramp >= 1.0)
+    phases = phase_at(motion.phases, log.time)
+    for index, phase in enumerate(motion.phases):
+        here = phases == index
+        for loads in product((False, True), repeat=len(feet)):
+            standing = {
+                foot: phase.feet[foot] for foot, on in zip(feet, loads, strict=True) if on and foot in phase.feet
+            }
+            rows = np.flatnonzero(here & (carries == loads).all(axis=1))
+            if standing and len(rows):
+                yield rows, support(motion.robot, Phase(phase.start, phase.end, standing))

@@ -1,0 +1,174 @@
+"""What a recording shows in 3D: the robot between the human and its reference, forces, support, CoM and ZMP."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import rerun as rr
+from scipy.spatial.transform import Rotation
+
+from sim.columns import COLORS, Color, Columns
+from sim.log import RunLog
+from sim.shapes import Shape, read_shapes
+from sim.support import planned_support
+from sot.motion.human import SEGMENTS, SIDES, Human
+from sot.motion.trajectory import Motion
+from sot.robot import Robot
+
+FRAME_RATE = 60.0  # Hz; curves keep the control rate
+BESIDE = 1.2  # m from the robot to the human on one side and to its reference on the other
+METRES_PER_NEWTON = 1e-3  # length of a force arrow
+ON_FLOOR = 0.004  # m: what lies on the floor is drawn this much above it
+BONES = (
+    *(bone for name, bone in SEGMENTS.items() if name != "trunk"),
+    *pairwise(("waist", "chest", "neck", "head")),
+    *((start, f"{side}_{end}") for side in SIDES for start, end in (("waist", "hip"), ("neck", "shoulder"))),
+    *((f"{side}_ankle", f"{side}_toe") for side in SIDES),
+)
+
+
+def send_visuals(columns: Columns, log: RunLog, motion: Motion, human: Human) -> None:
+    """Send all that is seen in 3D, `FRAME_RATE` times a second."""
+    rows = log.rows_at(FRAME_RATE)
+    times = log.time[rows]
+    shapes = read_shapes(motion.robot.path)
+    columns.static("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+    _send_floor(columns)
+    _send_robot(columns, "world/robot", motion.robot, shapes, times, log.q[rows])
+    reference = motion.q[nearest_frames(times, motion.rate, len(motion.q))]
+    _send_robot(columns, "world/reference", motion.robot, shapes, times, reference, ghost=COLORS["ghost"])
+    _send_human(columns, human, times)
+    columns.static("world/reference", rr.Transform3D(translation=[0.0, BESIDE, 0.0]))
+    columns.static("world/human", rr.Transform3D(translation=[0.0, -BESIDE, 0.0]))
+    _send_names(columns, motion.robot)
+    _send_forces(columns, log, motion.robot, rows)
+    _send_balance(columns, log, motion, rows)
+
+
+def nearest_frames(times: np.ndarray, rate: float, count: int) -> np.ndarray:
+    """Indices (T,) of the closest of `count` frames from time 0 on, at a rate [Hz]."""
+    return np.round(times * rate).astype(int).clip(0, count - 1)
+
+
+def body_poses(robot: Robot, bodies: list[str], q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """World positions (B, T, 3) [m] and rotations (B, T, 3, 3) of bodies at configurations (T, nq)."""
+    data = robot.model.createData()
+    frames = [robot.model.getFrameId(body, pin.FrameType.BODY) for body in bodies]
+    positions = np.empty((len(bodies), len(q), 3))
+    rotations = np.empty((len(bodies), len(q), 3, 3))
+    for row, configuration in enumerate(q):
+        pin.framesForwardKinematics(robot.model, data, configuration)
+        for body, frame in enumerate(frames):
+            placement = data.oMf[frame]
+            positions[body, row] = placement.translation
+            rotations[body, row] = placement.rotation
+    return positions, rotations
+
+
+def _send_floor(columns: Columns) -> None:
+    half = np.array([2.0, 3.0, 0.01])
+    slab = rr.Boxes3D(half_sizes=[half], centers=[[0.0, 0.0, -0.012]], colors=[COLORS["floor"]], fill_mode="solid")
+    columns.static("world/floor", slab)
+    across = [[[x, -half[1], 0.0], [x, half[1], 0.0]] for x in np.arange(-half[0], half[0] + 0.1, 0.5)]
+    along = [[[-half[0], y, 0.0], [half[0], y, 0.0]] for y in np.arange(-half[1], half[1] + 0.1, 0.5)]
+    columns.static("world/floor/grid", rr.LineStrips3D(across + along, colors=[COLORS["grid"]], radii=[0.002]))
+
+
+def _send_robot(
+    columns: Columns,
+    entity: str,
+    robot: Robot,
+    shapes: list[Shape],
+    times: np.ndarray,
+    q: np.ndarray,
+    ghost: Color | None = None,
+) -> None:
+    """A robot's shapes on its moving bodies; a ghost has one colour."""
+    bodies = sorted({shape.body for shape in shapes})
+    positions, rotations = body_poses(robot, bodies, q)
+    for body, position, rotation in zip(bodies, positions, rotations, strict=True):
+        quaternion = Rotation.from_matrix(rotation).as_quat()
+        columns.over_time(
+            f"{entity}/{body}", times, rr.Transform3D.columns(translation=position, quaternion=quaternion)
+        )
+        columns.static(f"{entity}/{body}", *_archetypes([shape for shape in shapes if shape.body == body], ghost))
+
+
+def _archetypes(shapes: list[Shape], ghost: Color | None) -> Iterator[rr.AsComponents]:
+    """A body's shapes, those of a kind together: few entities make a recording that opens fast."""
+    for kind in sorted({shape.kind for shape in shapes}):
+        alike = [shape for shape in shapes if shape.kind == kind]
+        sizes = np.array([shape.half_sizes for shape in alike])
+        centers = np.array([shape.position for shape in alike])
+        quaternions = np.array([shape.quaternion for shape in alike])
+        colors = [ghost or shape.color for shape in alike]
+        look: dict[str, Any] = {"quaternions": quaternions, "colors": colors, "fill_mode": "solid"}
+        if kind == "box":
+            yield rr.Boxes3D(half_sizes=sizes, centers=centers, **look)
+        elif kind == "ellipsoid":
+            yield rr.Ellipsoids3D(half_sizes=sizes, centers=centers, **look)
+        elif kind == "cylinder":
+            yield rr.Cylinders3D(lengths=2 * sizes[:, 2], radii=sizes[:, 0], centers=centers, **look)
+        else:
+            axes = Rotation.from_quat(quaternions).as_matrix()[:, :, 2]
+            ends = centers - sizes[:, 2:] * axes  # rerun's capsule starts at one end
+            yield rr.Capsules3D(lengths=2 * sizes[:, 2], radii=sizes[:, 0], translations=ends, **look)
+
+
+def _send_human(columns: Columns, human: Human, times: np.ndarray) -> None:
+    frames = nearest_frames(times, human.rate, human.count)
+    ends = [np.stack([human.points[near][frames], human.points[far][frames]], axis=1) for near, far in BONES]
+    strips = np.stack(ends, axis=1).reshape(-1, 2, 3).astype(np.float32)
+    columns.static("world/human/bones", rr.LineStrips3D.from_fields(colors=[COLORS["human"]], radii=[0.018]))
+    columns.over_time(
+        "world/human/bones", times, rr.LineStrips3D.columns(strips=strips).partition([len(BONES)] * len(times))
+    )
+
+
+def _send_names(columns: Columns, robot: Robot) -> None:
+    names = ["human, scaled", robot.label, "reference"]
+    places = [[0.0, side * BESIDE, 1.75] for side in (-1, 0, 1)]
+    columns.static(
+        "world/names", rr.Points3D(places, labels=names, radii=[0.001], colors=[COLORS["text"]], show_labels=True)
+    )
+
+
+def _send_forces(columns: Columns, log: RunLog, robot: Robot, rows: np.ndarray) -> None:
+    """The floor's force on each foot, from its centre of pressure."""
+    data = robot.model.createData()
+    origins = np.empty((len(robot.feet), len(rows), 3))
+    for index, q in enumerate(log.q[rows]):
+        pin.forwardKinematics(robot.model, data, q)
+        for foot, name in enumerate(robot.feet):
+            origins[foot, index] = pin.updateFramePlacement(robot.model, data, robot.point(name)).translation
+    for foot, name in enumerate(robot.feet):
+        wrench = log.foot_wrench[rows, foot]
+        loaded = wrench[:, 2] > 1.0
+        force, moment = wrench[loaded, :3], wrench[loaded, 3:]
+        origin = origins[foot, loaded]
+        origin[:, 0] -= moment[:, 1] / force[:, 2]
+        origin[:, 1] += moment[:, 0] / force[:, 2]
+        entity = f"world/contact/{name}"
+        columns.static(entity, rr.Arrows3D.from_fields(colors=[COLORS["measured"]], radii=[0.008]))
+        arrows = rr.Arrows3D.columns(vectors=METRES_PER_NEWTON * force, origins=origin)
+        columns.over_time(entity, log.time[rows], arrows.partition(loaded.astype(int)))
+
+
+def _send_balance(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray) -> None:
+    times = log.time[rows]
+    columns.points("world/balance/com", times, log.com[rows], "com", 0.03)
+    on_floor = np.full((len(rows), 1), ON_FLOOR)
+    zmps = {"measured": log.zmp_measured, "controller": log.zmp_control, "planned": log.zmp_planned}
+    for name, zmp in zmps.items():
+        columns.points(f"world/balance/zmp_{name}", times, np.hstack([zmp[rows], on_floor]), name, 0.012)
+    outlines: dict[int, np.ndarray] = {}
+    for shared, polygon in planned_support(log, motion):
+        closed = np.vstack([polygon.vertices, polygon.vertices[:1]])
+        outline = np.column_stack([closed, np.full(len(closed), ON_FLOOR)]).astype(np.float32)
+        outlines.update(dict.fromkeys(np.intersect1d(shared, rows).tolist(), outline))
+    columns.static("world/contact/support", rr.LineStrips3D.from_fields(colors=[COLORS["planned"]], radii=[0.005]))
+    shown = [outlines[row] for row in rows.tolist() if row in outlines]
+    lengths = [int(row in outlines) for row in rows.tolist()]
+    columns.over_time("world/contact/support", times, rr.LineStrips3D.columns(strips=shown).partition(lengths))
