@@ -39,7 +39,7 @@ class FrameState:
 
 
 class Tick:
-    """Model quantities of one state (q, v); `update` moves it to the next one, in place.
+    """Model quantities of one state (q, v); `update` moves it to the next one, in place: copy an array to keep it.
 
     Attributes:
         t: Time [s].
@@ -62,6 +62,7 @@ class Tick:
         self._rest = np.zeros(robot.nv)
         self._frames: dict[str, FrameState] = {}
         self._com_jacobian: Array | None = None
+        self._centroidal: tuple[Array, Array, Array] | None = None
         self.update(0.0, robot.rest, self._rest)
 
     def update(self, t: float, q: Array, v: Array) -> "Tick":
@@ -79,6 +80,7 @@ class Tick:
         pin.updateFramePlacements(model, data)
         self._frames.clear()
         self._com_jacobian = None
+        self._centroidal = None
         return self
 
     @property
@@ -114,8 +116,10 @@ class Tick:
 
         Linear part first, world axes.
         """
-        model = self.robot.model
-        data = self._momentum_data  # its own: the frames' drifts in `data` must survive
-        drift = pin.computeCentroidalMomentumTimeVariation(model, data, self.q, self.v, self._rest).vector.copy()
-        matrix = pin.ccrba(model, data, self.q, self.v)
-        return data.hg.vector.copy(), matrix, drift
+        if self._centroidal is None:
+            model = self.robot.model
+            data = self._momentum_data  # its own: the frames' drifts in `data` must survive
+            drift = pin.computeCentroidalMomentumTimeVariation(model, data, self.q, self.v, self._rest).vector.copy()
+            matrix = pin.ccrba(model, data, self.q, self.v)
+            self._centroidal = data.hg.vector.copy(), matrix, drift
+        return self._centroidal
