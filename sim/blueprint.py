@@ -7,14 +7,21 @@ from sim.columns import TIMELINE
 from sim.log import RunLog
 from sot.robot import Robot
 
-LIMBS = ("left_leg", "right_leg", "chest", "head", "left_arm", "right_arm")
+LIMBS = {
+    "left_leg": ("left_leg",),
+    "right_leg": ("right_leg",),
+    "trunk": ("chest", "head"),
+    "left_arm": ("left_arm",),
+    "right_arm": ("right_arm",),
+}
+"""Tab of joint curves -> joint groups in it."""
 
 
 def layout(robot: Robot, log: RunLog) -> rrb.Blueprint:
     """Blueprint of a run of this robot with these levels."""
     tabs = rrb.Tabs(
         _balance(),
-        *(_joints(limb) for limb in LIMBS if robot.groups[limb]),
+        *(_joints(limb) for limb in LIMBS),
         _tasks(log),
         _ticks(),
         rrb.TextDocumentView(origin="about", name="About"),
@@ -23,7 +30,7 @@ def layout(robot: Robot, log: RunLog) -> rrb.Blueprint:
     scene = rrb.Spatial3DView(
         origin="world",
         name=robot.label,
-        eye_controls=rrb.EyeControls3D(position=[3.6, -1.0, 1.5], look_target=[0.0, 0.0, 0.75]),
+        eye_controls=rrb.EyeControls3D(position=[3.3, -0.8, 1.35], look_target=[0.0, 0.0, 0.72]),
         line_grid=False,
         background=[24, 26, 31],
     )

@@ -6,7 +6,7 @@ import numpy as np
 import rerun as rr
 
 TIMELINE = "time"
-Color = tuple[int, int, int]
+Color = tuple[int, ...]  # rgb or rgba, 0..255
 Entity = str | Sequence[str]  # a path, or its parts where they may hold any character
 COLORS: dict[str, Color] = {
     "measured": (255, 140, 40),
@@ -15,8 +15,8 @@ COLORS: dict[str, Color] = {
     "limit": (215, 60, 60),
     "com": (250, 220, 60),
     "human": (235, 200, 120),
-    "ghost": (120, 165, 130),
-    "floor": (58, 62, 70),
+    "ghost": (120, 165, 130, 150),
+    "floor": (58, 62, 70, 110),
     "grid": (80, 85, 95),
     "text": (225, 225, 225),
 }
@@ -76,4 +76,4 @@ class Columns:
 
 
 def _path(entity: Entity) -> str:
-    return entity if isinstance(entity, str) else rr.new_entity_path(entity)
+    return entity if isinstance(entity, str) else rr.new_entity_path(list(entity))

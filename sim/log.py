@@ -1,8 +1,8 @@
 """What a run leaves behind: one row a control tick, and the facts that hold for the whole run."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from typing import Self
+from dataclasses import dataclass, fields, replace
+from typing import Any, Self
 
 import numpy as np
 
@@ -91,7 +91,7 @@ class RunLog:
             "level_error": (levels,),
             "level_slack": (levels,),
         }
-        columns = {
+        columns: dict[str, Any] = {
             field.name: np.full((ticks, *shapes.get(field.name, ())), np.nan)
             for field in fields(cls)
             if field.type is np.ndarray
@@ -104,9 +104,10 @@ class RunLog:
     def trimmed(self) -> Self:
         """The rows in use, as views."""
         values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return type(self)(
-            **{name: value[: self.ticks] if isinstance(value, np.ndarray) else value for name, value in values.items()}
-        )
+        columns: dict[str, Any] = {
+            name: value[: self.ticks] for name, value in values.items() if isinstance(value, np.ndarray)
+        }
+        return replace(self, **columns)
 
     @property
     def period(self) -> float:
@@ -119,6 +120,11 @@ class RunLog:
             return np.arange(self.ticks)
         step = max(1.0 / (rate * self.period), 1.0)
         return np.round(np.arange(0.0, self.ticks - 0.5, step)).astype(int).clip(max=self.ticks - 1)
+
+
+def nearest_frames(times: np.ndarray, rate: float, count: int) -> np.ndarray:
+    """Indices (T,) of the closest of `count` samples from time 0 on, at a rate [Hz]."""
+    return np.round(times * rate).astype(int).clip(0, count - 1)
 
 
 @dataclass(frozen=True, slots=True)

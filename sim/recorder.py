@@ -8,9 +8,9 @@ import rerun as rr
 
 from sim.blueprint import LIMBS, layout
 from sim.columns import Columns
-from sim.log import RunInfo, RunLog
+from sim.log import RunInfo, RunLog, nearest_frames
 from sim.support import planned_support
-from sim.visuals import FRAME_RATE, METRES_PER_NEWTON, nearest_frames, send_visuals
+from sim.visuals import FRAME_RATE, METRES_PER_NEWTON, send_visuals
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
@@ -70,8 +70,8 @@ def _send_joints(columns: Columns, log: RunLog, motion: Motion) -> None:
     angle = log.q[:, 7:]
     error = angle - motion.q[nearest_frames(log.time, motion.rate, len(motion.q)), 7:]
     room = np.minimum(angle - robot.lower, robot.upper - angle)
-    for limb in LIMBS:
-        joints = list(robot.groups[limb])
+    for limb, groups in LIMBS.items():
+        joints = [joint for group in groups for joint in robot.groups[group]]
         names = [robot.joints[joint] for joint in joints]
         entity = f"joints/{limb}"
         columns.curves(f"{entity}/angle", log.time, np.rad2deg(angle[:, joints]), names)
@@ -104,7 +104,7 @@ def _about(info: RunInfo, robot: Robot) -> str:
 {robot.label}, solver {info.solver}, feet {info.feet}, {info.rate_hz:.0f} Hz: {ending}.
 
 In 3D, from left to right: the human in the robot's size, the simulated robot, the reference that it follows.
-Arrows are the floor's force on each foot (1 m is {1 / METRES_PER_NEWTON:.0f} N), the green outline is the
-planned support, dots on the floor are the ZMP: measured (orange), predicted by the controller (blue), planned (green). The yellow ball is
-the centre of mass. Red lines in the curves are limits.
+Arrows from below are the floor's force on each foot (1 m is {1 / METRES_PER_NEWTON:.0f} N), the green outline is the
+planned support. Dots on the floor are the ZMP: measured (orange), predicted by the controller (blue), planned
+(green). The yellow ball is the centre of mass. Red lines in the curves are limits.
 """

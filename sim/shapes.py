@@ -66,12 +66,12 @@ def _shape(model: mujoco.MjModel, geom: int) -> Shape:
     elif kind in ("capsule", "cylinder"):
         size = np.array([size[0], size[0], size[1]])
     elif kind is None:
-        kind, size = "box", model.geom_aabb[geom, 3:].copy()
+        size = model.geom_aabb[geom, 3:].copy()
         rotation = np.zeros(9)
         mujoco.mju_quat2Mat(rotation, model.geom_quat[geom])
         position += rotation.reshape(3, 3) @ model.geom_aabb[geom, :3]
     material = model.geom_matid[geom]
     rgba = model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom]
     red, green, blue, alpha = (round(255 * float(channel)) for channel in rgba)
-    body = model.body(model.geom_bodyid[geom]).name
-    return Shape(body, kind, size, position, np.array([x, y, z, w]), (red, green, blue, alpha))
+    body = str(model.body(model.geom_bodyid[geom]).name)
+    return Shape(body, kind or "box", size, position, np.array([x, y, z, w]), (red, green, blue, alpha))

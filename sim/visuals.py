@@ -10,7 +10,7 @@ import rerun as rr
 from scipy.spatial.transform import Rotation
 
 from sim.columns import COLORS, Color, Columns
-from sim.log import RunLog
+from sim.log import RunLog, nearest_frames
 from sim.shapes import Shape, read_shapes
 from sim.support import planned_support
 from sot.motion.human import SEGMENTS, SIDES, Human
@@ -45,11 +45,6 @@ def send_visuals(columns: Columns, log: RunLog, motion: Motion, human: Human) ->
     _send_names(columns, motion.robot)
     _send_forces(columns, log, motion.robot, rows)
     _send_balance(columns, log, motion, rows)
-
-
-def nearest_frames(times: np.ndarray, rate: float, count: int) -> np.ndarray:
-    """Indices (T,) of the closest of `count` frames from time 0 on, at a rate [Hz]."""
-    return np.round(times * rate).astype(int).clip(0, count - 1)
 
 
 def body_poses(robot: Robot, bodies: list[str], q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -136,7 +131,7 @@ def _send_names(columns: Columns, robot: Robot) -> None:
 
 
 def _send_forces(columns: Columns, log: RunLog, robot: Robot, rows: np.ndarray) -> None:
-    """The floor's force on each foot, from its centre of pressure."""
+    """The floor's force on each foot: an arrow from below whose tip is the centre of pressure, out of the leg's way."""
     data = robot.model.createData()
     origins = np.empty((len(robot.feet), len(rows), 3))
     for index, q in enumerate(log.q[rows]):
@@ -152,7 +147,8 @@ def _send_forces(columns: Columns, log: RunLog, robot: Robot, rows: np.ndarray) 
         origin[:, 1] += moment[:, 0] / force[:, 2]
         entity = f"world/contact/{name}"
         columns.static(entity, rr.Arrows3D.from_fields(colors=[COLORS["measured"]], radii=[0.008]))
-        arrows = rr.Arrows3D.columns(vectors=METRES_PER_NEWTON * force, origins=origin)
+        arrow = METRES_PER_NEWTON * force
+        arrows = rr.Arrows3D.columns(vectors=arrow, origins=origin - arrow)
         columns.over_time(entity, log.time[rows], arrows.partition(loaded.astype(int)))
 
 

@@ -1,0 +1,142 @@
+"""A run's report: its figures as JSON, and as a table to read."""
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+from threadpoolctl import threadpool_limits
+
+from sim import figures
+from sim.log import RunInfo, RunLog
+from sot.motion.plan import Plan
+
+REFERENCE_SHAPE = (62, 18)  # variables and equality rows of a condensed tick on two feet
+REFERENCE_RUNS = 200
+DIGITS = 6
+
+# What the table says: place in the report, words, factor to the unit read, unit, what to aim for.
+LINES: tuple[tuple[str, str, float, str, str], ...] = (
+    ("duration_s", "simulated time", 1.0, "s", ""),
+    ("real_time_factor", "simulated time over wall-clock time", 1.0, "", "1 or more"),
+    ("tick_us.p50", "tick, median", 1.0, "µs", ""),
+    ("tick_us.p99", "tick, 99th percentile", 1.0, "µs", "below the control period"),
+    ("reference_us", "the machine: QR of a 62 × 18 matrix", 1.0, "µs", ""),
+    ("tracking.mpjpe_mm", "key bodies off their reference, mean", 1.0, "mm", "0"),
+    ("tracking.joint_rms_rad", "joint angles off their reference", 180.0 / math.pi, "deg", "0"),
+    ("tracking.com_rms_m", "centre of mass off its reference", 1e3, "mm", "0"),
+    ("likeness.segment_deg", "body segments off the human's", 1.0, "deg", "0"),
+    ("likeness.upper_segment_deg", "… without the legs", 1.0, "deg", "0"),
+    ("likeness.hand_path_ratio", "way of the hands, robot over human", 1.0, "", "1"),
+    ("retarget.key_point_rms_m", "reference off the scaled human", 1e3, "mm", ""),
+    ("zmp.inside", "ticks with the ZMP inside the support", 100.0, "%", "100"),
+    ("zmp.min_margin_m", "ZMP to the support's edge, least", 1e3, "mm", "10 or more"),
+    ("contacts.slip_max_m", "slip of a standing foot, greatest", 1e3, "mm", "0"),
+    ("contacts.sole_tilt_max_deg", "tilt of a sole, greatest", 1.0, "deg", "0"),
+    ("limits.position_max_excess_rad", "beyond a joint's range", 180.0 / math.pi, "deg", "0"),
+    ("limits.velocity_max_excess", "beyond a joint's velocity", 100.0, "%", "0"),
+    ("limits.torque_max_excess", "beyond a joint's torque", 100.0, "%", "0"),
+    ("limits.self_collision_min_m", "least distance between own bodies", 1e3, "mm", "above 0"),
+    ("torque_saturated", "ticks with a torque at its limit", 100.0, "%", ""),
+    ("power_w", "mechanical power, mean", 1.0, "W", ""),
+    ("solver.infeasible_ticks", "ticks whose hard level had to give way", 1.0, "", "0"),
+    ("solver.fallback_ticks", "ticks answered by a fallback", 1.0, "", "0"),
+)
+
+
+def report(log: RunLog, info: RunInfo, plan: Plan) -> dict[str, Any]:
+    """The figures of a run, None where there was nothing to measure.
+
+    Fractions and ratios are plain numbers, times seconds unless the name says otherwise.
+    """
+    log, motion = log.trimmed(), plan.motion
+    robot = motion.robot
+    duration = log.ticks * log.period
+    return {
+        "clip": info.clip,
+        "robot": info.robot,
+        "solver": {"name": info.solver, **figures.solver(log)},
+        "feet": info.feet,
+        "rate_hz": info.rate_hz,
+        "speed": info.speed,
+        "speed_min": info.speed_min,
+        "stretched_s": info.stretched_s,
+        "duration_s": duration,
+        "fell": info.fell_at_s is not None,
+        "fell_at_s": info.fell_at_s,
+        "fell_reason": info.reason or None,
+        "real_time_factor": duration / info.wall_s if info.wall_s > 0.0 else None,
+        "tick_us": figures.tick_us(log),
+        "reference_us": reference_us(),
+        "tracking": figures.tracking(log, motion),
+        "likeness": figures.likeness(log, plan),
+        "retarget": dict(plan.retarget),
+        "zmp": figures.zmp(log, motion),
+        "contacts": figures.contacts(log, robot),
+        "limits": figures.limits(log, robot),
+        **figures.effort(log, robot),
+    }
+
+
+def reference_us() -> float:
+    """This machine's time for a fixed computation [µs], by which to compare times of several machines.
+
+    The median of complete QR factorisations in numpy, one thread.
+    """
+    matrix = np.random.default_rng(0).normal(size=REFERENCE_SHAPE)
+    times = []
+    with threadpool_limits(1):
+        for _ in range(REFERENCE_RUNS):
+            start = perf_counter()
+            np.linalg.qr(matrix, mode="complete")
+            times.append(perf_counter() - start)
+    return 1e6 * float(np.median(times))
+
+
+def write(report: Mapping[str, Any], path: Path) -> None:
+    """Write a report as JSON, which appears under its name once it is complete."""
+    partial = path.with_name(f".{path.name}.part")
+    partial.write_text(json.dumps(_rounded(report), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    os.replace(partial, path)
+
+
+def show(report: Mapping[str, Any], console: Console) -> None:
+    """Print a report as a table in plain words."""
+    ending = f"fell at {report['fell_at_s']:.2f} s: {report['fell_reason']}" if report["fell"] else "upright to the end"
+    title = f"{report['clip']} on {report['robot']}, {report['solver']['name']}, feet {report['feet']}: {ending}"
+    table = Table(title=title, title_justify="left", box=None)
+    table.add_column("figure", no_wrap=True)
+    table.add_column("value", justify="right")
+    table.add_column("unit")
+    table.add_column("aim")
+    for place, words, factor, unit, aim in LINES:
+        value = _at(report, place)
+        table.add_row(words, "-" if value is None else _digits(factor * value), unit, aim)
+    console.print(table)
+
+
+def _at(report: Mapping[str, Any], place: str) -> float | None:
+    value: Any = report
+    for key in place.split("."):
+        value = value[key]
+    return value
+
+
+def _digits(value: float) -> str:
+    """Three digits, or all that stand before the point."""
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
+def _rounded(value: Any) -> Any:
+    """Numbers to `DIGITS` digits; what is not a number becomes None."""
+    if isinstance(value, Mapping):
+        return {key: _rounded(entry) for key, entry in value.items()}
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None
+    return value
