@@ -34,16 +34,23 @@ class Polygon:
         """With its edges moved inward by up to x along X and y along Y."""
         return Polygon(self.normals, self.offsets - np.hypot(self.normals[:, 0] * x, self.normals[:, 1] * y))
 
-    def nearest(self, point: Array, rounds: int = 8) -> Array:
-        """The point of the polygon that is nearest to a point (2,), by Dykstra's alternating projections."""
+    def nearest(self, point: Array) -> Array:
+        """The point of the polygon that is nearest to a point (2,); the point itself if the polygon is empty."""
         excess = self.normals @ point - self.offsets
         if excess.max() <= 0.0:
             return point
-        position, corrections = point.copy(), np.zeros_like(self.normals)
-        for _ in range(rounds):
-            for k, normal in enumerate(self.normals):
-                moved = position + corrections[k]
-                beyond = max(float(normal @ moved - self.offsets[k]), 0.0)
-                position = moved - beyond * normal
-                corrections[k] = moved - position
-        return position
+        # Along each edge's line, from the projection of the point, how far the other edges (rows) let it go.
+        along = self.normals @ [[0.0, 1.0], [-1.0, 0.0]]
+        projections = point - excess[:, None] * self.normals
+        slope = self.normals @ along.T
+        room = self.offsets[:, None] - self.normals @ projections.T
+        crosses = np.abs(slope) > 1e-9
+        stop = room / np.where(crosses, slope, 1.0)
+        low = np.where(crosses & (slope < 0.0), stop, -np.inf).max(axis=0)
+        high = np.where(crosses & (slope > 0.0), stop, np.inf).min(axis=0)
+        exists = (low <= high + 1e-9) & (crosses | (room > -1e-9)).all(axis=0)
+        if not exists.any():
+            return point
+        shift = np.clip(0.0, low, high)
+        k = int(np.argmin(np.where(exists, excess**2 + shift**2, np.inf)))
+        return projections[k] + shift[k] * along[k]
