@@ -75,8 +75,9 @@ def acceleration_bounds(
 
     Kim (14) bounds the speed *now* by what can be braked before the end of the range, ``v² <= 2 a (q_max − q)``; over a
     finite period a state that obeys it may leave it, and no acceleration then satisfies all three terms. Here the state
-    *after* the period has to obey it, which is a quadratic in the acceleration, and a state from which nothing does is
-    led back instead of made infeasible: the bounds always admit something.
+    *after* the period has to be one from which braking for whole periods stops inside the range; that is a quadratic in
+    the acceleration, and such a state always has such a successor. A state from which nothing does is led back instead
+    of made infeasible: the bounds always admit something.
 
     Args:
         q, v: Positions and velocities.
@@ -94,9 +95,11 @@ def acceleration_bounds(
 
 def _approach(distance: Array, v: Array, brake: Array, period: float) -> Array:
     """Largest acceleration towards a limit at `distance`, after which it can still be kept; v > 0 is towards it."""
-    # (v + a T)² = 2 brake (distance − v T − a T²/2), the larger root.
-    inside = (brake * period) ** 2 + 4.0 * brake * (2.0 * distance - v * period)
-    stopping = (np.sqrt(np.maximum(inside, 0.0)) - 2.0 * v - brake * period) / (2.0 * period)
+    # With w = v + a T: w² + brake T w = 2 brake (distance − (v + w) T / 2), the larger root. The second term is what
+    # braking for whole periods takes beyond w² = 2 brake distance; without it the last of them ends in a kick.
+    reach = brake * period
+    inside = reach**2 + brake * (2.0 * distance - v * period)
+    stopping = (np.sqrt(np.maximum(inside, 0.0)) - reach - v) / period
     # Nearer than one period's travel: to be no further than the limit after it.
     arriving = 2.0 * (distance - v * period) / period**2
     wanted = np.where(2.0 * distance >= v * period, stopping, arriving)

@@ -1,0 +1,184 @@
+"""Torque and joint bounds: what they promise over time, from any start, at any period, for any choice between them."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from sot.robot import Robot, robots
+from sot.tick import Tick
+from tasks.bounds import JointBounds, TorqueBounds, acceleration_bounds
+from tests.sot.states import random_state
+
+STARTS = 2000
+PERIODS = (0.0002, 0.001, 0.002, 0.005, 0.01)
+
+
+def joints(rng):
+    """Random joints: range, velocity, braking and hard acceleration limits."""
+    width, brake = rng.uniform(0.5, 3.0, STARTS), rng.uniform(10, 100, STARTS)
+    lower = rng.uniform(-2, 1, STARTS)
+    return lower, lower + width, rng.uniform(1, 10, STARTS), brake, brake * rng.uniform(1.0, 5.0, STARTS)
+
+
+def keepable_starts(rng, lower, upper, velocity, brake, period):
+    """Positions and speeds from which whole periods of braking still stop inside, many on the very edge of it."""
+    q = rng.uniform(lower, upper)
+    near = rng.random(STARTS) < 0.5
+    q[near] = (upper - (upper - lower) * 10.0 ** rng.uniform(-8, -1, STARTS))[near]
+
+    def fastest(distance):  # v² + brake T v = 2 brake distance
+        half = 0.5 * brake * period
+        return np.minimum(np.sqrt(half**2 + 2.0 * brake * distance) - half, velocity)
+
+    share = np.where(rng.random(STARTS) < 0.3, 1.0, rng.random(STARTS))
+    v = share * np.where(rng.random(STARTS) < 0.5, fastest(upper - q), -fastest(q - lower))
+    return q, v
+
+
+def choose(rng, choice, low, high):
+    if choice == "random":
+        return rng.uniform(low, high)
+    if choice == "upper then lower":
+        return np.where(rng.random(STARTS) < 0.95, high, low)
+    return high if choice == "upper" else low
+
+
+def step(q, v, a, period):
+    """Exact motion under a constant acceleration, and the furthest positions on the way, up and down."""
+    turn = np.where((a != 0.0) & (-v / np.where(a == 0.0, 1.0, a) > 0.0), -v / np.where(a == 0.0, 1.0, a), 0.0)
+    turn = np.minimum(turn, period)
+    turned, end = q + v * turn + 0.5 * a * turn**2, q + v * period + 0.5 * a * period**2
+    return end, v + a * period, np.maximum(turned, end), np.minimum(turned, end)
+
+
+@pytest.mark.parametrize("period", PERIODS)
+@pytest.mark.parametrize("choice", ["upper", "lower", "random", "upper then lower"])
+def test_whatever_is_chosen_between_the_bounds_keeps_range_and_velocity(period, choice):
+    rng = np.random.default_rng(int(1e5 * period))
+    lower, upper, velocity, brake, hard = joints(rng)
+    q, v = keepable_starts(rng, lower, upper, velocity, brake, period)
+    for _ in range(150):
+        low, high = acceleration_bounds(q, v, lower, upper, velocity, brake, hard, period)
+        assert np.all(low <= high) and np.all(low >= -hard) and np.all(high <= hard)
+        q, v, highest, lowest = step(q, v, choose(rng, choice, low, high), period)
+        assert np.max(highest - upper) < 1e-9 and np.max(lower - lowest) < 1e-9
+        assert np.max(np.abs(v) - velocity) < 1e-9
+
+
+@pytest.mark.parametrize("period", [0.005, 0.01])
+def test_the_upper_bound_reaches_the_end_of_the_range_and_stays_there(period):
+    rng = np.random.default_rng(1)
+    lower, upper, velocity, brake, hard = joints(rng)
+    q, v = keepable_starts(rng, lower, upper, velocity, brake, period)
+    for k in range(round(6.0 / period)):
+        _, high = acceleration_bounds(q, v, lower, upper, velocity, brake, hard, period)
+        if k * period > 5.9:
+            assert np.max(np.abs(high)) < 1e-3  # at rest at the end, without chatter
+        q, v, *_ = step(q, v, high, period)
+    np.testing.assert_allclose(q, upper, atol=1e-6)
+
+
+@pytest.mark.parametrize("period", PERIODS)
+def test_bounds_admit_something_from_any_state(period):
+    rng = np.random.default_rng(2)
+    lower, upper, velocity, brake, hard = joints(rng)
+    for spread in (0.0, 1e-9, 0.1, 3.0):
+        q = np.where(rng.random(STARTS) < 0.5, lower, upper) + spread * rng.uniform(-1, 1, STARTS)
+        for speed in (0.0, 1e-12, 1.0, 20.0):
+            v = speed * rng.uniform(-1, 1, STARTS)
+            low, high = acceleration_bounds(q, v, lower, upper, velocity, brake, hard, period)
+            assert np.all(np.isfinite(low)) and np.all(np.isfinite(high))
+            assert np.all(low <= high) and np.all(low >= -hard) and np.all(high <= hard)
+
+
+@pytest.mark.parametrize("period", PERIODS)
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_joint_that_starts_outside_comes_back_without_overshoot(period, side):
+    rng = np.random.default_rng(3)
+    lower, upper, velocity, brake, hard = joints(rng)
+    end = upper if side > 0 else lower
+    q, v = end + side * rng.uniform(0.0, 0.2, STARTS), np.zeros(STARTS)
+    beyond = side * (q - end)
+    for _ in range(round(0.8 / period)):
+        low, high = acceleration_bounds(q, v, lower, upper, velocity, brake, hard, period)
+        q, v, highest, lowest = step(q, v, high if side > 0 else low, period)  # what resists the return most
+        furthest = np.maximum(side * (highest - end), side * (lowest - end))
+        assert np.all(furthest <= np.maximum(beyond, 0.0) + 1e-9)
+        beyond = side * (q - end)
+    assert np.all(beyond < 1e-3) and np.all(beyond > -1e-6)
+
+
+def test_at_the_end_of_the_range_rounding_does_not_kick_the_joint():
+    limits = [np.array([limit]) for limit in (-1.0, 1.0, 5.0, 60.0, 400.0)]
+    for distance in (0.0, 1e-18, 1e-12, 1e-9):
+        for speed in (0.0, 1e-12, 1e-9, 1e-7):
+            _, high = acceleration_bounds(np.array([1.0 - distance]), np.array([speed]), *limits, 0.001)
+            assert np.abs(high[0]) < 0.01
+
+
+def kim(q, v, lower, upper, velocity, a, period):
+    """Kim (14) as printed."""
+    up = np.minimum(a, np.minimum((velocity - v) / period, (np.sqrt(2 * a * (upper - q)) - v) / period))
+    down = np.maximum(-a, np.maximum((-velocity - v) / period, (-np.sqrt(2 * a * (q - lower)) - v) / period))
+    return down, up
+
+
+@pytest.mark.parametrize("period", [0.001, 0.005])
+def test_kim_s_bounds_as_printed_leave_the_range_or_admit_nothing(period):
+    """Why they are not used: from the same starts, choosing their upper bound as long as they admit it."""
+    rng = np.random.default_rng(4)
+    lower, upper, velocity, brake, _ = joints(rng)
+    starts = keepable_starts(rng, lower, upper, velocity, brake, period)
+
+    def outcome(bounds):
+        (q, v), empty, excess = starts, np.zeros(STARTS, dtype=bool), np.zeros(STARTS)
+        for _ in range(300):
+            with np.errstate(invalid="ignore"):  # outside the range the root is of a negative number
+                low, high = bounds(q, v)
+            empty |= ~(low <= high + 1e-9)
+            q, v, highest, _ = step(q, v, np.where(empty, np.clip(-v / period, -brake, brake), high), period)
+            excess = np.maximum(excess, highest - upper)
+        return empty, excess
+
+    empty, excess = outcome(lambda q, v: kim(q, v, lower, upper, velocity, brake, period))
+    assert np.mean(empty) > 0.05
+    assert np.mean(excess > 1e-9) > 0.05
+    mine = partial(acceleration_bounds, lower=lower, upper=upper, velocity=velocity, brake=brake, hard=brake)
+    empty, excess = outcome(partial(mine, period=period))
+    assert not empty.any() and excess.max() < 1e-9
+
+
+@pytest.mark.parametrize("name", robots())
+def test_joint_bounds_are_rows_on_the_joint_accelerations(name):
+    robot = Robot.load(name)
+    q, v = random_state(robot, np.random.default_rng(0))
+    tick, task = Tick(robot, period=0.002).update(0.0, q, v), JointBounds(robot, 0.01, 0.9)
+    rows = task.rows(tick)
+    np.testing.assert_array_equal(rows.A @ np.arange(robot.nv), np.arange(6, robot.nv))
+    limits = robot.lower + 0.01, robot.upper - 0.01, 0.9 * robot.velocity, robot.acceleration, robot.acceleration_hard
+    low, high = acceleration_bounds(q[7:], v[6:], *limits, 0.002)
+    np.testing.assert_array_equal(rows.lower, low)
+    np.testing.assert_array_equal(rows.upper, high)
+    assert not task.equality and task.on == "acceleration" and task.gives_way == 1
+
+
+def test_joint_bounds_report_how_far_outside_a_joint_is():
+    robot = Robot.load("hrp2")
+    q = robot.rest.copy()
+    q[7], q[8] = robot.upper[0] + 0.1, robot.lower[1] - 0.2
+    task = JointBounds(robot, range_margin=0.0)
+    task.rows(Tick(robot).update(0.0, q, np.zeros(robot.nv)))
+    np.testing.assert_allclose(task.error[:2], [0.1, -0.2])
+    np.testing.assert_array_equal(task.error[2:], 0.0)
+
+
+@pytest.mark.parametrize("fraction", [1.0, 0.3])
+def test_torque_bounds_are_the_robot_s_effort(fraction):
+    robot = Robot.load("hrp2")
+    task = TorqueBounds(robot, fraction)
+    rows = task.rows(Tick(robot))
+    np.testing.assert_array_equal(rows.A, np.eye(robot.na))
+    np.testing.assert_allclose(rows.upper, fraction * robot.effort)
+    np.testing.assert_allclose(rows.lower, -fraction * robot.effort)
+    assert not task.equality and task.on == "torque" and task.gives_way == 2
