@@ -67,10 +67,11 @@ class Cascade:
         solution = self._cascade(levels)
         order = sorted({block.gives_way for block in levels[0].blocks if block.gives_way})
         steps: list[int] = []
-        while solution.status == Status.FAILED and order:
+        answer = solution
+        while answer.status == Status.FAILED and order:
             steps.insert(0, order.pop(0))
-            solution = self._relaxed(levels, steps)
-        return solution
+            answer = self._relaxed(levels, steps)
+        return solution if answer.status == Status.FAILED else answer
 
     def _relaxed(self, levels: Sequence[Level], steps: list[int]) -> Solution:
         """Solve with the rows of level 0 that give way at `steps` as levels of their own, last to give way on top."""
@@ -139,7 +140,7 @@ class Cascade:
             excess = np.maximum(value - chain.upper, chain.lower - value)
             for hold in held:
                 excess[hold.rows] = np.abs(excess[hold.rows])
-            beyond = excess > self.tolerance
+            beyond = ~(excess <= self.tolerance)  # not a number is beyond
             dropped = [k for k in range(len(levels)) if wrong[k].any()]
             if not dropped and not beyond.any():
                 hard = levels[0]
@@ -263,11 +264,17 @@ class _Descent:
             # multiplier would have to push on the level otherwise): it bounds no more, it is part of what is held.
             multipliers = np.zeros(len(lower))
             multipliers[bound] = qp.multipliers[: len(low)]
-            multipliers[own] = self.C[own] @ x - np.clip(self.C[own] @ x, lower[own], upper[own])
-            held = np.flatnonzero(np.abs(multipliers) > tolerance * (1.0 + np.abs(multipliers).max(initial=0.0)))
+            value = self.C @ x
+            multipliers[own] = value[own] - np.clip(value[own], lower[own], upper[own])
+            # The QP's accuracy lets rows that are not tight have small multipliers: those are worth a guess at the next
+            # tick, which is checked, but not freezing.
+            gap = np.where(multipliers > 0.0, upper - value, value - lower)
+            tight = (gap < 10.0 * tolerance) & (np.abs(multipliers) > 0.01 * tolerance)
+            self.held[k] = Held(np.flatnonzero(tight), np.sign(multipliers[tight]))
+            pushes = np.abs(multipliers) > 10.0 * tolerance * (1.0 + np.abs(multipliers).max(initial=0.0))
+            held = np.flatnonzero(tight & pushes)
             if len(held):
                 self.first_bitten = min(self.first_bitten, k)
-                self.held[k] = Held(held, np.sign(multipliers[held]))
             if k == len(levels) - 1:
                 break
             if len(held):

@@ -33,7 +33,7 @@ class Balance(Task):
     """
 
     def __init__(
-        self, reference: BalanceReference, k: float = 4.0, kp: float = 100.0, margin: float = 0.012, weight: float = 1.0
+        self, reference: BalanceReference, k: float = 4.0, kp: float = 100.0, margin: float = 0.002, weight: float = 1.0
     ) -> None:
         super().__init__("Balance", "m/s²", "m", weight)
         self._reference = reference
