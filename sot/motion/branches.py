@@ -4,30 +4,26 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats.qmc import Halton
 
-from sot.motion.kinematics import Kinematics
 from sot.motion.limits import Limits
 from sot.motion.parts import Arm
 from sot.motion.retarget import solve_at
-from sot.robot import Robot
 
 Array = NDArray[np.float64]
 
-SPACING = 0.1  # s between key frames
-SEEDS = 3  # fresh starts at each key frame, beside the solutions of the one before
-KEPT = 6  # most solutions of a key frame
+SPACING = 0.2  # s between key frames
+KEPT = 3  # most solutions of a key frame; one fresh start joins them at the next
 APART = 0.3  # rad, of two solutions that count as different
 HURRY = 0.8  # of the velocity limit, from which travel costs more
 TRAVEL, HASTE = 0.02, 4.0  # costs of travel and of hurry, against (direction error / accepted error)²
 
 
-def choose(part: Arm, robot: Robot, y: Array, limits: Limits, period: float) -> Array:
+def choose(part: Arm, y: Array, limits: Limits, period: float) -> Array:
     """The path (T, nv) of least direction error and least joint travel, from the rest posture at the first knot.
 
-    A key frame's candidates are solved from those of the frame before and from fresh seeds; dynamic programming finds
+    A key frame's candidates are solved from those of the frame before and from a fresh seed; dynamic programming finds
     the best sequence; knots between key frames are linear.
     """
     columns = part.columns
-    kinematics = Kinematics(robot, columns)
     stride = max(1, round(SPACING / period))
     knots = np.append(np.arange(0, len(y) - 1, stride), len(y) - 1)
     seeds = _seeds(len(columns), limits.lower[columns], limits.upper[columns])
@@ -35,8 +31,8 @@ def choose(part: Arm, robot: Robot, y: Array, limits: Limits, period: float) -> 
 
     candidates, costs, origins = [y[:1, columns]], [np.zeros(1)], []
     for index, k in enumerate(knots[1:]):
-        fresh = seeds[(index * SEEDS + np.arange(SEEDS)) % len(seeds)]
-        found, error = _solutions(part, kinematics, k, y[k], np.vstack([candidates[-1], fresh]), limits)
+        starts = np.vstack([candidates[-1], seeds[index % len(seeds)]])
+        found, error = _solutions(part, k, y[k], starts, limits)
         travel = np.abs(found[None] - candidates[-1][:, None]) / rate
         price = np.sum(TRAVEL * travel**2 + HASTE * np.maximum(travel - HURRY, 0.0) ** 2, axis=2)
         total = costs[-1][:, None] + price
@@ -54,13 +50,13 @@ def choose(part: Arm, robot: Robot, y: Array, limits: Limits, period: float) -> 
     return path
 
 
-def _solutions(part, kinematics, k, y, starts, limits) -> tuple[Array, Array]:
+def _solutions(part: Arm, k: int, y: Array, starts: Array, limits: Limits) -> tuple[Array, Array]:
     """Different local solutions at a knot (n, s) and their costs (n,), the best KEPT."""
     solved = []
     for start in starts:
         trial = y.copy()
         trial[part.columns] = start
-        cost = solve_at(part, kinematics, k, trial, limits)
+        cost = solve_at(part, k, trial, limits)
         solved.append((cost, trial[part.columns]))
     solved.sort(key=lambda pair: pair[0])
     kept: list[tuple[float, Array]] = []

@@ -27,8 +27,8 @@ Array = NDArray[np.float64]
 
 PLAN_RATE = 50.0  # knots per second
 NOISE_HZ = 6.0  # faster than this, a capture is noise
-ARM_STEPS = 3  # Gauss-Newton steps of an arm over the whole clip
-ROUNDS = 4  # of balance and body, each taking the other's result
+HEAD_STEPS, ARM_STEPS = 2, 3  # Gauss-Newton steps over the whole clip
+ROUNDS = 5  # of balance and body, each taking the other's result
 
 
 @dataclass(frozen=True)
@@ -95,20 +95,31 @@ def retarget(robot: Robot, build: Build, wanted: Targets, phase: Phase, limits: 
     The legs follow without regard to their speed, and nothing yet to balance: `balanced` sees to both.
     """
     y = np.tile(from_configuration(robot.rest[None]), (wanted.length, 1))
-    body, head = Body(robot, build, wanted, phase), Head(robot, wanted)
-    y = follow(body, robot, y, limits)
-    y = follow(head, robot, y, limits)
+    body = Body(robot, build, wanted, phase)
+    y = follow(body, y, limits)
+    chest = _orientations(robot, "chest", y)
     control = Spline.through(y, period).control
-    parts: list[tuple[Part, int]] = [(head, 1)]
+    head = Head(robot, wanted, chest)
+    parts: list[tuple[Part, int]] = [(head, HEAD_STEPS)]
     for side in SIDES:
-        arm = Arm(robot, side, wanted)
-        y = choose(arm, robot, y, limits, period)
+        arm = Arm(robot, side, wanted, chest)
+        y = choose(arm, y, limits, period)
         parts.append((arm, ARM_STEPS))
     for part, steps in parts:
-        fit = PartFit(robot, part.columns, wanted.length, period, limits)
+        fit = PartFit(part.columns, wanted.length, period, limits)
         spline = fit.improve(part, Spline.through(y[:, part.columns], period), y, steps)
         control[:, part.columns] = spline.control
     return Spline(control, period)
+
+
+def _orientations(robot: Robot, point: str, y: Array) -> Array:
+    """Orientation (T, 3, 3) of a point along coordinates (T, nv)."""
+    data, frame = robot.model.createData(), robot.point(point)
+    rotations = np.empty((len(y), 3, 3))
+    for k, q in enumerate(to_configuration(y)):
+        pin.forwardKinematics(robot.model, data, q)
+        rotations[k] = pin.updateFramePlacement(robot.model, data, frame).rotation
+    return rotations
 
 
 def balanced(
@@ -120,7 +131,7 @@ def balanced(
     """
     polygons = [support(robot, phase) for phase in phases]
     body = Body(robot, build, wanted, phases[0])
-    fit = PartFit(robot, body.columns, wanted.length, whole.period, limits)
+    fit = PartFit(body.columns, wanted.length, whole.period, limits)
     control = whole.control.copy()
     com = centroidal(whole, robot).com[:, :2]
     for _ in range(ROUNDS):

@@ -25,12 +25,14 @@ class Build:
 
     Attributes:
         leg, arm: lengths of both segments [m].
+        breadth: distance of the shoulders [m].
         hips: middle of the hips in the waist frame (3,) [m].
         ankles: middle of the ankles in the world (3,) [m].
     """
 
     leg: float
     arm: float
+    breadth: float
     hips: Array
     ankles: Array
 
@@ -50,6 +52,7 @@ class Build:
         return Build(
             leg=float(np.mean([length(*(f"{side}_{p}" for p in ("hip", "knee", "ankle"))) for side in SIDES])),
             arm=float(np.mean([length(*(f"{side}_{p}" for p in ("shoulder", "elbow", "wrist"))) for side in SIDES])),
+            breadth=length("left_shoulder", "right_shoulder"),
             hips=data.oMf[robot.point("waist")].actInv(hips),
             ankles=np.mean([place(f"{side}_ankle") for side in SIDES], axis=0),
         )
