@@ -134,14 +134,14 @@ class Dynamics:
                 equal.add(rows, wanted, Block(f"Contact {contact.point}", "m/s²", 1.0, True, slice(0)))
             if part.stop > part.start:
                 columns = slice(self._force.start + part.start, self._force.start + part.stop)
+                unit = 1.0 / self.force_unit
                 if len(E := contact.force_equalities(tick)):
                     rows = np.zeros((len(E), self._size))
                     rows[:, columns] = E
-                    equal.add(rows, np.zeros(len(E)), Block(f"Pressure {contact.point}", "N", 1.0, True, slice(0)))
+                    equal.add(rows, np.zeros(len(E)), Block(f"Pressure {contact.point}", "N", unit, True, slice(0)))
                 F, low, high = contact.force_inequalities(2.0 * self.weight)
                 rows = np.zeros((len(F), self._size))
                 rows[:, columns] = F
-                unit = 1.0 / self.force_unit
                 label = Block(f"Friction {contact.point}", "N", unit, False, slice(0), FRICTION_GIVES_WAY)
                 bounded.add(rows, low * unit, label, high * unit)
         for task in hard:
