@@ -19,7 +19,7 @@ from sot.motion.spline import AT_KNOT, Spline
 Array = NDArray[np.float64]
 
 GRAVITY = 9.81  # m/s²
-INSET = (0.025, 0.020)  # m along X and Y, from the sole's edge to the planned ZMP: what the closed loop may use up
+INSET = (0.04, 0.04)  # m along X and Y, from the edge of the support to the planned ZMP: what the closed loop may use up
 COM_ERROR = 0.02  # m, a deviation from the wanted CoM that costs as much as JERK_ERROR
 JERK_ERROR = 20.0  # m/s³
 OUTSIDE = 1e5  # price of a metre that the ZMP leaves the shrunk polygon by: only if it must
