@@ -8,18 +8,18 @@ from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, 
 
 
 def planted(robot: Robot, motion: Motion) -> Stack:
-    """Both feet stand; balance first, then what one sees of a dancer: trunk, head, and every joint."""
+    """Both feet stand. Strict for what must hold, weights for what should look right."""
     return Stack(
         contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
         hard=[TorqueBounds(robot), JointBounds(robot)],
         levels={
             "balance": [Balance(motion.balance)],
-            "trunk": [
-                OperationalPoint(robot, "waist", motion.pose("waist"), axes="RPY"),
-                OperationalPoint(robot, "chest", motion.pose("chest"), axes="RPY"),
+            "waist": [OperationalPoint(robot, "waist", motion.pose("waist"), axes="RPY")],
+            "body": [
+                OperationalPoint(robot, "chest", motion.pose("chest"), axes="RPY", weight=2.0),
+                OperationalPoint(robot, "head", motion.pose("head"), axes="RPY"),
+                Posture(robot, motion.joints),
             ],
-            "head": [OperationalPoint(robot, "head", motion.pose("head"), axes="RPY")],
-            "posture": [Posture(robot, motion.joints)],
             "forces": [LeastForces()],
         },
     )
