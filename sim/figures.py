@@ -85,13 +85,16 @@ def tracking(log: RunLog, motion: Motion) -> Figures:
     }
 
 
-def likeness(log: RunLog, plan: Plan) -> Figures:
+def likeness(log: RunLog, plan: Plan | None) -> Figures:
     """The simulated robot against the human, while the clip plays."""
+    nothing: Figures = dict.fromkeys(("segment_deg", "upper_segment_deg", "hand_path_ratio"))
+    if plan is None or not log.ticks:
+        return nothing
     human, motion = plan.human, plan.motion
-    end = min(plan.end, float(log.time[-1]) if log.ticks else 0.0)
+    end = min(plan.end, float(log.time[-1]))
     shown = np.flatnonzero((human.times >= plan.start) & (human.times <= end))
     if len(shown) < 2:
-        return dict.fromkeys(("segment_deg", "upper_segment_deg", "hand_path_ratio"))
+        return nothing
     rows = nearest_frames(human.times[shown], 1.0 / log.period, log.ticks)
     robot = Points.of(motion.robot, log.q[rows]).positions
     person = {name: positions[shown] for name, positions in human.points.items()}

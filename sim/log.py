@@ -136,7 +136,6 @@ class RunInfo:
         rate_hz: control rate.
         speed: playing speed, 1 is the dancer's; `speed_min` the slowest at any moment, and `stretched_s` the time
             that slowing down added.
-        wall_s: wall-clock time of controller, physics and recording [s].
         fell_at_s: when the robot fell, None if it did not; `reason` says by which sign.
     """
 
@@ -145,7 +144,6 @@ class RunInfo:
     solver: str
     feet: str
     rate_hz: float
-    wall_s: float
     speed: float = 1.0
     speed_min: float = 1.0
     stretched_s: float = 0.0

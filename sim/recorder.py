@@ -11,31 +11,31 @@ from sim.columns import Columns
 from sim.log import RunInfo, RunLog, nearest_frames
 from sim.support import planned_support
 from sim.visuals import FRAME_RATE, METRES_PER_NEWTON, send_visuals
-from sot.motion.plan import Plan
+from sot.motion.human import Human
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
 
 MM = 1e3
 
 
-def record(path: Path, log: RunLog, info: RunInfo, plan: Plan) -> None:
+def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, human: Human | None) -> None:
     """Write a run to a rerun recording (`.rrd`), which appears under its name once it is complete.
 
     Args:
         path: file to write.
         log: rows of the run.
         info: facts about the run.
-        plan: the robot's reference, and the human in the robot's size and time.
+        motion: the reference.
+        human: whom the reference follows, in the robot's size and on its time line, if it follows someone.
     """
-    log, motion = log.trimmed(), plan.motion
-    robot = motion.robot
+    log, robot = log.trimmed(), motion.robot
     partial = path.with_name(f".{path.name}.part")
     stream = rr.RecordingStream("humanoid-sot")
     stream.save(partial, default_blueprint=layout(robot, log))
     stream.send_recording_name(f"{info.clip}, {robot.label}")
     columns = Columns(stream)
     columns.static("about", rr.TextDocument(_about(info, robot), media_type=rr.MediaType.MARKDOWN))
-    send_visuals(columns, log, motion, plan.human)
+    send_visuals(columns, log, motion, human)
     _send_balance(columns, log, motion)
     _send_joints(columns, log, motion)
     _send_ticks(columns, log)

@@ -3,7 +3,7 @@
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -16,17 +16,19 @@ from threadpoolctl import threadpool_limits
 from sim import figures
 from sim.log import RunInfo, RunLog
 from sot.motion.plan import Plan
+from sot.motion.trajectory import Motion
 
 REFERENCE_SHAPE = (62, 18)  # variables and equality rows of a condensed tick on two feet
 REFERENCE_RUNS = 200
 DIGITS = 6
+RETARGET = ("key_point_rms_m", "frames_per_s")
 
 # What the table says: place in the report, words, factor to the unit read, unit, what to aim for.
 LINES: tuple[tuple[str, str, float, str, str], ...] = (
     ("duration_s", "simulated time", 1.0, "s", ""),
     ("real_time_factor", "simulated time over wall-clock time", 1.0, "", "1 or more"),
     ("tick_us.p50", "tick, median", 1.0, "µs", ""),
-    ("tick_us.p99", "tick, 99th percentile", 1.0, "µs", "below the control period"),
+    ("tick_us.p99", "tick, 99th percentile", 1.0, "µs", "below the period"),
     ("reference_us", "the machine: QR of a 62 × 18 matrix", 1.0, "µs", ""),
     ("tracking.mpjpe_mm", "key bodies off their reference, mean", 1.0, "mm", "0"),
     ("tracking.joint_rms_rad", "joint angles off their reference", 180.0 / math.pi, "deg", "0"),
@@ -50,15 +52,20 @@ LINES: tuple[tuple[str, str, float, str, str], ...] = (
 )
 
 
-def report(log: RunLog, info: RunInfo, plan: Plan) -> dict[str, Any]:
-    """The figures of a run, None where there was nothing to measure.
+def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan | None) -> dict[str, Any]:
+    """The figures of a run, None where there was nothing to measure; fractions and ratios are plain numbers.
 
-    Fractions and ratios are plain numbers, times seconds unless the name says otherwise.
+    Args:
+        log: rows of the run.
+        info: facts about the run.
+        wall_s: wall-clock time of controller, physics and recording [s].
+        motion: the reference.
+        plan: how the reference came from a human, if it did.
     """
-    log, motion = log.trimmed(), plan.motion
+    log = log.trimmed()
     robot = motion.robot
     duration = log.ticks * log.period
-    return {
+    report = {
         "clip": info.clip,
         "robot": info.robot,
         "solver": {"name": info.solver, **figures.solver(log)},
@@ -71,17 +78,18 @@ def report(log: RunLog, info: RunInfo, plan: Plan) -> dict[str, Any]:
         "fell": info.fell_at_s is not None,
         "fell_at_s": info.fell_at_s,
         "fell_reason": info.reason or None,
-        "real_time_factor": duration / info.wall_s if info.wall_s > 0.0 else None,
+        "real_time_factor": duration / wall_s,
         "tick_us": figures.tick_us(log),
         "reference_us": reference_us(),
         "tracking": figures.tracking(log, motion),
         "likeness": figures.likeness(log, plan),
-        "retarget": dict(plan.retarget),
+        "retarget": dict(plan.retarget) if plan else dict.fromkeys(RETARGET),
         "zmp": figures.zmp(log, motion),
         "contacts": figures.contacts(log, robot),
         "limits": figures.limits(log, robot),
         **figures.effort(log, robot),
     }
+    return {key: _rounded(value) for key, value in report.items()}
 
 
 def reference_us() -> float:
@@ -102,23 +110,27 @@ def reference_us() -> float:
 def write(report: Mapping[str, Any], path: Path) -> None:
     """Write a report as JSON, which appears under its name once it is complete."""
     partial = path.with_name(f".{path.name}.part")
-    partial.write_text(json.dumps(_rounded(report), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    partial.write_text(json.dumps(report, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     os.replace(partial, path)
 
 
-def show(report: Mapping[str, Any], console: Console) -> None:
-    """Print a report as a table in plain words."""
-    ending = f"fell at {report['fell_at_s']:.2f} s: {report['fell_reason']}" if report["fell"] else "upright to the end"
-    title = f"{report['clip']} on {report['robot']}, {report['solver']['name']}, feet {report['feet']}: {ending}"
-    table = Table(title=title, title_justify="left", box=None)
-    table.add_column("figure", no_wrap=True)
-    table.add_column("value", justify="right")
-    table.add_column("unit")
-    table.add_column("aim")
+def show(reports: Sequence[Mapping[str, Any]], console: Console) -> None:
+    """Print reports side by side as a table in plain words."""
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    table.add_column("", no_wrap=True)
+    for report in reports:
+        table.add_column(f"{report['clip']}\n{report['robot']}\n{report['solver']['name']}", justify="right")
+    table.add_column("")
+    table.add_column("aim", no_wrap=True)
+    table.add_row("how it ended", *(_ending(report) for report in reports))
     for place, words, factor, unit, aim in LINES:
-        value = _at(report, place)
-        table.add_row(words, "-" if value is None else _digits(factor * value), unit, aim)
+        values = (_at(report, place) for report in reports)
+        table.add_row(words, *("-" if value is None else _digits(factor * value) for value in values), unit, aim)
     console.print(table)
+
+
+def _ending(report: Mapping[str, Any]) -> str:
+    return f"fell at {report['fell_at_s']:.2f} s: {report['fell_reason']}" if report["fell"] else "upright"
 
 
 def _at(report: Mapping[str, Any], place: str) -> float | None:
@@ -129,8 +141,8 @@ def _at(report: Mapping[str, Any], place: str) -> float | None:
 
 
 def _digits(value: float) -> str:
-    """Three digits, or all that stand before the point."""
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+    """Three digits, or all that stand before the point; a thousandth or less is nothing."""
+    return f"{value:.0f}" if abs(value) >= 100 or abs(value) < 1e-3 else f"{value:.3g}"
 
 
 def _rounded(value: Any) -> Any:

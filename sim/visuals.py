@@ -29,7 +29,7 @@ BONES = (
 )
 
 
-def send_visuals(columns: Columns, log: RunLog, motion: Motion, human: Human) -> None:
+def send_visuals(columns: Columns, log: RunLog, motion: Motion, human: Human | None) -> None:
     """Send all that is seen in 3D, `FRAME_RATE` times a second."""
     rows = log.rows_at(FRAME_RATE)
     times = log.time[rows]
@@ -39,10 +39,13 @@ def send_visuals(columns: Columns, log: RunLog, motion: Motion, human: Human) ->
     _send_robot(columns, "world/robot", motion.robot, shapes, times, log.q[rows])
     reference = motion.q[nearest_frames(times, motion.rate, len(motion.q))]
     _send_robot(columns, "world/reference", motion.robot, shapes, times, reference, ghost=COLORS["ghost"])
-    _send_human(columns, human, times)
+    _send_name(columns, "world/robot", motion.robot.label)
+    _send_name(columns, "world/reference", "reference")
     columns.static("world/reference", rr.Transform3D(translation=[0.0, BESIDE, 0.0]))
-    columns.static("world/human", rr.Transform3D(translation=[0.0, -BESIDE, 0.0]))
-    _send_names(columns, motion.robot)
+    if human is not None:
+        _send_human(columns, human, times)
+        _send_name(columns, "world/human", "human, scaled")
+        columns.static("world/human", rr.Transform3D(translation=[0.0, -BESIDE, 0.0]))
     _send_forces(columns, log, motion.robot, rows)
     _send_balance(columns, log, motion, rows)
 
@@ -122,12 +125,10 @@ def _send_human(columns: Columns, human: Human, times: np.ndarray) -> None:
     )
 
 
-def _send_names(columns: Columns, robot: Robot) -> None:
-    names = ["human, scaled", robot.label, "reference"]
-    places = [[0.0, side * BESIDE, 1.75] for side in (-1, 0, 1)]
-    columns.static(
-        "world/names", rr.Points3D(places, labels=names, radii=[0.001], colors=[COLORS["text"]], show_labels=True)
-    )
+def _send_name(columns: Columns, entity: str, name: str) -> None:
+    place = [[0.0, 0.0, 1.75]]
+    label = rr.Points3D(place, labels=[name], radii=[0.001], colors=[COLORS["text"]], show_labels=True)
+    columns.static(f"{entity}/name", label)
 
 
 def _send_forces(columns: Columns, log: RunLog, robot: Robot, rows: np.ndarray) -> None:

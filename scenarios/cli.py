@@ -1,0 +1,208 @@
+"""The command line, `sot`: its exit status is 0 done and upright, 1 fallen, 2 bad usage or input, 3 anything else."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+import tasks
+from scenarios import clips
+from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, replay, retarget
+from sim.report import show
+from sot.errors import InputError
+from sot.robot import Robot, robots
+
+DONE, FELL, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
+TRACEBACK = "SOT_TRACEBACK"
+
+app = typer.Typer(
+    help="A human dances; a stack of prioritised tasks makes a torque-controlled humanoid dance it under physics.",
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+output, messages = Console(), Console(stderr=True)
+
+Clip = Annotated[str, typer.Argument(help="A file (.bvh, or .npz of `sot retarget`) or a name of `sot list clips`.")]
+RobotName = Annotated[str, typer.Option("--robot", help="A name of `sot list robots`, or a robot file (.toml).")]
+SolverName = Annotated[str, typer.Option("--solver", help="A name of `sot list solvers`.")]
+Feet = Annotated[str, typer.Option(help="planted: both feet stay where they stand.")]
+Start = Annotated[float, typer.Option(help="Where in the clip to start [s].", min=0.0)]
+Duration = Annotated[float | None, typer.Option(help="How much of the clip to play [s]; to its end by default.")]
+Rate = Annotated[float, typer.Option(help="Control ticks per second.", min=100.0, max=2000.0)]
+Mapping = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
+
+
+class Kind(StrEnum):
+    """What `sot list` lists."""
+
+    CLIPS = "clips"
+    ROBOTS = "robots"
+    SOLVERS = "solvers"
+    TASKS = "tasks"
+
+
+@app.command("replay")
+def replay_command(
+    clip: Clip,
+    robot: RobotName = "hrp2",
+    stack: Annotated[Path | None, typer.Option(help="Python file that defines stack(robot, motion).")] = None,
+    solver: SolverName = "cascade",
+    feet: Feet = "planted",
+    start: Start = 0.0,
+    duration: Duration = None,
+    rate: Rate = 1000.0,
+    mapping: Mapping = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for run.rrd and report.json; runs/CLIP by default.")] = None,
+    view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
+) -> int:
+    """Let a robot dance a clip under physics; record it and report on it."""
+    folder = out or Path("runs") / Path(clip).stem
+    request = Replay(clip, robot, stack, solver, feet, start, duration, rate, mapping)
+    with _progress() as tell:
+        report = replay(request, folder, tell)
+    show([report], output)
+    output.print(f"\nWritten: {folder / RECORDING}, {folder / REPORT}", soft_wrap=True)
+    if view:
+        view_command(folder)
+    return FELL if report["fell"] else DONE
+
+
+@app.command("retarget")
+def retarget_command(
+    clip: Clip,
+    robot: RobotName = "hrp2",
+    feet: Feet = "planted",
+    start: Start = 0.0,
+    duration: Duration = None,
+    rate: Rate = 1000.0,
+    mapping: Mapping = None,
+    out: Annotated[Path, typer.Option("--out", "-o", help="File to write.")] = Path("motion.npz"),
+) -> int:
+    """Plan a robot's motion for a clip, without physics, and write it to a file that `sot replay` takes."""
+    request = Replay(clip, robot, feet=feet, start=start, duration=duration, rate=rate, mapping=mapping)
+    with _progress() as tell:
+        planned = retarget(request, out, tell)
+    figures = planned.retarget
+    output.print(
+        f"{out}: {planned.motion.duration:.2f} s for {planned.motion.robot.label}, key points "
+        f"{1e3 * figures['key_point_rms_m']:.0f} mm from the scaled human's, {figures['frames_per_s']:.0f} frames/s",
+        soft_wrap=True,
+    )
+    return DONE
+
+
+@app.command("view")
+def view_command(
+    recording: Annotated[Path, typer.Argument(help="Folder of a run, or a recording (.rrd).")],
+    web: Annotated[bool, typer.Option("--web", help="In the browser.")] = False,
+) -> int:
+    """Open a recording in rerun's viewer."""
+    path = recording / RECORDING if recording.is_dir() else recording
+    if not path.is_file():
+        raise InputError(f"{path}: no such recording; `sot replay CLIP --out DIR` makes one")
+    command = [sys.executable, "-m", "rerun", str(path), *(["--web-viewer"] if web else [])]
+    return DONE if subprocess.run(command, check=False).returncode == 0 else FAILED
+
+
+@app.command("list")
+def list_command(kind: Annotated[Kind, typer.Argument(help="What to list.")]) -> int:
+    """List what there is to choose from."""
+    table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
+    for row in _listed(kind):
+        table.add_row(*row)
+    output.print(table)
+    return DONE
+
+
+@app.command("bench")
+def bench_command(
+    names: Annotated[list[str] | None, typer.Argument(metavar="[CLIP]...", help="Clips; groove by default.")] = None,
+    robot: RobotName = "hrp2",
+    solver: SolverName = "cascade",
+    rate: Rate = 1000.0,
+    as_json: Annotated[bool, typer.Option("--json", help="The reports as JSON instead of a table.")] = False,
+) -> int:
+    """Replay clips and compare their figures and times."""
+    reports = []
+    with tempfile.TemporaryDirectory() as folder, _progress() as tell:
+        for clip in names or ["groove"]:
+            reports.append(replay(Replay(clip, robot, solver=solver, rate=rate), Path(folder), tell))
+    if as_json:
+        print(json.dumps(reports, indent=2))
+    else:
+        show(reports, output)
+    return FELL if any(report["fell"] for report in reports) else DONE
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit status; errors are one line each, on stderr."""
+    try:
+        return int(app(arguments, prog_name="sot", standalone_mode=False) or DONE)
+    except InputError as error:
+        return _fail(BAD_INPUT, str(error))
+    except typer.TyperException as error:
+        return _fail(BAD_INPUT, f"{_message(error)}; `sot --help` and `sot COMMAND --help` say what goes")
+    except (KeyboardInterrupt, typer.Abort):
+        return _fail(INTERRUPTED, "interrupted")
+    except Exception as error:
+        if os.environ.get(TRACEBACK):
+            raise
+        return _fail(FAILED, f"{type(error).__name__}: {error}; {TRACEBACK}=1 shows where")
+
+
+@app.callback(invoke_without_command=True)
+def _without_command(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+def _message(error: Exception) -> str:
+    return str(getattr(error, "format_message", lambda: error)()).rstrip(".")
+
+
+def _fail(status: int, message: str) -> int:
+    print(f"sot: {' '.join(message.split())}", file=sys.stderr)
+    return status
+
+
+@contextmanager
+def _progress() -> Iterator[Tell]:
+    """A bar on a terminal, nothing in a pipe."""
+    bar = Progress(
+        TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(), console=messages, transient=True
+    )
+    with bar if messages.is_terminal else nullcontext():
+        task = bar.add_task("", total=None)
+        yield lambda what, share: bar.update(task, description=what, total=share and 1.0, completed=share or 0.0)
+
+
+def _listed(kind: Kind) -> Iterator[tuple[str, ...]]:
+    match kind:
+        case Kind.CLIPS:
+            for clip in clips.clips():
+                yield clip.name, f"{clip.seconds:.1f} s", clip.what, f"{clip.source}, {clip.licence}"
+        case Kind.ROBOTS:
+            for name in robots():
+                robot = Robot.load(name)
+                yield name, robot.label, f"{robot.na} joints, {robot.mass:.1f} kg"
+        case Kind.SOLVERS:
+            for name, solver in SOLVERS.items():
+                yield name, _first_line(solver)
+        case Kind.TASKS:
+            for name in tasks.__all__:
+                yield name, _first_line(getattr(tasks, name))
+
+
+def _first_line(thing: object) -> str:
+    return (thing.__doc__ or "").strip().splitlines()[0]

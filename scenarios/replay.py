@@ -1,0 +1,159 @@
+"""A clip, danced by a robot under physics: from the file to the recording and the report."""
+
+import os
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from scenarios import clips, stacks
+from scenarios.stack_file import load_stack
+from sim import recorder, report
+from sim.log import RunInfo
+from sim.loop import run
+from sim.world import World
+from solvers import Cascade, Weighted
+from sot.controller import Controller, Solver
+from sot.errors import InputError
+from sot.motion import Human, read, recognise
+from sot.motion.plan import Plan, plan
+from sot.motion.trajectory import Motion
+from sot.robot import Robot
+
+Tell = Callable[[str, float | None], object]
+"""Told what is being done, and which share of it is done if that is known."""
+
+SOLVERS: dict[str, Callable[[], Solver]] = {"cascade": Cascade, "weighted": Weighted}
+RECORDING, REPORT = "run.rrd", "report.json"
+
+
+@dataclass(frozen=True)
+class Replay:
+    """What to replay, and how.
+
+    Attributes:
+        clip: file or name of a clip, or a motion that `sot retarget` wrote (`.npz`).
+        robot: name of a robot, or its file.
+        stack: file of the user's own stack; None for the one that fits the feet.
+        solver: one of `SOLVERS`.
+        feet: "planted".
+        start, duration: part of the clip [s], to its end by default.
+        rate: of the control [Hz].
+        mapping: file that names the joints of an unknown skeleton.
+    """
+
+    clip: str
+    robot: str = "hrp2"
+    stack: Path | None = None
+    solver: str = "cascade"
+    feet: str = "planted"
+    start: float = 0.0
+    duration: float | None = None
+    rate: float = 1000.0
+    mapping: Path | None = None
+
+
+def replay(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
+    """Plan, run, record and report; the files appear in the folder `out` when all is done.
+
+    Returns:
+        The report.
+
+    Raises:
+        InputError: anything in the request that does not fit; nothing is written then.
+    """
+    check_writable(out)
+    solver = make_solver(request.solver)
+    robot = Robot.load(request.robot)
+    compose = load_stack(request.stack) if request.stack else stacks.planted
+    motion, planned = _motion(request, robot, tell)
+    controller = Controller(robot, compose(robot, motion), solver, period=1.0 / request.rate)
+    world = World(robot, timestep=1.0 / request.rate)
+    done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
+    tell("recording", None)
+    info = RunInfo(
+        clip=Path(request.clip).stem,
+        robot=robot.name,
+        solver=request.solver,
+        feet=request.feet,
+        rate_hz=request.rate,
+        fell_at_s=done.fell_at_s,
+        reason=done.reason,
+    )
+    out.mkdir(parents=True, exist_ok=True)
+    begun = perf_counter()
+    recorder.record(out / RECORDING, done.log, info, motion, planned.human if planned else None)
+    wall = done.wall_s + perf_counter() - begun
+    figures = report.report(done.log, info, wall, motion, planned)
+    report.write(figures, out / REPORT)
+    return figures
+
+
+def retarget(request: Replay, out: Path, tell: Tell) -> Plan:
+    """Plan the robot's motion for a clip and write it to the file `out` (`.npz`).
+
+    Raises:
+        InputError: anything in the request that does not fit; nothing is written then.
+    """
+    if out.suffix != ".npz":
+        raise InputError(f"{out}: a motion is written to a file that ends in .npz")
+    check_writable(out.parent)
+    robot = Robot.load(request.robot)
+    planned = _plan(request, robot, tell)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    partial = out.with_name(f".{out.stem}.part.npz")
+    planned.motion.save(partial)
+    os.replace(partial, out)
+    return planned
+
+
+def make_solver(name: str) -> Solver:
+    """A solver by its name.
+
+    Raises:
+        InputError: no such solver.
+    """
+    if name not in SOLVERS:
+        raise InputError(f"unknown solver '{name}': choose one of {', '.join(SOLVERS)}")
+    return SOLVERS[name]()
+
+
+def check_writable(folder: Path) -> None:
+    """See that files can be written to a folder, which need not exist yet, without leaving anything there.
+
+    Raises:
+        InputError: they cannot.
+    """
+    existing = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    try:
+        tempfile.TemporaryFile(dir=existing).close()
+    except OSError as error:
+        raise InputError(f"{folder}: cannot write there ({error.strerror}); choose another output folder") from error
+
+
+def _motion(request: Replay, robot: Robot, tell: Tell) -> tuple[Motion, Plan | None]:
+    """The reference, planned now unless the clip is a motion already."""
+    if Path(request.clip).suffix != ".npz":
+        planned = _plan(request, robot, tell)
+        return planned.motion, planned
+    if request.start or request.duration is not None:
+        raise InputError(
+            f"{request.clip}: a planned motion starts and ends at rest and is replayed whole; cut the clip"
+        )
+    return Motion.load(clips.locate(request.clip), robot), None
+
+
+def _plan(request: Replay, robot: Robot, tell: Tell) -> Plan:
+    tell("reading", None)
+    human = _human(request)
+    tell("planning", None)
+    return plan(human, robot, request.feet, request.rate)
+
+
+def _human(request: Replay) -> Human:
+    human = recognise(read(clips.locate(request.clip)), request.mapping)
+    if request.start or request.duration is not None:
+        return human.slice(request.start, request.duration)
+    return human
