@@ -9,6 +9,8 @@ from proxsuite import proxqp
 from solvers.rows import Array, Status
 
 SECOND_SOLVER = "quadprog"
+ROUNDING = 1e-13
+"""Entries of the inequalities that are smaller than this, relative to the largest, are zero but for rounding."""
 
 
 @dataclass(slots=True)
@@ -58,6 +60,8 @@ class PersistentQPs:
             second: Whether a problem that ProxQP leaves unsolved goes to the second solver.
         """
         n, m = len(g), len(lower)
+        # Scaled up by the preconditioner, rows of mere rounding would keep ProxQP busy for seconds.
+        C = np.where(np.abs(C) > ROUNDING * np.abs(C).max(initial=0.0), C, 0.0)
         place = (key, n, m)
         qp = self._solvers.get(place)
         if qp is not None:
@@ -94,7 +98,7 @@ class PersistentQPs:
         qp.settings.check_duality_gap = True
         qp.settings.eps_duality_gap_abs = self.accuracy
         qp.settings.eps_duality_gap_rel = 0.0
-        qp.settings.max_iter = self.max_iterations
+        qp.settings.max_iter = qp.settings.max_iter_in = self.max_iterations
         qp.settings.initial_guess = proxqp.NO_INITIAL_GUESS
         return qp
 
