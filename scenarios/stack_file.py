@@ -49,6 +49,8 @@ def _guarded(path: Path, function: Callable[..., Any], *arguments: Any) -> Any:
     except SyntaxError as error:
         raise InputError(f"{path}:{error.lineno}: {error.msg}") from error
     except Exception as error:
-        own = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == path]
-        line = f":{own[-1]}" if own else ""
-        raise InputError(f"{path}{line}: {type(error).__name__}: {error}") from error
+        frames = traceback.extract_tb(error.__traceback__)
+        own = [frame.lineno for frame in frames if Path(frame.filename).resolve() == path.resolve()]
+        where = f"{path}:{own[-1]}" if own else f"{path}"
+        what = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {error}"
+        raise InputError(f"{where}: {what}") from error

@@ -1,0 +1,189 @@
+"""The command line as a user meets it: what goes wrong is one clear line, exit 2, and nothing written."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenarios import cli, clips
+from scenarios.groove import groove
+from scenarios.replay import RECORDING, REPORT
+from sot.motion.trajectory import Motion
+
+UNKNOWN_SKELETON = """HIERARCHY
+ROOT Blob
+{
+  OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  End Site
+  {
+    OFFSET 0 1 0
+  }
+}
+MOTION
+Frames: 2
+Frame Time: 0.02
+0 0 0 0 0 0
+0 0 0 0 0 0
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Each test runs in an empty folder."""
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    return here
+
+
+def lines(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[int, str]:
+    """Exit status and what went to stderr."""
+    status = cli.main(arguments)
+    return status, capsys.readouterr().err
+
+
+def with_nan(text: str) -> str:
+    *head, last = text.rstrip().split("\n")
+    return "\n".join([*head, " ".join(["nan", *last.split()[1:]])]) + "\n"
+
+
+BAD_CLIPS = {
+    "not a BVH": "Dear diary, today I danced.\n",
+    "empty": "",
+    "truncated": groove()[:3000],
+    "NaN in a frame": with_nan(groove()),
+    "no frames": groove().split("Frames:")[0] + "Frames: 0\nFrame Time: 0.02\n",
+    "unknown skeleton": UNKNOWN_SKELETON,
+}
+
+
+@pytest.mark.parametrize("text", BAD_CLIPS.values(), ids=BAD_CLIPS.keys())
+def test_bad_clip(text, folder, capsys):
+    (folder / "clip.bvh").write_text(text)
+    status, said = lines(["replay", "clip.bvh"], capsys)
+    assert status == cli.BAD_INPUT
+    assert said.count("\n") == 1
+    assert said.startswith("sot: ")
+    assert "clip" in said
+    assert [path.name for path in folder.iterdir()] == ["clip.bvh"]
+
+
+BAD_STACKS = {
+    "syntax": ("def stack(robot motion):\n    pass\n", "mine.py:1: "),
+    "raises when loaded": ("import math\nmath.sqrt(-1)\n", "mine.py:2: ValueError"),
+    "raises when composed": ("def stack(robot, motion):\n    return robot.tail\n", "mine.py:2: AttributeError"),
+    "no function": ("stack = 3\n", "mine.py: defines no function stack(robot, motion)"),
+    "wrong result": ("def stack(robot, motion):\n    return []\n", "returned list, not a Stack"),
+}
+
+
+@pytest.mark.parametrize(("text", "expected"), BAD_STACKS.values(), ids=BAD_STACKS.keys())
+def test_bad_stack_file(text, expected, folder, capsys):
+    (folder / "mine.py").write_text(text)
+    status, said = lines(["replay", "groove", "--duration", "0.2", "--stack", "mine.py"], capsys)
+    assert status == cli.BAD_INPUT
+    assert said.count("\n") == 1
+    assert expected in said
+    assert not (folder / "runs").exists()
+
+
+BAD_ARGUMENTS = {
+    "no such clip": (["replay", "grove"], "did you mean groove"),
+    "robot": (["replay", "groove", "--robot", "asimo"], "asimo"),
+    "solver": (["replay", "groove", "--solver", "magic"], "choose one of cascade, weighted"),
+    "feet": (["replay", "groove", "--feet", "flying"], "choose planted"),
+    "stack file": (["replay", "groove", "--stack", "none.py"], "none.py: no such stack file"),
+    "start": (["replay", "groove", "--start", "500"], "the clip lasts"),
+    "rate": (["replay", "groove", "--rate", "3"], "--rate"),
+    "option": (["replay", "groove", "--frobnicate"], "--frobnicate"),
+    "command": (["dance"], "dance"),
+    "nothing to replay": (["replay"], "clip"),
+    "kind": (["list", "dogs"], "dogs"),
+    "recording": (["view", "nowhere.rrd"], "nowhere.rrd: no such recording"),
+    "motion's ending": (["retarget", "groove", "-o", "motion.txt"], "ends in .npz"),
+    "part of a motion": (["replay", "motion.npz", "--start", "1"], "replayed whole"),
+    "motion file": (["replay", "motion.npz"], "motion.npz"),
+}
+
+
+@pytest.mark.parametrize(("arguments", "expected"), BAD_ARGUMENTS.values(), ids=BAD_ARGUMENTS.keys())
+def test_bad_arguments(arguments, expected, folder, capsys):
+    status, said = lines(arguments, capsys)
+    assert status == cli.BAD_INPUT
+    assert said.count("\n") == 1
+    assert expected in said
+    assert list(folder.iterdir()) == []
+
+
+def test_unwritable_output_is_found_before_any_work(folder, capsys, monkeypatch):
+    (folder / "file").write_text("in the way")
+    monkeypatch.setattr(clips, "locate", lambda clip: pytest.fail("looked for the clip"))
+    status, said = lines(["replay", "groove", "--out", "file/run"], capsys)
+    assert status == cli.BAD_INPUT
+    assert said.count("\n") == 1
+    assert "file/run: cannot write there" in said
+
+
+def test_an_unexpected_error_is_one_line_too(capsys, monkeypatch):
+    def broken(clip: str) -> Path:
+        raise RuntimeError("a bug\nof two lines")
+
+    monkeypatch.setattr(clips, "locate", broken)
+    assert lines(["replay", "groove"], capsys) == (
+        cli.FAILED,
+        "sot: RuntimeError: a bug of two lines; SOT_TRACEBACK=1 shows where\n",
+    )
+    monkeypatch.setenv("SOT_TRACEBACK", "1")
+    with pytest.raises(RuntimeError):
+        cli.main(["replay", "groove"])
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"),
+    [("clips", "lafan1_dance1_subject2"), ("robots", "hrp2_modified"), ("solvers", "weighted"), ("tasks", "Posture")],
+)
+def test_list(kind, expected, capsys):
+    assert cli.main(["list", kind]) == cli.DONE
+    assert expected in capsys.readouterr().out
+
+
+def test_view_opens_what_a_run_wrote(folder, monkeypatch):
+    (folder / RECORDING).write_bytes(b"")
+    commands = []
+
+    class Done:
+        returncode = 0
+
+    def called(command: list[str], check: bool) -> type[Done]:
+        commands.append(command)
+        return Done
+
+    monkeypatch.setattr(cli.subprocess, "run", called)
+    assert cli.main(["view", ".", "--web"]) == cli.DONE
+    assert commands == [[sys.executable, "-m", "rerun", RECORDING, "--web-viewer"]]
+
+
+def test_replays_a_second_of_the_clip_that_ships(folder, capsys):
+    status, said = lines(["replay", "groove", "--duration", "0.5", "--out", "new/run"], capsys)
+    assert (status, said) == (cli.DONE, "")
+    assert sorted(path.name for path in (folder / "new/run").iterdir()) == [REPORT, RECORDING]
+    report = json.loads((folder / "new/run" / REPORT).read_text())
+    assert report["clip"] == "groove"
+    assert report["fell"] is False
+    assert report["tracking"]["mpjpe_mm"] < 20.0
+    assert report["limits"]["torque_max_excess"] == 0.0
+
+
+def test_retargets_to_a_motion_that_can_be_replayed(folder, capsys):
+    assert cli.main(["retarget", "groove", "--duration", "0.5", "--rate", "200", "-o", "motion.npz"]) == cli.DONE
+    assert [path.name for path in folder.iterdir()] == ["motion.npz"]
+    motion = Motion.load(folder / "motion.npz")
+    assert motion.robot.name == "hrp2"
+    assert np.isfinite(motion.q).all()
+    assert cli.main(["replay", "motion.npz", "--rate", "500"]) == cli.DONE
+    report = json.loads((folder / "runs/motion" / REPORT).read_text())
+    assert report["likeness"]["segment_deg"] is None
+    assert report["tracking"]["mpjpe_mm"] < 20.0
