@@ -13,45 +13,20 @@ from numpy.typing import NDArray
 from scipy.linalg.blas import dsbmv
 
 from solvers.banded import BandedQP
+from sot.motion.centroidal import Centroidal
 from sot.motion.contacts import Phase, Polygon, phase_at
 from sot.motion.spline import AT_KNOT, Spline
 
 Array = NDArray[np.float64]
 
-GRAVITY = 9.81  # m/s²
-INSET = (0.04, 0.04)  # m along X and Y, from the edge of the support to the planned ZMP: what the closed loop may use up
+INSET = (
+    0.04,
+    0.04,
+)  # m along X and Y, from the edge of the support to the planned ZMP: what the closed loop may use up
 COM_ERROR = 0.02  # m, a deviation from the wanted CoM that costs as much as JERK_ERROR
 JERK_ERROR = 20.0  # m/s³
 OUTSIDE = 1e5  # price of a metre that the ZMP leaves the shrunk polygon by: only if it must
-LIFT = 0.3  # of gravity that a landing or jump may take away before the ZMP loses its meaning
 HELD = 1e12  # weight that holds the CoM at rest at both ends
-
-
-@dataclass(frozen=True)
-class Centroidal:
-    """What the balance plan takes from a whole-body motion at its knots, and does not change.
-
-    Attributes:
-        com: (T, 3) wanted CoM [m]; its height is kept.
-        vertical: (T,) its vertical acceleration [m/s²].
-        momentum_rate: (T, 3) time derivative of the angular momentum about the CoM [N m].
-        mass: of the robot [kg].
-    """
-
-    com: Array
-    vertical: Array
-    momentum_rate: Array
-    mass: float
-
-    def zmp(self, com: Array, acceleration: Array) -> Array:
-        """ZMP (T, 2) on z = 0 if the CoM moved along com (T, 2) with acceleration (T, 2) instead."""
-        height, offset = self._terms()
-        return com - height[:, None] * acceleration + offset
-
-    def _terms(self) -> tuple[Array, Array]:
-        gravity = np.maximum(GRAVITY + self.vertical, LIFT * GRAVITY)
-        rate = self.momentum_rate / (self.mass * gravity)[:, None]
-        return self.com[:, 2] / gravity, np.column_stack([-rate[:, 1], rate[:, 0]])
 
 
 @dataclass(frozen=True)
@@ -64,7 +39,7 @@ class BalancePlan:
 
 
 def plan_balance(
-    wanted: Centroidal, phases: Sequence[Phase], polygons: Sequence[Polygon], period: float
+    motion: Centroidal, wanted: Array, phases: Sequence[Phase], polygons: Sequence[Polygon], period: float
 ) -> BalancePlan:
     """The CoM nearest to the wanted one whose ZMP stays in the polygons, shrunk by INSET.
 
@@ -72,15 +47,15 @@ def plan_balance(
     wanted CoM starts and over the middle of the support.
 
     Args:
-        wanted: the whole-body motion at T knots.
+        motion: the whole body's at T knots, of which height and angular momentum are kept.
+        wanted: (T, 2) horizontal CoM to stay near to [m].
         phases, polygons: contact phases and the support polygon of each.
         period: time between knots [s].
     """
-    length = len(wanted.com)
+    length = len(wanted)
     of_knot = phase_at(phases, period * np.arange(length))
     inset = [polygon.shrunk(*INSET) for polygon in polygons]
-    height, offset = wanted._terms()
-    target = wanted.com[:, :2].copy()
+    height, offset = motion.pendulum()
 
     # variables of a knot: its control point's x and y, and the excursion of the ZMP
     n = 3 * (length + 2)
@@ -109,14 +84,15 @@ def plan_balance(
 
     end = polygons[of_knot[-1]].centre
     around = np.zeros((length + 2, 3))
-    around[1:-1, :2], around[:3, :2], around[-3:, :2] = target, target[0], end
-    H, g = _objective(target, period)
+    around[1:-1, :2], around[:3, :2], around[-3:, :2] = wanted, wanted[0], end
+    H, g = _objective(wanted, period)
     g += dsbmv(H.shape[1] - 1, 1.0, H.T, around.ravel(), lower=1)
     H.reshape(-1, 3, 10)[[0, 1, 2, -3, -2, -1], :2, 0] += HELD
     solution = BandedQP(A, lower, upper_all, band=H.shape[1] - 1).solve(H, g, around.ravel())
     control = solution.x.reshape(-1, 3)
     com = Spline(control[:, :2].copy(), period)
-    return BalancePlan(com, wanted.zmp(com.knots, com.accelerations), float(control[:, 2].max()))
+    zmp = com.knots - height[:, None] * com.accelerations + offset
+    return BalancePlan(com, zmp, float(control[:, 2].max()))
 
 
 def _objective(target: Array, period: float) -> tuple[Array, Array]:

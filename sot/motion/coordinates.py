@@ -43,6 +43,11 @@ def to_acceleration(y: Array, dy: Array, ddy: Array) -> Array:
     return np.hstack([linear, angular, ddy[:, 6:]])
 
 
+def to_pinocchio(y: Array, dy: Array, ddy: Array) -> tuple[Array, Array, Array]:
+    """q (T, nv + 1), v (T, nv) and a (T, nv) of coordinates and their derivatives, each (T, nv)."""
+    return to_configuration(y), to_velocity(y, dy), to_acceleration(y, dy, ddy)
+
+
 def rate_matrix(rpy: Array) -> Array:
     """E (T, 3, 3) with ω = E (roll, pitch, yaw)˙, ω in the base frame, from angles (T, 3)."""
     (sr, sp), (cr, cp) = np.sin(rpy[:, :2].T), np.cos(rpy[:, :2].T)

@@ -19,15 +19,15 @@ from sot.robot import Robot
 
 Array = NDArray[np.float64]
 
-FOOT = 1.0 / 0.0005  # 1/m and 1/rad
+FOOT = 1.0 / 0.0001  # 1/m and 1/rad
 COM = 1.0 / 0.0003  # 1/m
 PLACE = 1.0 / 0.05  # 1/m, of the hips where no CoM is asked for
 HEIGHT = 1.0 / 0.05  # 1/m, of the hips
-PELVIS = 1.0 / 0.3  # 1/rad
+PELVIS = 1.0 / np.array([0.3, 0.3, 0.1])  # 1/rad, tilted and turned
 TRUNK = 1.0 / 0.05
 CHEST = 1.0 / 0.15
 SEGMENT = 1.0 / 0.05  # of the head, upper arms and forearms
-FACE = 1.0 / 0.1  # the head's orientation
+FACE = 1.0 / 0.15  # the head's orientation
 POSTURE = 1.0 / 2.0  # 1/rad, of what the directions leave free: the twist of a straight arm
 NO_LEVER = 1e-6  # m, a joint whose axis passes a point this close does not move it
 
@@ -78,7 +78,8 @@ class Body:
             com, J_com = kinematics.com()
             _put(e, full, row, COM, (com[:2] - self._com[k], J_com[:2]))
         _put(e, full, row + 2, HEIGHT, (hips[2:], J_hips[2:]))
-        _put(e, full, row + 3, PELVIS, kinematics.orientation(self._waist, wanted.frames["pelvis"][k]))
+        tilt, J_tilt = kinematics.orientation(self._waist, wanted.frames["pelvis"][k])
+        _put(e, full, row + 3, 1.0, (PELVIS * tilt, PELVIS[:, None] * J_tilt))
         _put(e, full, row + 6, TRUNK, kinematics.direction(self._waist, self._neck, wanted.directions["trunk"][k]))
         _put(e, full, row + 9, CHEST, kinematics.orientation(self._chest, wanted.frames["chest"][k]))
         J[:] = kinematics.in_coordinates(full)

@@ -1,6 +1,7 @@
 """A human put where the robot stands: in its size, over its feet, on the motion's time line."""
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +16,7 @@ Array = NDArray[np.float64]
 
 DRIFT_HZ = 0.3  # slower than this, where the feet stand and face is a drift to take out
 STANDING = 10.0  # percentile of the lower ankle's height that is taken for standing
+TURN = 0.9  # of the hips' range that a turned pelvis may use up
 LEAD = 1.0  # s, from rest to the first pose
 TAIL = 1.0  # s, rest in the last pose
 
@@ -28,6 +30,7 @@ class Build:
         breadth: distance of the shoulders [m].
         hips: middle of the hips in the waist frame (3,) [m].
         ankles: middle of the ankles in the world (3,) [m].
+        turn: how far the pelvis can turn either way over planted feet [rad].
     """
 
     leg: float
@@ -35,6 +38,7 @@ class Build:
     breadth: float
     hips: Array
     ankles: Array
+    turn: float
 
     @staticmethod
     def of(robot: Robot) -> "Build":
@@ -55,18 +59,22 @@ class Build:
             breadth=length("left_shoulder", "right_shoulder"),
             hips=data.oMf[robot.point("waist")].actInv(hips),
             ankles=np.mean([place(f"{side}_ankle") for side in SIDES], axis=0),
+            turn=min(_turn(robot, robot.groups[f"{side}_leg"]) for side in SIDES),
         )
 
 
 def over_feet(human: Human, build: Build) -> Human:
     """The human in the robot's size, turned and moved so that its feet stay, on average, about the robot's.
 
-    Drift and turning slower than DRIFT_HZ are taken out: a robot with planted feet can follow neither. Heights are
-    above the ankles, which differ in height from robot to human.
+    Drift and turning slower than DRIFT_HZ are taken out, and what the pelvis turns beyond the robot's hips: a robot with
+    planted feet can follow none of them. Heights are above the ankles, which differ in height from robot to human.
     """
     ankles = np.mean([human.points[f"{side}_ankle"] for side in SIDES], axis=0)
     forward = np.sum([human.points[f"{side}_toe"] - human.points[f"{side}_ankle"] for side in SIDES], axis=0)
-    heading = _slow(np.unwrap(np.arctan2(forward[:, 1], forward[:, 0])), human.rate)
+    feet = _slow(np.unwrap(np.arctan2(forward[:, 1], forward[:, 0])), human.rate)
+    pelvis = np.arctan2(human.frames["pelvis"][:, 1, 0], human.frames["pelvis"][:, 0, 0])
+    twist = np.unwrap(np.angle(np.exp(1j * (pelvis - feet))))
+    heading = feet + twist - np.clip(twist, -build.turn, build.turn)
     origin = _slow(ankles[:, :2], human.rate)
     height = np.percentile(np.min([human.points[f"{side}_ankle"][:, 2] for side in SIDES], axis=0), STANDING)
 
@@ -97,6 +105,16 @@ def on_time_line(human: Human, rate: float) -> Human:
         points={name: place[index] for name, place in human.points.items()},
         frames={body: rotation[index] for body, rotation in human.frames.items()},
     )
+
+
+def _turn(robot: Robot, leg: Sequence[int]) -> float:
+    """Range [rad] to either side of rest of a leg's joint with the most vertical axis, at rest."""
+    data = robot.model.createData()
+    pin.computeJointJacobians(robot.model, data, robot.rest)
+    upright = [abs(data.J[5, 6 + joint]) for joint in leg]
+    joint = leg[int(np.argmax(upright))]
+    rest = robot.rest[7 + joint]
+    return TURN * float(min(rest - robot.lower[joint], robot.upper[joint] - rest))
 
 
 def _slow(values: Array, rate: float) -> Array:

@@ -55,21 +55,16 @@ def targets(human: Human, robot: Robot, build: Build) -> Targets:
     human_breadth = np.median(np.linalg.norm(human.points["left_shoulder"] - human.points["right_shoulder"], axis=1))
     swing = min(1.0, (human_breadth / human.arm) / (build.breadth / build.arm))
     frames = {}
-    for body, rotation in (human.frames | {"chest": _untwisted(human, swing)}).items():
+    for body, rotation in (human.frames | {"chest": _untwisted(human.frames["chest"], swing)}).items():
         turn = Rotation.from_matrix(rotation).as_rotvec()
         frames[body] = Rotation.from_rotvec(lead * turn).as_matrix()
     return Targets(hips, frames, directions)
 
 
-def _untwisted(human: Human, share: float) -> Array:
-    """Chest orientations (T, 3, 3) with a share of their twist against the pelvis.
-
-    Broader shoulders sweep the hands farther with the same twist: the share keeps their way, in arm lengths.
-    """
-    pelvis, chest = human.frames["pelvis"], human.frames["chest"]
-    turn = Rotation.from_matrix(pelvis.transpose(0, 2, 1) @ chest).as_rotvec()
-    turn[:, 2] *= share
-    return pelvis @ Rotation.from_rotvec(turn).as_matrix()
+def _untwisted(rotations: Array, share: float) -> Array:
+    """Orientations (T, 3, 3) with a share of their heading: Z(share · yaw) in place of Z(yaw)."""
+    yaw = np.unwrap(np.arctan2(rotations[:, 1, 0], rotations[:, 0, 0]))
+    return Rotation.from_euler("Z", (share - 1.0) * yaw[:, None]).as_matrix() @ rotations
 
 
 def _ease(s: Array) -> Array:

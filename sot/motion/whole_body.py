@@ -1,0 +1,96 @@
+"""The parts of a body put together: retargeted to look like the human, then balanced."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from sot.motion.balance import plan_balance
+from sot.motion.branches import choose
+from sot.motion.centroidal import Centroidal
+from sot.motion.contacts import Phase, support
+from sot.motion.coordinates import from_configuration, to_configuration, to_pinocchio
+from sot.motion.human import SIDES
+from sot.motion.limits import Limits
+from sot.motion.parts import Arm, Body, Head
+from sot.motion.retarget import PartFit, follow
+from sot.motion.spline import Spline
+from sot.motion.stance import Build
+from sot.motion.targets import Targets
+from sot.robot import Robot
+
+Array = NDArray[np.float64]
+
+LIMB_STEPS = 3  # Gauss-Newton steps of head and arms over the whole clip
+ROUNDS = 8  # most rounds of balance and body, each taking the other's result
+LIMBS_AFTER = 1  # the round after which head and arms follow the chest to where balance has moved it
+SETTLED = 0.003  # m, between the planned ZMP and that of the whole body, that ends the rounds
+
+
+def retarget(robot: Robot, build: Build, wanted: Targets, phase: Phase, limits: Limits, period: float) -> Spline:
+    """All nv coordinates as a spline that looks like the human: joint limits hold above the waist, feet stand.
+
+    The legs follow without regard to their speed, and nothing yet to balance: `balanced` sees to both.
+    """
+    y = np.tile(from_configuration(robot.rest[None]), (wanted.length, 1))
+    y = follow(Body(robot, build, wanted, phase), y, limits)
+    chest = _orientations(robot, "chest", y)
+    y = follow(Head(robot, wanted, chest), y, limits)
+    for side in SIDES:
+        y = choose(Arm(robot, side, wanted, chest), y, limits, period)
+    return limbs_fitted(robot, wanted, limits, Spline.through(y, period), LIMB_STEPS)
+
+
+def limbs_fitted(robot: Robot, wanted: Targets, limits: Limits, whole: Spline, steps: int) -> Spline:
+    """The same motion with head and arms fitted, under their limits, to the chest as it moves."""
+    y, control = whole.knots, whole.control.copy()
+    chest = _orientations(robot, "chest", y)
+    limbs = [Head(robot, wanted, chest), *(Arm(robot, side, wanted, chest) for side in SIDES)]
+    for limb in limbs:
+        fit = PartFit(limb.columns, wanted.length, whole.period, limits)
+        spline = Spline(control[:, limb.columns], whole.period)
+        control[:, limb.columns] = fit.improve(limb, spline, y, steps).control
+    return Spline(control, whole.period)
+
+
+def _orientations(robot: Robot, point: str, y: Array) -> Array:
+    """Orientation (T, 3, 3) of a point along coordinates (T, nv)."""
+    data, frame = robot.model.createData(), robot.point(point)
+    rotations = np.empty((len(y), 3, 3))
+    for k, q in enumerate(to_configuration(y)):
+        pin.forwardKinematics(robot.model, data, q)
+        rotations[k] = pin.updateFramePlacement(robot.model, data, frame).rotation
+    return rotations
+
+
+def balanced(
+    robot: Robot, build: Build, wanted: Targets, phases: Sequence[Phase], limits: Limits, whole: Spline
+) -> Spline:
+    """The same motion with its base, legs and chest fitted to a CoM that keeps the ZMP in the soles.
+
+    What the ZMP depends on, the height of the CoM and the angular momentum, changes with the body: hence ROUNDS.
+    """
+    polygons = [support(robot, phase) for phase in phases]
+    columns = Body(robot, build, wanted, phases[0]).columns
+    fit = PartFit(columns, wanted.length, whole.period, limits)
+    state = _centroidal(whole, robot)
+    wanted_com = state.com[:, :2]
+    for done in range(ROUNDS):
+        plan = plan_balance(state, wanted_com, phases, polygons, whole.period)
+        body = Body(robot, build, wanted, phases[0], plan.com.knots)
+        control = whole.control.copy()
+        spline = Spline(control[:, columns], whole.period)
+        control[:, columns] = fit.improve(body, spline, whole.knots, 1).control
+        whole = Spline(control, whole.period)
+        if done == LIMBS_AFTER:
+            whole = limbs_fitted(robot, wanted, limits, whole, 1)
+        state = _centroidal(whole, robot)
+        if done > LIMBS_AFTER and np.abs(state.zmp() - plan.zmp).max() < SETTLED:
+            break
+    return whole
+
+
+def _centroidal(whole: Spline, robot: Robot) -> Centroidal:
+    """At the knots of all nv coordinates."""
+    return Centroidal.along(robot, *to_pinocchio(whole.knots, whole.velocities, whole.accelerations))
