@@ -58,12 +58,11 @@ class Stack:
         Raises:
             InputError: If there is no task of that name.
         """
+        task = self._find(name)
         for tasks in self._levels.values():
-            for task in tasks:
-                if task.name == name:
-                    tasks.remove(task)
-                    return task
-        raise InputError(f"the stack has no task '{name}': it has {', '.join(task.name for task in self.tasks)}")
+            if task in tasks:
+                tasks.remove(task)
+        return task
 
     def move(self, name: str, level: str, before: str | None = None) -> None:
         """Move a task to another level, made before `before` or last if it is new.
@@ -71,9 +70,11 @@ class Stack:
         Raises:
             InputError: If there is no such task, or no level `before`.
         """
+        task = self._find(name)  # before anything changes: an error leaves the stack as it was
         if level not in self._levels:
             self._insert(level, before)
-        self._levels[level].append(self.remove(name))
+        self.remove(name)
+        self._levels[level].append(task)
 
     def contact(self, point: str) -> Contact:
         """The contact at an operational point, to change its mode or load.
@@ -85,6 +86,12 @@ class Stack:
             if contact.point == point:
                 return contact
         raise InputError(f"the stack has no contact '{point}': it has {', '.join(c.point for c in self.contacts)}")
+
+    def _find(self, name: str) -> Task:
+        for task in self.tasks:
+            if task.name == name:
+                return task
+        raise InputError(f"the stack has no task '{name}': it has {', '.join(task.name for task in self.tasks)}")
 
     def _insert(self, level: str, before: str | None) -> None:
         if before is not None and before not in self._levels:
