@@ -46,7 +46,8 @@ class Contact:
         self.point, self.form = point, form
         self.mode: Mode = "fixed"
         self.load = 1.0
-        """Ramp on the normal force: 1 carries whatever is needed, 0 nothing."""
+        """Ramp on the normal force: 1 carries whatever is needed, 0 nothing. The limit in between goes with the cube, so
+        that a foot that carries little is unloaded as gradually as one that carries much."""
         centre = vertices.mean(axis=0)
         self.vertices = vertices - inset * np.sign(vertices - centre) * [1.0, 1.0, 0.0]
         self.friction, self.stiffness, self.damping = friction, stiffness, damping
@@ -97,7 +98,7 @@ class Contact:
     def force_inequalities(self, largest: float) -> tuple[Array, Array, Array]:
         """Rows ``lower <= C φ <= upper``; `largest` is the normal force of the contact at full load [N]."""
         count = len(self.vertices)
-        top = np.inf if self.load >= 1.0 else self.load * largest / count
+        top = np.inf if self.load >= 1.0 else self.load**3 * largest / count
         if self.form == "unilateral":
             return self._cone, np.zeros(count), np.full(count, top)
         lower, upper = np.full(5 * count, -np.inf), np.zeros(5 * count)

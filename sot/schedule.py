@@ -18,6 +18,22 @@ class Event:
     change: Callable[[Stack], object] = field(compare=False)
 
 
+@dataclass(slots=True)
+class Ramp:
+    """A contact's load on its way from one value to another."""
+
+    point: str
+    start: float
+    end: float
+    before: float
+    after: float
+
+    def load(self, t: float) -> float:
+        """The load at a time [s]."""
+        share = (t - self.start) / (self.end - self.start) if self.end > self.start else 1.0
+        return self.before + (self.after - self.before) * min(max(share, 0.0), 1.0)
+
+
 class Schedule:
     """Events in time; each happens once, at the first tick that is not before it.
 
@@ -28,10 +44,11 @@ class Schedule:
     def __init__(self) -> None:
         self.events: list[Event] = []
         self._next = 0
+        self._ramps: list[Ramp] = []
 
     def at(self, t: float, what: str, change: Callable[[Stack], object]) -> "Schedule":
-        """Do anything to the stack at time `t`; `what` says so to a reader."""
-        insort(self.events, Event(t, what, change))
+        """Do anything to the stack at time `t`, or at once if that has passed; `what` says so to a reader."""
+        insort(self.events, Event(t, what, change), lo=self._next)
         return self
 
     def add(self, t: float, task: Task, level: str, before: str | None = None) -> "Schedule":
@@ -51,10 +68,9 @@ class Schedule:
 
         The ramp leads up to `t` when the contact gives its load away and follows it when it takes it.
         """
-        if mode == "fixed":
-            self.at(t, f"{point} {mode}", lambda stack: setattr(stack.contact(point), "mode", mode))
-            return self._ramp(point, t, t + ramp, 0.0, 1.0)
-        self._ramp(point, t - ramp, t, 1.0, 0.0)
+        start, before, after = (t, 0.0, 1.0) if mode == "fixed" else (t - ramp, 1.0, 0.0)
+        load = Ramp(point, start, start + ramp, before, after)
+        self.at(start, f"{point} load {before:.0f} to {after:.0f}", lambda stack: self._ramps.append(load))
         return self.at(t, f"{point} {mode}", lambda stack: setattr(stack.contact(point), "mode", mode))
 
     def apply(self, t: float, stack: Stack) -> list[str]:
@@ -62,14 +78,10 @@ class Schedule:
         done = []
         while self._next < len(self.events) and self.events[self._next].t <= t + 1e-9:
             event = self.events[self._next]
+            self._next += 1  # first: the event may itself add others
             event.change(stack)
             done.append(event.what)
-            self._next += 1
+        for ramp in self._ramps:
+            stack.contact(ramp.point).load = ramp.load(t)
+        self._ramps = [ramp for ramp in self._ramps if t < ramp.end]
         return done
-
-    def _ramp(self, point: str, start: float, end: float, before: float, after: float, steps: int = 20) -> "Schedule":
-        for i in range(steps + 1):
-            load = before + (after - before) * i / steps
-            t = start + (end - start) * i / steps
-            self.at(t, f"{point} load {load:.2f}", lambda stack, load=load: setattr(stack.contact(point), "load", load))
-        return self

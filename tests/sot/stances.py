@@ -1,9 +1,9 @@
-"""A stack like the shipped one, for a robot that stands and is to come back to rest."""
+"""Stances, and a stack like the shipped one for a robot that is to keep one of them."""
 
 import numpy as np
 import pinocchio as pin
 
-from sot.contact import Contact
+from sot.contact import Contact, Form
 from sot.robot import Robot
 from sot.stack import Stack
 from sot.tick import Tick
@@ -12,9 +12,31 @@ from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, 
 Array = np.ndarray
 
 
-def standing_stack(robot: Robot, form: str = "pyramid", fraction: float = 1.0, over: Array | None = None) -> Stack:
-    """Both feet stand; balance over the place `over` (2,), trunk and head upright, joints at rest, least forces."""
+def leaning(robot: Robot, share: float) -> Array:
+    """Configuration with both soles as at rest and the CoM at a share of the way from the left to the right foot."""
     tick = Tick(robot)
+    left, right = (tick.frame(foot).position.copy() for foot in robot.feet)
+    centre, q = (left + share * (right - left))[:2], robot.rest.copy()
+    for _ in range(10):
+        tick.update(0.0, q, np.zeros(robot.nv))
+        jacobians, errors = [tick.com_jacobian[:2]], [centre - tick.com[:2]]
+        for foot, place in zip(robot.feet, (left, right), strict=True):
+            frame = tick.frame(foot)
+            jacobians.append(frame.jacobian)
+            errors.append(np.concatenate([place - frame.position, pin.log3(frame.rotation.T)]))
+        q = pin.integrate(robot.model, q, np.linalg.pinv(np.vstack(jacobians), rcond=1e-6) @ np.concatenate(errors))
+    return q
+
+
+def standing_stack(
+    robot: Robot, form: Form = "pyramid", fraction: float = 1.0, at: Array | None = None, over: Array | None = None
+) -> Stack:
+    """Both feet stand; balance, trunk, head and joints as in the configuration `at` (rest), with least forces.
+
+    The centre of mass is wanted over the place `over` (2,), unless given over where it is.
+    """
+    q = robot.rest if at is None else at
+    tick = Tick(robot).update(0.0, q, np.zeros(robot.nv))
     centre, still = tick.com.copy(), np.zeros(3)
     if over is not None:
         centre[:2] = over
@@ -30,7 +52,7 @@ def standing_stack(robot: Robot, form: str = "pyramid", fraction: float = 1.0, o
             "balance": [Balance(lambda t: (centre, still, still, centre[:2]))],
             "trunk": [upright("waist"), upright("chest")],
             "head": [upright("head")],
-            "posture": [Posture(robot, robot.rest[7:])],
+            "posture": [Posture(robot, q[7:])],
             "forces": [LeastForces()],
         },
     )
