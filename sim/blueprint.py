@@ -21,7 +21,7 @@ def layout(robot: Robot, log: RunLog) -> rrb.Blueprint:
     """Blueprint of a run of this robot with these levels."""
     tabs = rrb.Tabs(
         _balance(),
-        *(_joints(limb) for limb in LIMBS),
+        *(_joints(robot, limb) for limb in LIMBS),
         _tasks(log),
         _ticks(),
         rrb.TextDocumentView(origin="about", name="About"),
@@ -52,13 +52,16 @@ def _balance() -> rrb.Vertical:
     )
 
 
-def _joints(limb: str) -> rrb.Vertical:
+def _joints(robot: Robot, limb: str) -> rrb.Vertical:
+    greatest = 1.05 * max(robot.effort[joint] for group in LIMBS[limb] for joint in robot.groups[group])
     origin = f"joints/{limb}"
     return rrb.Vertical(
         rrb.TimeSeriesView(origin=f"{origin}/angle", name="Angle [deg]"),
         rrb.TimeSeriesView(origin=f"{origin}/room", name="Room to the nearer limit [deg]"),
         rrb.TimeSeriesView(origin=f"{origin}/error", name="Angle minus reference [deg]"),
-        rrb.TimeSeriesView(origin=f"{origin}/torque", name="Torque [N m]"),
+        rrb.TimeSeriesView(
+            origin=f"{origin}/torque", name="Torque [N m]", axis_y=rrb.ScalarAxis(range=[-greatest, greatest])
+        ),
         name=limb.replace("_", " ").capitalize(),
     )
 

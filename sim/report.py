@@ -119,7 +119,9 @@ def show(reports: Sequence[Mapping[str, Any]], console: Console) -> None:
     table = Table(box=None, padding=(0, 2, 0, 0))
     table.add_column("", no_wrap=True)
     for report in reports:
-        table.add_column(f"{report['clip']}\n{report['robot']}\n{report['solver']['name']}", justify="right")
+        table.add_column(
+            f"{report['clip']}\n{report['robot']}\n{report['solver']['name']}", justify="right", overflow="fold"
+        )
     table.add_column("")
     table.add_column("aim", no_wrap=True)
     table.add_row("how it ended", *(_ending(report) for report in reports))
