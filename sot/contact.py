@@ -46,8 +46,8 @@ class Contact:
         self.point, self.form = point, form
         self.mode: Mode = "fixed"
         self.load = 1.0
-        """Ramp on the normal force: 1 carries whatever is needed, 0 nothing. The limit in between goes with the cube, so
-        that a foot that carries little is unloaded as gradually as one that carries much."""
+        """Ramp on the normal force: 1 carries whatever is needed, 0 nothing. The limit in between goes with the cube:
+        a foot that carries little is unloaded as gradually as one that carries much."""
         centre = vertices.mean(axis=0)
         self.vertices = vertices - inset * np.sign(vertices - centre) * [1.0, 1.0, 0.0]
         self.friction, self.stiffness, self.damping = friction, stiffness, damping

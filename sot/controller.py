@@ -38,7 +38,8 @@ class Command:
         wrenches: Floor on each contact of the stack, at its point, world axes, shape (contacts, 6) [N, N m].
         zmp: Predicted zero-moment point, Ramos (11), shape (2,) [m]; nan without load.
         solution: The solver's answer, level by level.
-        status: `Status.FAILED` if the torque is a hold of the last one.
+        status: The solution's. If its level 0 has none (`Status.FAILED` there), the torque is a damped hold of the last
+            that was solved for.
         model_us, assemble_us, solve_us: Where the time went [µs].
     """
 
@@ -96,13 +97,14 @@ class Controller:
             decoded = self.dynamics.decode(solution.x)
             # Only rounding is left to clip: the bounds are rows of level 0.
             torque = np.clip(decoded.torque, -robot.effort, robot.effort)
+            self._held = torque
             acceleration, wrenches = decoded.acceleration, np.array(decoded.wrenches).reshape(-1, 6)
             zmp = self._zmp(decoded.forces)
         else:
+            # Always from the last torque that was solved for: damping added to damping would become a stiffness.
             torque = np.clip(self._held - HOLD_DAMPING * v[6:], -robot.effort, robot.effort)
             acceleration, wrenches = np.zeros(robot.nv), np.full((len(stack.contacts), 6), np.nan)
             zmp = np.full(2, np.nan)
-        self._held = torque
         solved = perf_counter()
         return Command(
             torque,
