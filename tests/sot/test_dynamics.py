@@ -134,13 +134,12 @@ def test_an_impossible_level_0_names_what_gave_way(robot):
     assert np.abs(residual).max() < 1e-3
 
 
-@pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("contact_form", ["pyramid", "unilateral"])
-def test_every_row_has_an_owner_and_a_violation_in_its_owner_s_unit(robot, form, contact_form):
+def test_every_row_has_an_owner_and_a_violation_in_its_owner_s_unit(robot, contact_form):
     stack = standing_stack(robot, contact_form)
     tick = Tick(robot)
     tick.contacts = stack.contacts
-    dynamics = Dynamics(robot, form)
+    dynamics = Dynamics(robot, "full")
     levels = dynamics.assemble(tick, stack.contacts, stack.hard, stack.levels)
     for level in levels:
         for equality, count in ((True, len(level.b)), (False, len(level.lower))):
@@ -154,6 +153,7 @@ def test_every_row_has_an_owner_and_a_violation_in_its_owner_s_unit(robot, form,
     missing = tick.M @ decoded.acceleration + tick.h - wrenches
     np.testing.assert_allclose(by_name["Dynamics"][:6], missing[:6], rtol=1e-9, atol=1e-6)
     if contact_form == "unilateral":
-        for contact, phi in zip(stack.contacts, decoded.forces, strict=True):
-            expected = contact.force_equalities(tick) @ phi
-            np.testing.assert_allclose(by_name[f"Pressure {contact.point}"], expected, rtol=1e-9, atol=1e-9)
+        pressure = np.concatenate([value for name, value in by_name.items() if name.startswith("Pressure")])
+        parts = zip(stack.contacts, decoded.forces, strict=True)
+        expected = np.concatenate([contact.force_equalities(tick) @ phi for contact, phi in parts])
+        np.testing.assert_allclose(pressure, expected, rtol=1e-9, atol=1e-9)
