@@ -17,12 +17,13 @@ from sot.motion.spline import Spline
 from sot.motion.stance import LEAD, TAIL, Build, on_time_line, over_feet
 from sot.motion.targets import targets
 from sot.motion.trajectory import Motion
-from sot.motion.whole_body import balanced, retarget
+from sot.motion.whole_body import balanced, limbs_fitted, retarget
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
 
 PLAN_RATE = 50.0  # knots per second
+REFIT_STEPS = 2  # Gauss-Newton steps of head and arms once the body is balanced
 NOISE_HZ = 6.0  # faster than this, a capture is noise
 
 
@@ -71,6 +72,8 @@ def plan(human: Human, robot: Robot, feet: str = "planted", rate: float = 1000.0
         "key_point_rms_m": _key_point_rms(robot, build, person, whole),
         "frames_per_s": human.count / (retargeted - begun),
     }
+    whole = balanced(robot, build, wanted, phases, limits, whole)
+    whole = limbs_fitted(robot, wanted, limits, whole, REFIT_STEPS)  # the chest has moved
     whole = balanced(robot, build, wanted, phases, limits, whole)
     motion = sampled(robot, whole, phases, rate)
     ended = time.perf_counter()

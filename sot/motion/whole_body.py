@@ -24,7 +24,6 @@ Array = NDArray[np.float64]
 
 LIMB_STEPS = 3  # Gauss-Newton steps of head and arms over the whole clip
 ROUNDS = 8  # most rounds of balance and body, each taking the other's result
-LIMBS_AFTER = 1  # the round after which head and arms follow the chest to where balance has moved it
 SETTLED = 0.003  # m, between the planned ZMP and that of the whole body, that ends the rounds
 
 
@@ -39,7 +38,9 @@ def retarget(robot: Robot, build: Build, wanted: Targets, phase: Phase, limits: 
     y = follow(Head(robot, wanted, chest), y, limits)
     for side in SIDES:
         y = choose(Arm(robot, side, wanted, chest), y, limits, period)
-    return limbs_fitted(robot, wanted, limits, Spline.through(y, period), LIMB_STEPS)
+    whole = Spline.through(y, period)
+    whole.control[:3] = y[0]
+    return limbs_fitted(robot, wanted, limits, whole, LIMB_STEPS)
 
 
 def limbs_fitted(robot: Robot, wanted: Targets, limits: Limits, whole: Spline, steps: int) -> Spline:
@@ -76,17 +77,15 @@ def balanced(
     fit = PartFit(columns, wanted.length, whole.period, limits)
     state = _centroidal(whole, robot)
     wanted_com = state.com[:, :2]
-    for done in range(ROUNDS):
+    for _ in range(ROUNDS):
         plan = plan_balance(state, wanted_com, phases, polygons, whole.period)
         body = Body(robot, build, wanted, phases[0], plan.com.knots)
         control = whole.control.copy()
         spline = Spline(control[:, columns], whole.period)
         control[:, columns] = fit.improve(body, spline, whole.knots, 1).control
         whole = Spline(control, whole.period)
-        if done == LIMBS_AFTER:
-            whole = limbs_fitted(robot, wanted, limits, whole, 1)
         state = _centroidal(whole, robot)
-        if done > LIMBS_AFTER and np.abs(state.zmp() - plan.zmp).max() < SETTLED:
+        if np.abs(state.zmp() - plan.zmp).max() < SETTLED:
             break
     return whole
 
