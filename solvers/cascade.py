@@ -227,7 +227,7 @@ class _Descent:
                 if k == start == 1 and self.outside(x):
                     return cascade._solution(levels, x, qps, Status.FAILED, failed=0)
                 break
-            B = self.chain.rows[k] if not frozen else level.A @ Z
+            B = level.A @ Z
             own = self.owner == k
             if k > start and not len(level.b) and not own.any():
                 continue

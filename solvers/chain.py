@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.linalg import lapack
 
 from solvers.nullspace import Projection, project
 from solvers.rows import Array, Level
@@ -41,7 +42,6 @@ class Chain:
 
     Attributes:
         bases: What level k has to work in, an orthonormal basis (n, n_k), before its held rows.
-        rows: Its equalities in that basis, after its held rows.
         points: The answer after each level, (n,).
     """
 
@@ -53,7 +53,9 @@ class Chain:
         count = len(levels)
         size = levels[0].A.shape[1]
         self.bases: list[Array] = [np.eye(size, order="F")] * (count + 1)
-        self.rows: list[Array] = [self.bases[0]] * count
+        # While only leading variables have been used, Z = diag(Z_lead, 1): the number of columns of Z_lead, else -1.
+        self._leading = min(size if level.columns is None else level.columns for level in levels)
+        self._lead = [self._leading] + [-1] * count
         self.points: list[Array] = [np.zeros(size)] * count
         self._holds: list[Projection | None] = [None] * count
 
@@ -61,21 +63,47 @@ class Chain:
         """Solve from level `first` on; what the levels above left is kept."""
         for k in range(first, len(self.levels)):
             level = self.levels[k]
-            Z = self.bases[k]
-            x = self.points[k - 1] if k else np.zeros(Z.shape[0])
+            x = self.points[k - 1] if k else np.zeros(self.bases[0].shape[0])
             self._holds[k] = None
+            damping = self.damping if k else 0.0
+            if (held is None or not len(held[k].rows)) and self._lead[k] >= 0 and level.columns == self._leading:
+                self._run_leading(k, x, damping)
+                continue
+            Z = self.bases[k]
             if held is not None and len(held[k].rows):
                 D = self.C[held[k].rows]
                 target = np.where(held[k].side > 0.0, self.upper[held[k].rows], self.lower[held[k].rows])
                 hold = self._holds[k] = project(D @ Z, self.rank_tolerance * _scale(D))
                 x = x + Z @ hold.least_squares(target - D @ x)
                 Z = hold.remaining(Z)
-            B = level.A @ Z
-            projection = project(B, self.rank_tolerance * _scale(level.A))
-            x = x + Z @ projection.least_squares(level.b - level.A @ x, self.damping if k else 0.0)
-            self.rows[k], self.points[k] = B, x
+            self._lead[k + 1] = -1
+            if not len(level.b):
+                self.points[k], self.bases[k + 1] = x, Z
+                continue
+            projection = project(level.A @ Z, self.rank_tolerance * _scale(level.A))
+            self.points[k] = x + Z @ projection.least_squares(level.b - level.A @ x, damping)
             if k < len(self.levels) - 1:
                 self.bases[k + 1] = projection.remaining(Z)
+
+    def _run_leading(self, k: int, x: Array, damping: float) -> None:
+        """Solve a level whose space splits into that of the leading variables and all of the others."""
+        level, Z, n, lead = self.levels[k], self.bases[k], self._leading, self._lead[k]
+        self.points[k], self.bases[k + 1], self._lead[k + 1] = x, Z, lead
+        if not len(level.b) or not lead:
+            return
+        A, Z_lead = level.A[:, :n], Z[:n, :lead]
+        projection = project(A @ Z_lead, self.rank_tolerance * _scale(A))
+        self.points[k] = x = x.copy()
+        x[:n] += Z_lead @ projection.least_squares(level.b - A @ x[:n], damping)
+        left = projection.remaining(np.asfortranarray(Z_lead))
+        others = len(x) - n
+        basis = np.zeros((len(x), left.shape[1] + others), order="F")
+        basis[:n, : left.shape[1]] = left
+        basis[n:, left.shape[1] :] = self._others(others)
+        self.bases[k + 1], self._lead[k + 1] = basis, left.shape[1]
+
+    def _others(self, count: int) -> Array:
+        return self.bases[0][:count, :count]
 
     def multipliers(self, k: int) -> Array:
         """λ of the rows held at level k, positive where they push against an upper bound."""
@@ -90,4 +118,4 @@ class Chain:
 
 
 def _scale(A: Array) -> float:
-    return max(SMALLEST, float(np.abs(A).max(initial=0.0)))
+    return max(SMALLEST, lapack.dlange("M", A.T))

@@ -12,6 +12,7 @@ from scipy.linalg import lapack
 from solvers.rows import Array
 
 _WORK = 64  # LAPACK's block size: workspace per row or column
+_UPPER = np.triu(np.ones((256, 256)))
 
 
 @dataclass(slots=True)
@@ -32,19 +33,20 @@ class Projection:
         n, k = self.qr.shape[0], self.rank
         y = np.zeros((n, 1), order="F")
         if k:
+            target = r[self.pivots]
             if k == len(r) and not damping:
-                y[:k, 0], _ = lapack.dtrtrs(self.qr[:k, :k], r[self.pivots], lower=0, trans=1)
+                y[:k, 0], _ = lapack.dtrtrs(self.qr[:k, :k], target, lower=0, trans=1)
             else:
-                R = np.triu(self.qr[:k, :])
-                target = r[self.pivots]
-                if damping:
-                    y[:k, 0] = np.linalg.solve(R @ R.T + damping**2 * np.eye(k), R @ target)
-                else:
-                    rows = np.asfortranarray(R.T)
-                    _, solution, _ = lapack.dgels(rows, target, lwork=_WORK * (rows.shape[0] + k))
-                    y[:k, 0] = solution[:k]
-            y = lapack.dormqr("L", "N", self.qr[:, :k], self.tau[:k], y, _WORK)[0]
+                y[:k, 0] = _tall(self.qr[:k] * _UPPER[:k, : len(r)], target, damping)
+            y = lapack.dormqr("L", "N", self.qr[:, :k], self.tau[:k], y, _WORK, overwrite_c=1)[0]
         return y[:, 0]
+
+    def right_inverse(self, r: Array) -> Array:
+        """Least-norm Y with ``B Y = r`` for rows B of full rank; r has shape (m, c), Y (n, c)."""
+        k = self.rank
+        y = np.zeros((self.qr.shape[0], r.shape[1]), order="F")
+        y[:k], _ = lapack.dtrtrs(self.qr[:k, :k], r[self.pivots], lower=0, trans=1)
+        return lapack.dormqr("L", "N", self.qr[:, :k], self.tau[:k], y, _WORK * r.shape[1], overwrite_c=1)[0]
 
     def multipliers(self, g: Array) -> Array:
         """λ with ``Bᵀ λ = g`` for a g in the range of Bᵀ, shape (m,); 0 for rows that others imply."""
@@ -59,6 +61,8 @@ class Projection:
         """Orthonormal basis of what is left of the columns of Z, shape (rows of Z, n - rank)."""
         if not self.rank:
             return Z
+        if self.rank == Z.shape[1]:
+            return Z[:, :0]
         turned = lapack.dormqr("R", "N", self.qr[:, : self.rank], self.tau[: self.rank], Z, _WORK * len(Z))[0]
         return turned[:, self.rank :]
 
@@ -71,3 +75,20 @@ def project(B: Array, tolerance: float) -> Projection:
     qr, pivots, tau, _, _ = lapack.dgeqp3(B.T, lwork=_WORK * (m + 1))
     diagonal = np.abs(np.diagonal(qr))
     return Projection(qr, tau, pivots - 1, int(np.count_nonzero(diagonal > tolerance)))
+
+
+def _tall(R: Array, target: Array, damping: float) -> Array:
+    """z that minimises ``‖Rᵀ z − target‖² + damping² ‖z‖²`` for rows R of full rank, shape (k, m).
+
+    Normal equations with one step of refinement: as accurate as a second factorisation at half its cost.
+    """
+    normal = R @ R.T
+    if damping:
+        normal.flat[:: len(R) + 1] += damping**2
+    factor, failed = lapack.dpotrf(normal, lower=0)
+    if failed:  # beyond what normal equations can do
+        z, _, _, _ = np.linalg.lstsq(np.vstack([R.T, damping * np.eye(len(R))]), np.append(target, np.zeros(len(R))))
+        return z
+    z, _ = lapack.dpotrs(factor, R @ target)
+    rest, _ = lapack.dpotrs(factor, R @ (target - R.T @ z) - damping**2 * z)
+    return z + rest

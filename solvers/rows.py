@@ -72,6 +72,7 @@ class Level:
         C: Inequalities, shape (p, n).
         lower, upper: Bounds, shape (p,).
         blocks: Who owns which rows.
+        columns: Number of leading variables that the equalities involve; all of them unless given.
     """
 
     name: str
@@ -81,6 +82,7 @@ class Level:
     lower: Array
     upper: Array
     blocks: list[Block] = field(default_factory=list)
+    columns: int | None = None
 
     @classmethod
     def stack(cls, name: str, rows: Sequence[Rows], size: int) -> "Level":

@@ -1,28 +1,25 @@
-"""Level 0 and the variables: the equation of motion, contacts and their forces, in two equal forms.
-
-The *full* form solves for x = (v̇, τ, φ) under ``M v̇ + h = Sᵀ τ + Jᵀ φ``, as in the paper (Ramos (10) with forces on
-the robot). The *condensed* form removes τ and the rows that define it,
-
-    τ = S (M v̇ + h − Jᵀ φ),        0 = (M v̇ + h − Jᵀ φ) of the base,
-
-and solves for x = (v̇, φ). Rows on τ become rows on x. Both give the same answer; the condensed one is the faster.
-"""
+"""A tick's levels in the variables of one form, and the answer in the robot's words."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 
-from solvers.rows import Block, Level, Rows
+from solvers.rows import Block, Level
 from sot.contact import Contact
+from sot.forms import Form, Touch, Units, condensed, full
 from sot.robot import Robot
 from sot.task import Task
-from sot.tick import GRAVITY, Tick
+from sot.tick import Tick
 
 Array = np.ndarray
 FormName = Literal["condensed", "full"]
+
+FRICTION_GIVES_WAY = 3
+"""Place of the friction pyramids in the order in which level 0 is relaxed: the last."""
+LARGEST_LOAD = 2.0
+"""Normal force of a contact at full load, in weights of the robot: where its ramp starts from."""
 
 
 @dataclass(slots=True)
@@ -42,25 +39,18 @@ class Decoded:
     wrenches: list[Array]
 
 
-FRICTION_GIVES_WAY = 3
-"""Place of the friction pyramids in the order in which level 0 is relaxed: the last."""
-
-
 class Dynamics:
-    """Builds a tick's levels in the variables of one form, and reads the answer back.
+    """Builds the levels that a solver solves: level 0, then the stack's.
 
     Args:
         robot: The robot.
-        form: "condensed" or "full".
+        form: "condensed", the one that runs, or "full", the paper's; both give the same answer. Where the contacts
+            cannot bear any wrench (in flight, say) the condensed form does not exist and the full one stands in.
     """
 
     def __init__(self, robot: Robot, form: FormName = "condensed") -> None:
-        self.robot, self.form = robot, form
-        self.weight = robot.mass * GRAVITY
-        # Forces are counted in shares of the weight and torques against what the robot has, so that one tolerance
-        # fits all rows.
-        self.force_unit = self.weight / 8.0
-        self.torque_unit = float(np.median(robot.effort))
+        self.robot, self.name = robot, form
+        self.units = Units.of(robot)
 
     def assemble(
         self,
@@ -77,147 +67,128 @@ class Dynamics:
             hard: Limits of level 0.
             levels: Names and tasks of the levels below, in order.
         """
-        self._prepare(tick, contacts)
-        return [self._hard(tick, contacts, hard), *(self._level(name, tasks, tick) for name, tasks in levels)]
+        self._touch = Touch.of(tick, contacts, self.units)
+        form = condensed(tick, self._touch, self.units) if self.name == "condensed" else None
+        self._form = form or full(tick, contacts, self._touch, self.units)
+        first = _Rows("hard", self._form)
+        for equality in self._form.equalities:
+            first.equal(equality.block, equality.A, equality.b, self._form.size)
+        for contact, part in zip(contacts, self._touch.parts, strict=True):
+            if part.stop > part.start:
+                self._friction(contact, part, first)
+        for task in hard:
+            first.task(task, tick, self.units)
+        out = [first.level()]
+        for name, tasks in levels:
+            rows = _Rows(name, self._form)
+            for task in tasks:
+                rows.task(task, tick, self.units)
+            out.append(rows.level())
+        return out
 
     def decode(self, x: Array) -> Decoded:
         """Read a solution of the levels that were assembled last."""
-        nv = self.robot.nv
-        acceleration = x[:nv].copy()
-        phi = x[self._force] * self.force_unit
-        if self.form == "full":
-            torque = x[nv : nv + self.robot.na] * self.torque_unit
-        else:
-            torque = self._torque_map @ x + self._torque_offset
-        forces = [phi[part] for part in self._parts]
-        return Decoded(acceleration, torque, forces, [G @ f for G, f in zip(self._wrench_maps, forces, strict=True)])
+        form, touch = self._form, self._touch
+        phi = (form.force @ x + form.force_offset) * self.units.force
+        forces = [phi[part] for part in touch.parts]
+        return Decoded(
+            form.acceleration @ x[: form.motion] + form.acceleration_offset,
+            form.torque @ x + form.torque_offset,
+            forces,
+            [G @ f for G, f in zip(touch.wrench_maps, forces, strict=True)],
+        )
 
-    def _prepare(self, tick: Tick, contacts: Sequence[Contact]) -> None:
-        """Force variables of this tick, and τ as a function of x in the condensed form."""
-        nv, na = self.robot.nv, self.robot.na
-        counts = [contact.force_count for contact in contacts]
-        ends = np.cumsum([0, *counts])
-        self._parts = [slice(a, b) for a, b in pairwise(ends)]
-        first = nv if self.form == "condensed" else nv + na
-        self._size = first + int(ends[-1])
-        self._force = slice(first, self._size)
-        self._jt = np.zeros((nv, int(ends[-1])))
-        self._wrench_maps = []
-        for contact, part in zip(contacts, self._parts, strict=True):
-            G = contact.wrench_map(tick) if part.stop > part.start else np.zeros((6, 0))
-            self._wrench_maps.append(G)
-            if part.stop > part.start:
-                self._jt[:, part] = tick.frame(contact.point).jacobian.T @ G
-        self._jt *= self.force_unit
-        if self.form == "condensed":
-            self._torque_map = np.concatenate([tick.M[6:], -self._jt[6:]], axis=1)
-            self._torque_offset = tick.h[6:]
-
-    def _hard(self, tick: Tick, contacts: Sequence[Contact], hard: Sequence[Task]) -> Level:
-        equal, bounded = _Stacked(self._size, True), _Stacked(self._size, False)
-        nv, na = self.robot.nv, self.robot.na
-        if self.form == "condensed":
-            motion = np.concatenate([tick.M[:6], -self._jt[:6]], axis=1)
-            offset = -tick.h[:6]
-        else:
-            motion = np.concatenate([tick.M, np.zeros((nv, na)), -self._jt], axis=1)
-            motion[6:, nv : nv + na] = -self.torque_unit * np.eye(na)
-            offset = -tick.h
-        equal.add(motion / self.weight, offset / self.weight, Block("Dynamics", "N", 1.0 / self.weight, True, slice(0)))
-        for contact, part in zip(contacts, self._parts, strict=True):
-            if held := contact.held:
-                of = list(held)
-                rows = np.zeros((len(of), self._size))
-                frame = tick.frame(contact.point)
-                rows[:, :nv] = frame.jacobian[of]
-                wanted = (contact.acceleration(tick) - frame.drift)[of]
-                equal.add(rows, wanted, Block(f"Contact {contact.point}", "m/s²", 1.0, True, slice(0)))
-            if part.stop > part.start:
-                columns = slice(self._force.start + part.start, self._force.start + part.stop)
-                unit = 1.0 / self.force_unit
-                if len(E := contact.force_equalities(tick)):
-                    rows = np.zeros((len(E), self._size))
-                    rows[:, columns] = E
-                    equal.add(rows, np.zeros(len(E)), Block(f"Pressure {contact.point}", "N", unit, True, slice(0)))
-                F, low, high = contact.force_inequalities(2.0 * self.weight)
-                rows = np.zeros((len(F), self._size))
-                rows[:, columns] = F
-                label = Block(f"Friction {contact.point}", "N", unit, False, slice(0), FRICTION_GIVES_WAY)
-                bounded.add(rows, low * unit, label, high * unit)
-        for task in hard:
-            self._add(task, tick, equal, bounded)
-        return _level("hard", equal, bounded)
-
-    def _level(self, name: str, tasks: Sequence[Task], tick: Tick) -> Level:
-        equal, bounded = _Stacked(self._size, True), _Stacked(self._size, False)
-        for task in tasks:
-            self._add(task, tick, equal, bounded)
-        return _level(name, equal, bounded)
-
-    def _add(self, task: Task, tick: Tick, equal: "_Stacked", bounded: "_Stacked") -> None:
-        rows = task.rows(tick)
-        matrix, low, high = self._columns(task, rows)
-        block = Block(task.name, task.unit, rows.weight, task.equality, slice(0), task.gives_way)
-        (equal if task.equality else bounded).add(matrix, low, block, high)
-
-    def _columns(self, task: Task, rows: Rows) -> tuple[Array, Array, Array]:
-        """A task's rows, weighted, in the columns of x."""
-        nv, w = self.robot.nv, rows.weight
-        low = w * rows.lower
-        high = low if task.equality else w * rows.upper
-        if task.on == "torque" and self.form == "condensed":
-            shift = w * (rows.A @ self._torque_offset)
-            return (w * rows.A) @ self._torque_map, low - shift, high - shift
-        A = np.zeros((len(low), self._size))
-        if task.on == "acceleration":
-            A[:, :nv] = w * rows.A
-        elif task.on == "torque":
-            A[:, nv : nv + self.robot.na] = (w * self.torque_unit) * rows.A
-        else:
-            A[:, self._force] = (w * self.force_unit) * rows.A
-        return A, low, high
+    def _friction(self, contact: Contact, part: slice, rows: "_Rows") -> None:
+        F, low, high = contact.force_inequalities(LARGEST_LOAD * self.units.weight)
+        share = 1.0 / self.units.force
+        shift = F @ self._form.force_offset[part]
+        block = Block(f"Friction {contact.point}", "N", share, False, slice(0), FRICTION_GIVES_WAY)
+        rows.bounded(block, F @ self._form.force[part], share * low - shift, share * high - shift)
 
 
-class _Stacked:
-    """Rows of one level and kind, gathered."""
+class _Rows:
+    """Rows of one level, gathered in the variables of a form."""
 
-    __slots__ = ("blocks", "equality", "high", "low", "matrices", "size")
+    __slots__ = ("A", "C", "b", "blocks", "columns", "counts", "form", "high", "low", "name")
 
-    def __init__(self, size: int, equality: bool) -> None:
-        self.size, self.equality = size, equality
-        self.matrices: list[Array] = []
+    def __init__(self, name: str, form: Form) -> None:
+        self.name, self.form = name, form
+        self.A: list[Array] = []
+        self.b: list[Array] = []
+        self.C: list[Array] = []
         self.low: list[Array] = []
         self.high: list[Array] = []
         self.blocks: list[Block] = []
+        self.counts = [0, 0]
+        self.columns = form.motion
 
-    def add(self, matrix: Array, low: Array, block: Block, high: Array | None = None) -> None:
-        start = self.blocks[-1].rows.stop if self.blocks else 0
-        block.rows = slice(start, start + len(low))
-        self.blocks.append(block)
-        self.matrices.append(matrix)
+    def task(self, task: Task, tick: Tick, units: Units) -> None:
+        """Add a task's rows, weighted."""
+        rows, form = task.rows(tick), self.form
+        weight, columns = rows.weight, form.size
+        if task.on == "acceleration":
+            matrix, shift, columns = rows.A @ form.acceleration, rows.A @ form.acceleration_offset, form.motion
+        elif task.on == "torque":
+            matrix, shift = rows.A @ form.torque, rows.A @ form.torque_offset
+        else:
+            matrix, shift = rows.A @ (units.force * form.force), rows.A @ (units.force * form.force_offset)
+        matrix *= weight
+        low = weight * (rows.lower - shift)
+        block = Block(task.name, task.unit, weight, task.equality, slice(0), task.gives_way)
+        if task.equality:
+            self.equal(block, matrix, low, columns)
+        else:
+            self.bounded(block, matrix, low, weight * (rows.upper - shift))
+
+    def equal(self, block: Block, A: Array, b: Array, columns: int) -> None:
+        """Add equalities that involve the leading `columns` variables."""
+        self.columns = max(self.columns, columns)
+        self._label(block, len(b), 0)
+        self.A.append(A)
+        self.b.append(b)
+
+    def bounded(self, block: Block, C: Array, low: Array, high: Array) -> None:
+        """Add inequalities."""
+        self._label(block, len(low), 1)
+        self.C.append(C)
         self.low.append(low)
-        if high is not None:
-            self.high.append(high)
+        self.high.append(high)
 
-    def matrix(self) -> Array:
-        if len(self.matrices) == 1:
-            return self.matrices[0]
-        return np.concatenate(self.matrices) if self.matrices else np.empty((0, self.size))
+    def level(self) -> Level:
+        """The level."""
+        size = self.form.size
+        return Level(
+            self.name,
+            _stacked(self.A, size),
+            _joined(self.b),
+            _stacked(self.C, size),
+            _joined(self.low),
+            _joined(self.high),
+            self.blocks,
+            self.columns,
+        )
+
+    def _label(self, block: Block, count: int, kind: int) -> None:
+        start = self.counts[kind]
+        self.counts[kind] = start + count
+        block.rows = slice(start, start + count)
+        self.blocks.append(block)
+
+
+def _stacked(parts: list[Array], size: int) -> Array:
+    """Matrices on top of each other, filled up with zero columns."""
+    if len(parts) == 1 and parts[0].shape[1] == size:
+        return parts[0]
+    out = np.zeros((sum(map(len, parts)), size))
+    start = 0
+    for part in parts:
+        end = start + len(part)
+        out[start:end, : part.shape[1]] = part
+        start = end
+    return out
 
 
 def _joined(parts: list[Array]) -> Array:
     if len(parts) == 1:
         return parts[0]
     return np.concatenate(parts) if parts else np.empty(0)
-
-
-def _level(name: str, equal: _Stacked, bounded: _Stacked) -> Level:
-    return Level(
-        name,
-        equal.matrix(),
-        _joined(equal.low),
-        bounded.matrix(),
-        _joined(bounded.low),
-        _joined(bounded.high),
-        equal.blocks + bounded.blocks,
-    )
