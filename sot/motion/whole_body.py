@@ -23,8 +23,8 @@ from sot.robot import Robot
 Array = NDArray[np.float64]
 
 LIMB_STEPS = 3  # Gauss-Newton steps of head and arms over the whole clip
-ROUNDS = 8  # most rounds of balance and body, each taking the other's result
-SETTLED = 0.003  # m, between the planned ZMP and that of the whole body, that ends the rounds
+ROUNDS = 6  # most rounds of balance and body, each taking the other's result
+SETTLED = 0.005  # m, a change of the whole body's ZMP from one round to the next that ends them
 
 
 def retarget(robot: Robot, build: Build, wanted: Targets, phase: Phase, limits: Limits, period: float) -> Spline:
@@ -84,8 +84,8 @@ def balanced(
         spline = Spline(control[:, columns], whole.period)
         control[:, columns] = fit.improve(body, spline, whole.knots, 1).control
         whole = Spline(control, whole.period)
-        state = _centroidal(whole, robot)
-        if np.abs(state.zmp() - plan.zmp).max() < SETTLED:
+        before, state = state, _centroidal(whole, robot)
+        if np.abs(state.zmp() - before.zmp()).max() < SETTLED:
             break
     return whole
 
