@@ -23,13 +23,13 @@ class OperationalPoint(MotionTask):
     Args:
         robot: The robot.
         point: Name of one of its operational points.
-        reference: A trajectory ``t -> Pose``, a target position (3,), or a target placement (`pin.SE3`).
+        reference: A trajectory ``t -> Pose``, a target placement (`pin.SE3`), or, without RPY, a target position (3,).
         axes: Any of "xyz" (position) and "RPY" (rotation about the world's X, Y, Z), the selection of Ramos (18).
         kp, kd, weight: As for `MotionTask`.
         name: Unless given, the point and its axes.
 
     Raises:
-        InputError: If the robot has no such point, or the axes are others.
+        InputError: If the robot has no such point, the axes are others, or a position is to give an orientation.
     """
 
     def __init__(
@@ -47,6 +47,10 @@ class OperationalPoint(MotionTask):
             raise InputError(f"axes '{axes}' of {point}: choose some of {AXES}, each once")
         turns, shifts = set(axes) & set("RPY"), set(axes) & set("xyz")
         unit, error_unit = ("m/s²", "m") if not turns else ("rad/s²", "rad") if not shifts else ("SI", "m, rad")
+        if turns and not (callable(reference) or isinstance(reference, pin.SE3)):
+            raise InputError(
+                f"axes '{axes}' of {point}: a target position has no orientation; give a placement, or xyz"
+            )
         super().__init__(name or f"{point} {axes}", unit, error_unit, kp, kd, weight)
         robot.point(point)
         self.point = point

@@ -22,7 +22,7 @@ class Posture(MotionTask):
         joints: A joint group of the robot, or joint names; all joints unless given.
         kp, kd: Gains of `MotionTask`.
         feedforward: Whether the reference's acceleration is added; without it the task is Ramos (17).
-        weight: Scale within the level; an array (number of joints,) weighs each joint.
+        weight: Scale within the level.
         name: Unless given, "Posture" and the joint group.
 
     Raises:
