@@ -1,0 +1,139 @@
+"""Balance: the divergent component's rate, the support polygon, the height."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sot.contact import Contact
+from sot.polygon import Polygon
+from sot.robot import Robot, robots
+from sot.tick import GRAVITY, Tick
+from tasks import Balance
+from tests.sot.states import random_state, standing_state
+
+HEIGHT = 0.8
+OMEGA = np.sqrt(GRAVITY / HEIGHT)
+
+
+@pytest.fixture(params=robots())
+def robot(request):
+    return Robot.load(request.param)
+
+
+def pendulum(t, com, velocity):
+    """What the task asks of a tick, for a point mass in the air: its acceleration is the unknown itself."""
+    tick = SimpleNamespace(t=t, com=com, com_velocity=velocity, contacts=())
+    tick.com_jacobian, tick.com_drift = np.eye(3), np.zeros(3)
+    return tick
+
+
+def plan(t):
+    """A pendulum's motion on the plane of HEIGHT, with the zero-moment point that makes it."""
+    swing = np.array([0.05, 0.1, 0.0]) * np.sin([2.0 * t, 3.0 * t, 0.0])
+    speed = np.array([0.1, 0.3, 0.0]) * np.cos([2.0 * t, 3.0 * t, 0.0])
+    acceleration = -np.array([0.2, 0.9, 0.0]) * np.sin([2.0 * t, 3.0 * t, 0.0])
+    com = swing + np.array([0.0, 0.0, HEIGHT])
+    return com, speed, acceleration, com[:2] - acceleration[:2] / OMEGA**2
+
+
+@pytest.mark.parametrize("k", [2.0, 4.0, 8.0])
+def test_the_divergent_component_converges_at_the_rate_k(k):
+    task, step = Balance(plan, k=k), 2e-4
+    com, velocity, *_ = plan(0.0)
+    com, velocity = com + np.array([0.02, -0.03, 0.0]), velocity + np.array([0.05, 0.02, 0.0])
+    distances = []
+    for i in range(round(0.8 / step)):
+        wanted_com, wanted_velocity, *_ = plan(i * step)
+        distances.append(((com - wanted_com) + (velocity - wanted_velocity) / OMEGA)[:2])
+        acceleration = task.rows(pendulum(i * step, com, velocity)).lower
+        com, velocity = com + step * velocity + 0.5 * step**2 * acceleration, velocity + step * acceleration
+    times = step * np.arange(len(distances))
+    expected = np.exp(-k * times)[:, None] * distances[0]
+    np.testing.assert_allclose(distances, expected, atol=2e-3 * np.abs(distances[0]).min())
+
+
+def test_on_the_plan_the_acceleration_is_the_plan_s():
+    for t in (0.0, 0.3, 1.1):
+        com, velocity, acceleration, _ = plan(t)
+        rows = Balance(plan).rows(pendulum(t, com, velocity))
+        np.testing.assert_allclose(rows.lower, acceleration, atol=1e-12)
+
+
+def test_the_height_is_a_critically_damped_spring():
+    com, velocity, acceleration, _ = plan(0.4)
+    rows = Balance(plan, kp=64.0).rows(pendulum(0.4, com + np.array([0, 0, 0.01]), velocity + np.array([0, 0, -0.2])))
+    assert rows.lower[2] == pytest.approx(acceleration[2] - 64.0 * 0.01 + 16.0 * 0.2)
+
+
+def test_rows_are_those_of_the_centre_of_mass(robot):
+    tick = Tick(robot).update(0.0, *random_state(robot, np.random.default_rng(0)))
+    task = Balance(lambda t: (tick.com + np.array([0.01, 0.02, 0.03]), tick.com_velocity, np.zeros(3), tick.com[:2]))
+    rows = task.rows(tick)
+    np.testing.assert_array_equal(rows.A, tick.com_jacobian)
+    np.testing.assert_array_equal(rows.lower, rows.upper)
+    np.testing.assert_allclose(task.error, [0.01, 0.02, 0.03])
+
+
+def commanded_pressure(tick, rows, reference):
+    """The zero-moment point under which a pendulum of the tick's height accelerates as the rows want."""
+    com, _, acceleration, pressure = reference(tick.t)
+    wanted = (rows.lower + tick.com_drift)[:2]
+    return pressure + (tick.com - com)[:2] - (wanted - acceleration[:2]) * tick.com[2] / GRAVITY
+
+
+@pytest.mark.parametrize("standing", [("left_foot", "right_foot"), ("left_foot",), ("right_foot",)])
+def test_no_pressure_is_asked_for_outside_what_the_feet_carry(robot, standing):
+    rng, tick = np.random.default_rng(1), Tick(robot)
+    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    for contact in tick.contacts:
+        contact.load = 1.0 if contact.point in standing else 0.5
+    inside = 0
+    for _ in range(20):
+        tick.update(0.0, *standing_state(robot, rng))
+        offset = np.append(rng.uniform(-0.1, 0.1, 2), 0.0)
+        still = np.zeros(3)
+
+        def reference(t, offset=offset, still=still):
+            return tick.com + offset, still, still, (tick.com + offset)[:2]
+
+        rows = Balance(reference, margin=0.01).rows(tick)
+        corners = [
+            tick.frame(contact.point).position[:2] + contact.vertices[:, :2]
+            for contact in tick.contacts
+            if contact.point in standing
+        ]
+        polygon = Polygon.hull(np.concatenate(corners)).shrunk(0.01, 0.01)
+        free = reference(0.0)[3] + (1.0 + 4.0 / np.sqrt(GRAVITY / tick.com[2])) * (
+            -offset[:2] + tick.com_velocity[:2] / np.sqrt(GRAVITY / tick.com[2])
+        )
+        pressure = commanded_pressure(tick, rows, reference)
+        assert polygon.margin(pressure) > -1e-9
+        np.testing.assert_allclose(pressure, polygon.nearest(free), atol=1e-9)
+        inside += polygon.margin(free) > 0.0
+    assert inside < 20
+
+
+@pytest.mark.parametrize("change", ["off", "sliding", "unloaded"])
+def test_feet_that_do_not_carry_bound_nothing(robot, change):
+    tick = Tick(robot)
+    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    for contact in tick.contacts:
+        contact.mode, contact.load = (change, 1.0) if change != "unloaded" else ("fixed", 0.9)
+    far = np.array([2.0, 0.0, 0.0])
+    reference = lambda t: (tick.com - far, np.zeros(3), np.zeros(3), (tick.com - far)[:2])  # noqa: E731
+    rows = Balance(reference).rows(tick)
+    assert np.abs(commanded_pressure(tick, rows, reference)[0]) > 1.0
+
+
+def test_the_polygon_follows_the_feet(robot):
+    tick = Tick(robot)
+    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    task = Balance(
+        lambda t: (tick.com + np.array([1.0, 0, 0]), np.zeros(3), np.zeros(3), tick.com[:2] + np.array([1.0, 0.0]))
+    )
+    q = robot.rest.copy()
+    first = task.rows(tick.update(0.0, q, np.zeros(robot.nv))).lower.copy()
+    q[0] += 0.3  # the whole robot, feet and all: nothing changes for it
+    second = task.rows(tick.update(0.0, q, np.zeros(robot.nv))).lower
+    np.testing.assert_allclose(second, first, atol=1e-9)
