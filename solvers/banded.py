@@ -92,7 +92,14 @@ class BandedQP:
             iteration += 1
             factor = _factor(H + (self._fold @ (z / s)).reshape(H.shape))
 
-            def newton(target: Array, factor=factor, dual=dual, primal=primal, s=s, z=z) -> tuple[Array, Array, Array]:
+            def newton(
+                target: Array,
+                factor: Array = factor,
+                dual: Array = dual,
+                primal: Array = primal,
+                s: Array = s,
+                z: Array = z,
+            ) -> tuple[Array, Array, Array]:
                 dx = _solve(factor, Gt @ ((target + z * primal) / s) - dual)
                 ds = primal - G @ dx
                 return dx, ds, -(target + z * ds) / s

@@ -20,7 +20,7 @@ class Kinematics:
         columns: indices into y (nv) that may move.
     """
 
-    def __init__(self, robot: Robot, columns: Sequence[int]):
+    def __init__(self, robot: Robot, columns: Sequence[int] | NDArray[np.int_]):
         self.robot = robot
         self.columns = np.array(columns)
         self._model, self._data = robot.model, robot.model.createData()

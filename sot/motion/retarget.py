@@ -20,7 +20,11 @@ JERK = 500.0  # rad/s³ (m/s³), the jerk that costs as much as an error one is 
 
 
 def solve_at(part: Part, k: int, y: Array, limits: Limits) -> float:
-    """Minimise a part's residuals at one knot within the joint range, from y and into y (nv,); the cost ‖e‖² on the way."""
+    """Minimise a part's residuals at one knot within the joint range, from y and into y (nv,).
+
+    Returns:
+        The cost ‖e‖² before the last step.
+    """
     columns = part.columns
     lower, upper = limits.lower[columns], limits.upper[columns]
     e, J = np.empty(part.rows), np.empty((part.rows, len(columns)))
@@ -76,7 +80,10 @@ class PartFit:
         self._fit = LimitedFit(
             length,
             period,
-            *(getattr(limits, name)[columns] for name in ("lower", "upper", "velocity", "acceleration")),
+            limits.lower[columns],
+            limits.upper[columns],
+            limits.velocity[columns],
+            limits.acceleration[columns],
             smoothness=np.full(len(columns), JERK),
             damping=DAMPING,
         )

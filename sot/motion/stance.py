@@ -66,8 +66,8 @@ class Build:
 def over_feet(human: Human, build: Build) -> Human:
     """The human in the robot's size, turned and moved so that its feet stay, on average, about the robot's.
 
-    Drift and turning slower than DRIFT_HZ are taken out, and what the pelvis turns beyond the robot's hips: a robot with
-    planted feet can follow none of them. Heights are above the ankles, which differ in height from robot to human.
+    Drift and turning slower than DRIFT_HZ are taken out, and what the pelvis turns beyond the robot's hips: a robot
+    with planted feet can follow none of them. Heights are above the ankles, which differ in height from robot to human.
     """
     ankles = np.mean([human.points[f"{side}_ankle"] for side in SIDES], axis=0)
     forward = np.sum([human.points[f"{side}_toe"] - human.points[f"{side}_ankle"] for side in SIDES], axis=0)

@@ -5,7 +5,7 @@ import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -69,7 +69,9 @@ class Motion:
     zmp: Array
     momentum: Array
     phases: tuple[Phase, ...]
-    _tracks: dict[str, Track] = field(default_factory=dict, repr=False)
+    _tracks: dict[str, Track] = field(default_factory=dict, init=False, repr=False)
+    _table: Array = field(init=False, repr=False)
+    _slices: list[slice] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         parts = [getattr(self, name) for name in MotionSample._fields]
@@ -97,7 +99,7 @@ class Motion:
         return MotionSample._make([row[part] for part in self._slices])
 
     def joints(self, t: float) -> tuple[Array, Array, Array]:
-        """Position, velocity and acceleration of the actuated joints at a time [s], (na,) each: a posture's reference."""
+        """Position, velocity and acceleration of the joints at a time [s], (na,) each: a posture's reference."""
         now = self.sample(t)
         return now.q[7:], now.v[6:], now.a[6:]
 
@@ -161,8 +163,8 @@ class Motion:
                 ]
             ),
         }
-        columns = {name: getattr(self, name) for name in FIELDS}
-        np.savez_compressed(path, robot=self.robot.name, joints=self.robot.joints, rate=self.rate, **columns, **phases)
+        content: dict[str, Any] = {name: getattr(self, name) for name in FIELDS} | phases
+        np.savez_compressed(path, robot=self.robot.name, joints=self.robot.joints, rate=self.rate, **content)
 
     @staticmethod
     def load(path: str | Path, robot: Robot | None = None) -> "Motion":
@@ -176,9 +178,8 @@ class Motion:
         robot = Robot.load(name) if robot is None else robot
         if tuple(content["joints"]) != robot.joints:
             raise InputError(f"{path}: a motion of the robot '{name}', whose joints are not those of '{robot.name}'")
-        return Motion(
-            robot, float(content["rate"]), *_columns(Path(path), content, robot), _phases(Path(path), content, robot)
-        )
+        columns = _columns(Path(path), content, robot)
+        return Motion(robot, float(content["rate"]), **columns, phases=_phases(Path(path), content, robot))
 
 
 def _read(path: Path) -> Mapping[str, Array]:
@@ -193,7 +194,7 @@ def _read(path: Path) -> Mapping[str, Array]:
         raise InputError(f"{path}: cannot be read as a motion (.npz): {error}") from None
 
 
-def _columns(path: Path, content: Mapping[str, Array], robot: Robot) -> list[Array]:
+def _columns(path: Path, content: Mapping[str, Array], robot: Robot) -> dict[str, Array]:
     widths = (robot.nq, robot.nv, robot.nv, 3, 3, 3, 2, 3)
     length = len(np.atleast_1d(content["q"]))
     if length < 2 or content["rate"].shape != () or not 0.0 < float(content["rate"]) < np.inf:
@@ -204,7 +205,7 @@ def _columns(path: Path, content: Mapping[str, Array], robot: Robot) -> list[Arr
             raise InputError(f"{path}: '{name}' has shape {values.shape}, expected {(length, width)}")
         if values.dtype.kind != "f" or not np.isfinite(values).all():
             raise InputError(f"{path}: '{name}' holds something that is not a finite number")
-    return [content[name] for name in FIELDS]
+    return {name: content[name] for name in FIELDS}
 
 
 def _phases(path: Path, content: Mapping[str, Array], robot: Robot) -> tuple[Phase, ...]:

@@ -13,7 +13,7 @@ from sot.motion.contacts import Phase, support
 from sot.motion.coordinates import from_configuration, to_configuration, to_pinocchio
 from sot.motion.human import SIDES
 from sot.motion.limits import Limits
-from sot.motion.parts import Arm, Body, Head
+from sot.motion.parts import Arm, Body, Head, Part
 from sot.motion.retarget import PartFit, follow
 from sot.motion.spline import Spline
 from sot.motion.stance import Build
@@ -47,7 +47,7 @@ def limbs_fitted(robot: Robot, wanted: Targets, limits: Limits, whole: Spline, s
     """The same motion with head and arms fitted, under their limits, to the chest as it moves."""
     y, control = whole.knots, whole.control.copy()
     chest = _orientations(robot, "chest", y)
-    limbs = [Head(robot, wanted, chest), *(Arm(robot, side, wanted, chest) for side in SIDES)]
+    limbs: list[Part] = [Head(robot, wanted, chest), *(Arm(robot, side, wanted, chest) for side in SIDES)]
     for limb in limbs:
         fit = PartFit(limb.columns, wanted.length, whole.period, limits)
         spline = Spline(control[:, limb.columns], whole.period)
