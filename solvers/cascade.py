@@ -109,7 +109,7 @@ class Cascade:
         start = max(solved + 1, 1)
         if start == len(levels):
             return self._solution(levels, chain.points[-1], {}, Status.SOLVED)
-        usable = max((k for k in range(len(levels)) if chain.bases[k].shape[1]), default=0)
+        usable = max((k for k in range(len(levels)) if chain.spaces[k].size), default=0)
         trial = min(self._bite, usable)
         if trial > start:
             answer = descent.run(trial, optional=True)
@@ -155,7 +155,7 @@ class Cascade:
             row = int(np.argmax(excess))
             if any((hold.rows == row).any() for hold in held):
                 return None
-            strength = [float(np.abs(chain.C[row] @ chain.bases[k]).max(initial=0.0)) for k in range(len(levels))]
+            strength = [float(np.abs(chain.C[row] @ chain.spaces[k].Z).max(initial=0.0)) for k in range(len(levels))]
             usable = [k for k in range(1, len(levels)) if strength[k] > 1e-6]
             if not usable:
                 return None
@@ -215,14 +215,14 @@ class _Descent:
         tolerance = cascade.tolerance
         lower, upper = self.lower.copy(), self.upper.copy()
         x = self.chain.points[start - 1]
-        Z = self.chain.bases[start]
+        Z = self.chain.spaces[start].Z
         frozen = False  # whether violated inequalities have been frozen, so that the chain's bases hold no more
         qps: dict[int, QPResult] = {}
         self.first_bitten, self.held = len(levels), {}
         for k in range(start, len(levels)):
             level = levels[k]
             if not frozen:
-                Z = self.chain.bases[k]
+                Z = self.chain.spaces[k].Z
             if not Z.shape[1]:
                 if k == start == 1 and self.outside(x):
                     return cascade._solution(levels, x, qps, Status.FAILED, failed=0)

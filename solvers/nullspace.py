@@ -28,6 +28,11 @@ class Projection:
     pivots: Array
     rank: int
 
+    @property
+    def size(self) -> int:
+        """Dimension of the space that was factorised."""
+        return self.qr.shape[0]
+
     def least_squares(self, r: Array, damping: float = 0.0) -> Array:
         """Least-norm ``y`` of those that minimise ``‖B y − r‖² + damping² ‖y‖²``; y has shape (n,)."""
         n, k = self.qr.shape[0], self.rank
@@ -73,8 +78,12 @@ def project(B: Array, tolerance: float) -> Projection:
     if not m or not n:
         return Projection(np.zeros((n, m), order="F"), np.zeros(0), np.zeros(0, dtype=int), 0)
     qr, pivots, tau, _, _ = lapack.dgeqp3(B.T, lwork=_WORK * (m + 1))
-    diagonal = np.abs(np.diagonal(qr))
-    return Projection(qr, tau, pivots - 1, int(np.count_nonzero(diagonal > tolerance)))
+    pivots -= 1
+    rank = min(m, n)
+    # The diagonal falls in size: mostly a look at its last entry is enough.
+    if abs(qr[rank - 1, rank - 1]) <= tolerance:
+        rank = int(np.count_nonzero(np.abs(np.diagonal(qr)) > tolerance))
+    return Projection(qr, tau, pivots, rank)
 
 
 def _tall(R: Array, target: Array, damping: float) -> Array:

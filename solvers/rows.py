@@ -38,6 +38,7 @@ class Rows:
         weight: Scale of the rows' violation within their level.
         gives_way: For rows of level 0 only: 0 if they must always hold, otherwise their place in the order in which
             level 0 is relaxed when it has no solution (1 gives way first).
+        selects: If A is a run of rows of the identity, which ones: who multiplies by A may then take rows instead.
     """
 
     name: str
@@ -47,6 +48,7 @@ class Rows:
     upper: Array
     weight: float = 1.0
     gives_way: int = 0
+    selects: slice | None = None
 
 
 @dataclass(slots=True)

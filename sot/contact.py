@@ -3,6 +3,7 @@
 from typing import Literal
 
 import numpy as np
+import pinocchio as pin
 
 from sot.tick import Tick
 
@@ -52,6 +53,7 @@ class Contact:
         self.vertices = vertices - inset * np.sign(vertices - centre) * [1.0, 1.0, 0.0]
         self.friction, self.stiffness, self.damping = friction, stiffness, damping
         self._map = self._empty_map()
+        self._arms = np.hstack([pin.skew(vertex) for vertex in self.vertices])
         self._cone = (
             self._pyramids() if form == "pyramid" else np.hstack([np.zeros((len(vertices), 6)), np.eye(len(vertices))])
         )
@@ -76,10 +78,9 @@ class Contact:
         """
         G = self._map
         if self.form == "pyramid":
-            x, y, z = tick.frame(self.point).rotation @ self.vertices.T
-            G[3, 1::3], G[3, 2::3] = -z, y
-            G[4, 0::3], G[4, 2::3] = z, -x
-            G[5, 0::3], G[5, 1::3] = -y, x
+            # [R p]× = R [p]× Rᵀ for all vertices at once.
+            R = tick.frame(self.point).rotation
+            G[3:] = ((R @ self._arms).reshape(-1, 3) @ R.T).reshape(3, -1)
         return G
 
     def force_equalities(self, tick: Tick) -> Array:

@@ -125,20 +125,25 @@ class _Rows:
     def task(self, task: Task, tick: Tick, units: Units) -> None:
         """Add a task's rows, weighted."""
         rows, form = task.rows(tick), self.form
-        weight, columns = rows.weight, form.size
+        weight, scale, columns = rows.weight, rows.weight, form.size
         if task.on == "acceleration":
-            matrix, shift, columns = rows.A @ form.acceleration, rows.A @ form.acceleration_offset, form.motion
+            maps, offset, columns = form.acceleration, form.acceleration_offset, form.motion
         elif task.on == "torque":
-            matrix, shift = rows.A @ form.torque, rows.A @ form.torque_offset
+            maps, offset = form.torque, form.torque_offset
         else:
-            matrix, shift = rows.A @ (units.force * form.force), rows.A @ (units.force * form.force_offset)
-        matrix *= weight
-        low = weight * (rows.lower - shift)
+            maps, offset, scale = form.force, form.force_offset, weight * units.force
+        if rows.selects is None:
+            matrix, shift = rows.A @ maps, rows.A @ offset
+        else:
+            matrix, shift = maps[rows.selects], offset[rows.selects]
+        if scale != 1.0:
+            matrix, shift = scale * matrix, scale * shift
+        low = weight * rows.lower - shift
         block = Block(task.name, task.unit, weight, task.equality, slice(0), task.gives_way)
         if task.equality:
             self.equal(block, matrix, low, columns)
         else:
-            self.bounded(block, matrix, low, weight * (rows.upper - shift))
+            self.bounded(block, matrix, low, weight * rows.upper - shift)
 
     def equal(self, block: Block, A: Array, b: Array, columns: int) -> None:
         """Add equalities that involve the leading `columns` variables."""

@@ -40,6 +40,7 @@ class Task(ABC):
         error_unit: Unit of `error`.
         weight: Scale of its rows within its level.
         error: What the last tick saw, shape (m,): reference minus measured, or a limit's excess.
+        selects: Which variables the rows are, where they are a run of them and nothing more (see `Rows`).
     """
 
     on: ClassVar[On] = "acceleration"
@@ -51,13 +52,14 @@ class Task(ABC):
             raise ValueError(f"{name}: weight must be positive, not {weight}")
         self.name, self.unit, self.error_unit, self.weight = name, unit, error_unit, weight
         self.error: Array = np.zeros(0)
+        self.selects: slice | None = None
 
     @abstractmethod
     def rows(self, tick: Tick) -> Rows:
         """The rows at this tick, and `error` as a side effect."""
 
     def _rows(self, A: Array, lower: Array, upper: Array) -> Rows:
-        return Rows(self.name, self.unit, A, lower, upper, self.weight, self.gives_way)
+        return Rows(self.name, self.unit, A, lower, upper, self.weight, self.gives_way, self.selects)
 
 
 class MotionTask(Task):

@@ -1,6 +1,7 @@
 """The centre of mass kept where the feet can hold it, by its divergent component."""
 
 from collections.abc import Callable
+from math import sqrt
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from sot.task import Task
 from sot.tick import GRAVITY, Tick
 
 Array = np.ndarray
+Place = tuple[str, list[float], list[float]]
 BalanceReference = Callable[[float], tuple[Array, Array, Array, Array]]
 
 
@@ -39,36 +41,48 @@ class Balance(Task):
         self._reference = reference
         self.k, self.kp, self.margin = k, kp, margin
         self._polygon: Polygon | None = None
-        self._corners = np.zeros((0, 2))
+        self._places: list[Place] = []
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
         c, velocity, acceleration, z = self._reference(tick.t)
         self.error = c - tick.com
         rate = velocity - tick.com_velocity
-        omega = float(np.sqrt(GRAVITY / max(tick.com[2], 0.1)))
-        wanted = acceleration + self.kp * self.error + 2.0 * np.sqrt(self.kp) * rate
-        offset, offset_rate = -self.error[:2], -rate[:2]
-        pressure = z + (1.0 + self.k / omega) * (offset + offset_rate / omega)
+        omega = sqrt(GRAVITY / max(tick.com[2], 0.1))
+        # The deviation from the plan, and the ZMP that leads the divergent component back.
+        lag = (-(1.0 + self.k / omega)) * (self.error[:2] + rate[:2] / omega)
         polygon = self._support(tick)
         if polygon is not None:
-            pressure = polygon.nearest(pressure)
-        wanted[:2] = acceleration[:2] + omega**2 * (offset - (pressure - z))
-        target = wanted - tick.com_drift
-        return self._rows(tick.com_jacobian, target, target)
+            lag = polygon.nearest(z + lag) - z
+        wanted = acceleration - tick.com_drift
+        wanted[:2] -= omega**2 * (self.error[:2] + lag)
+        wanted[2] += self.kp * self.error[2] + 2.0 * sqrt(self.kp) * rate[2]
+        return self._rows(tick.com_jacobian, wanted, wanted)
 
     def _support(self, tick: Tick) -> Polygon | None:
         """Support polygon of the contacts that carry, drawn in by the margin; none if nothing does."""
-        corners = [
-            (frame := tick.frame(contact.point)).position[:2] + (contact.vertices @ frame.rotation.T)[:, :2]
-            for contact in tick.contacts
-            if contact.mode == "fixed" and contact.load >= 1.0
-        ]
-        if not corners:
+        carrying = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load >= 1.0]
+        if not carrying:
             return None
-        points = np.concatenate(corners)
+        frames = [tick.frame(contact.point) for contact in carrying]
         # Standing feet creep by fractions of a millimetre: no reason for another hull.
-        if points.shape != self._corners.shape or np.abs(points - self._corners).max() > 5e-4:
-            self._corners = points
-            self._polygon = Polygon.hull(points).shrunk(self.margin, self.margin)
+        places = [
+            (contact.point, frame.position.tolist(), frame.rotation[0].tolist())
+            for contact, frame in zip(carrying, frames, strict=True)
+        ]
+        if self._polygon is None or not _near(places, self._places):
+            self._places = places
+            corners = [
+                frame.position[:2] + (contact.vertices @ frame.rotation.T)[:, :2]
+                for contact, frame in zip(carrying, frames, strict=True)
+            ]
+            self._polygon = Polygon.hull(np.concatenate(corners)).shrunk(self.margin, self.margin)
         return self._polygon
+
+
+def _near(some: list[Place], others: list[Place]) -> bool:
+    """Whether the same feet stand at the same places and in the same directions."""
+    return len(some) == len(others) and all(
+        a == b and abs(p[0] - q[0]) + abs(p[1] - q[1]) < 5e-4 and abs(u[1] - v[1]) < 5e-3
+        for (a, p, u), (b, q, v) in zip(some, others, strict=True)
+    )

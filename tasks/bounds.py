@@ -26,6 +26,7 @@ class TorqueBounds(Task):
         super().__init__("TorqueBounds", "N m", "N m", weight=1.0 / float(np.median(robot.effort)))
         self._limit = fraction * robot.effort
         self._A = np.eye(robot.na)
+        self.selects = slice(0, robot.na)
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``−limit <= τ <= limit``."""
@@ -50,6 +51,7 @@ class JointBounds(Task):
         self._velocity = velocity_fraction * robot.velocity
         self._brake, self._hard = robot.acceleration, robot.acceleration_hard
         self._A = np.hstack([np.zeros((robot.na, 6)), np.eye(robot.na)])
+        self.selects = slice(6, robot.nv)
 
     def rows(self, tick: Tick) -> Rows:
         """Rows on the joint accelerations; `error` is how far each joint is outside its range."""
@@ -87,10 +89,11 @@ def acceleration_bounds(
         hard: Acceleration limits, symmetric, not below `brake`.
         period: Time for which the acceleration stays [s].
     """
-    up = np.minimum((velocity - v) / period, _approach(upper - q, v, brake, period))
-    down = np.maximum((-velocity - v) / period, -_approach(q - lower, -v, brake, period))
-    up = np.clip(up, -hard, hard)
-    return np.minimum(np.clip(down, -hard, hard), up), up
+    # Both ends at once: towards the upper one, and mirrored, towards the lower one.
+    distance, speed = np.array([upper - q, q - lower]), np.array([v, -v])
+    most = np.minimum((velocity - speed) / period, _approach(distance, speed, brake, period))
+    up, down = np.minimum(np.maximum(most, -hard), hard)
+    return np.minimum(-down, up), up
 
 
 def _approach(distance: Array, v: Array, brake: Array, period: float) -> Array:
@@ -98,14 +101,15 @@ def _approach(distance: Array, v: Array, brake: Array, period: float) -> Array:
     # With w = v + a T: w² + brake T w = 2 brake (distance − (v + w) T / 2), the larger root. The second term is what
     # braking for whole periods takes beyond w² = 2 brake distance; without it the last of them ends in a kick.
     reach = brake * period
-    inside = reach**2 + brake * (2.0 * distance - v * period)
-    stopping = (np.sqrt(np.maximum(inside, 0.0)) - reach - v) / period
-    # Nearer than one period's travel: to be no further than the limit after it.
-    arriving = 2.0 * (distance - v * period) / period**2
-    wanted = np.where(2.0 * distance >= v * period, stopping, arriving)
-    # Beyond the limit: back at a rate that dies out, not harder than one brakes.
-    returning = np.maximum((RETURN_RATE * distance - v) / period, -brake)
-    return np.where(distance >= 0.0, wanted, returning)
+    room = 2.0 * distance - v * period
+    wanted = (np.sqrt(np.maximum(reach**2 + brake * room, 0.0)) - reach - v) / period
+    if min(room.min(), distance.min()) < 0.0:
+        # Nearer than one period's travel: to be no further than the limit after it.
+        wanted = np.where(room >= 0.0, wanted, 2.0 * (distance - v * period) / period**2)
+        # Beyond the limit: back at a rate that dies out, not harder than one brakes.
+        returning = np.maximum((RETURN_RATE * distance - v) / period, -brake)
+        wanted = np.where(distance >= 0.0, wanted, returning)
+    return wanted
 
 
 RETURN_RATE = 10.0

@@ -25,4 +25,5 @@ class LeastForces(Task):
         """Rows ``φ = 0``."""
         count = sum(contact.force_count for contact in tick.contacts)
         nothing = np.zeros(count)
+        self.selects = slice(0, count)
         return self._rows(np.eye(count), nothing, nothing)

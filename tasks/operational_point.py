@@ -55,12 +55,15 @@ class OperationalPoint(MotionTask):
         robot.point(point)
         self.point = point
         self.selected = np.array([AXES.index(axis) for axis in AXES if axis in axes])
+        self._of: slice | Array = self.selected
+        if np.array_equal(self.selected, np.arange(self.selected[0], self.selected[-1] + 1)):
+            self._of = slice(int(self.selected[0]), int(self.selected[-1]) + 1)
         self._turns = bool(turns)
         self._reference: PoseReference = reference if callable(reference) else _still(reference)
 
     def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
         """Error, its rate, J, J̇ v and feed-forward in the selected axes; orientation errors as rotation vectors."""
-        of = self.selected
+        of = self._of
         frame, target = tick.frame(self.point), self._reference(tick.t)
         error = np.empty(6)
         error[:3] = target.position - frame.position
