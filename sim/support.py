@@ -6,8 +6,9 @@ from itertools import product
 import numpy as np
 
 from sim.log import FOOT_FIXED, RunLog
-from sot.motion.contacts import Phase, Polygon, phase_at, support
+from sot.motion.contacts import Phase, phase_at, support
 from sot.motion.trajectory import Motion
+from sot.polygon import Polygon
 
 
 def planned_support(log: RunLog, motion: Motion) -> Iterator[tuple[np.ndarray, Polygon]]:

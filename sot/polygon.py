@@ -26,6 +26,23 @@ class Polygon:
         _, unique = np.unique((equations := ConvexHull(points).equations).round(9), axis=0, return_index=True)
         return cls(equations[unique, :2], -equations[unique, 2])
 
+    @property
+    def vertices(self) -> Array:
+        """Corners, counter-clockwise, shape (k, 2) [m]; none if the polygon is empty."""
+        first, second = np.triu_indices(len(self.offsets), 1)
+        crossing = np.stack([self.normals[first], self.normals[second]], axis=1)
+        meet = np.abs(np.linalg.det(crossing)) > 1e-9
+        offsets = np.stack([self.offsets[first], self.offsets[second]], axis=1)
+        points = np.linalg.solve(crossing[meet], offsets[meet][..., None])[..., 0]
+        corners = np.unique(points[self.margin(points) > -1e-9].round(9), axis=0)
+        around = corners - corners.mean(axis=0) if len(corners) else corners
+        return corners[np.argsort(np.arctan2(around[:, 1], around[:, 0]))]
+
+    @property
+    def centre(self) -> Array:
+        """Mean of the vertices (2,) [m]."""
+        return self.vertices.mean(axis=0)
+
     def margin(self, points: Array) -> Array:
         """Distance of points (..., 2) to the nearest edge's line [m], negative outside."""
         return np.min(self.offsets - points @ self.normals.T, axis=-1)

@@ -14,8 +14,9 @@ from scipy.linalg.blas import dsbmv
 
 from solvers.banded import BandedQP
 from sot.motion.centroidal import Centroidal
-from sot.motion.contacts import Phase, Polygon, phase_at
+from sot.motion.contacts import Phase, phase_at
 from sot.motion.spline import AT_KNOT, Spline
+from sot.polygon import Polygon
 
 Array = NDArray[np.float64]
 
@@ -43,8 +44,8 @@ def plan_balance(
 ) -> BalancePlan:
     """The CoM nearest to the wanted one whose ZMP stays in the polygons, shrunk by INSET.
 
-    Where no such CoM exists, the ZMP leaves the inset by the least (an exact penalty). It starts and ends at rest, where the
-    wanted CoM starts and over the middle of the support.
+    Where no such CoM exists, the ZMP leaves the inset by the least (an exact penalty). It starts and ends at rest,
+    where the wanted CoM starts and over the middle of the support.
 
     Args:
         motion: the whole body's at T knots, of which height and angular momentum are kept.

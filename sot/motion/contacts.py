@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
+from sot.polygon import Polygon
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
@@ -27,29 +27,6 @@ class Phase:
     feet: Mapping[str, pin.SE3]
 
 
-@dataclass(frozen=True)
-class Polygon:
-    """A convex region of the floor, {p : normals p <= offsets}, normals (n, 2) of unit length and outward."""
-
-    normals: Array
-    offsets: Array
-    vertices: Array
-
-    def margin(self, points: Array) -> Array:
-        """Distance (T,) of points (T, 2) to the nearest edge's line [m], negative outside."""
-        return np.min(self.offsets - points @ self.normals.T, axis=1)
-
-    def shrunk(self, x: float, y: float) -> "Polygon":
-        """With its edges moved inward by up to x along X and y along Y."""
-        inward = np.hypot(self.normals[:, 0] * x, self.normals[:, 1] * y)
-        return Polygon(self.normals, self.offsets - inward, self.vertices)
-
-    @property
-    def centre(self) -> Array:
-        """Mean of the vertices (2,)."""
-        return self.vertices.mean(axis=0)
-
-
 def planted(robot: Robot, duration: float) -> tuple[Phase, ...]:
     """One phase in which every foot stays where the rest posture puts it."""
     data = robot.model.createData()
@@ -61,12 +38,9 @@ def planted(robot: Robot, duration: float) -> tuple[Phase, ...]:
 def support(robot: Robot, phase: Phase) -> Polygon:
     """The convex hull of the soles that stand in a phase."""
     corners = np.vstack([[pose.act(corner)[:2] for corner in robot.sole(foot)] for foot, pose in phase.feet.items()])
-    hull = ConvexHull(corners)
-    _, unique = np.unique(hull.equations.round(9), axis=0, return_index=True)
-    edges = hull.equations[unique]
-    return Polygon(edges[:, :2], -edges[:, 2], corners[hull.vertices])
+    return Polygon.hull(corners)
 
 
-def phase_at(phases: Sequence[Phase], times: Array) -> Array:
+def phase_at(phases: Sequence[Phase], times: np.ndarray) -> np.ndarray:
     """Index (T,) of the phase at each time; the last one from its start on."""
     return np.clip(np.searchsorted([phase.start for phase in phases], times, side="right") - 1, 0, len(phases) - 1)

@@ -73,3 +73,25 @@ def test_shrinking_moves_each_edge_by_its_axis():
     corners = np.array([[0.07, 0.15], [0.07, -0.15], [-0.07, 0.15], [-0.07, -0.15]])
     np.testing.assert_allclose(shrunk.margin(corners), 0.0, atol=1e-12)
     assert shrunk.margin(np.zeros(2)) == pytest.approx(0.07)
+
+
+def test_vertices_go_round_the_corners():
+    corners = Polygon.hull(RECTANGLE).shrunk(0.03, 0.05).vertices
+    assert np.array(sorted(corners.tolist())) == pytest.approx(
+        np.array([[-0.07, -0.15], [-0.07, 0.15], [0.07, -0.15], [0.07, 0.15]])
+    )
+    (x, y), (next_x, next_y) = corners.T, np.roll(corners, -1, axis=0).T
+    assert 0.5 * np.sum(x * next_y - next_x * y) == pytest.approx(0.14 * 0.30)
+
+
+def test_vertices_span_the_polygon():
+    for polygon in random_polygons(3, 50):
+        corners = polygon.vertices
+        if len(corners) > 2:
+            same = Polygon.hull(corners)
+            points = np.random.default_rng(4).uniform(-0.3, 0.3, (50, 2))
+            np.testing.assert_array_equal(same.margin(points) > 1e-6, polygon.margin(points) > 1e-6)
+
+
+def test_an_empty_polygon_has_no_vertices():
+    assert Polygon.hull(RECTANGLE).shrunk(0.11, 0.0).vertices.shape == (0, 2)
