@@ -10,7 +10,7 @@ from sot.tick import Tick
 from tasks.bounds import JointBounds, TorqueBounds, acceleration_bounds
 from tests.sot.states import random_state
 
-STARTS = 2000
+STARTS = 1000
 PERIODS = (0.0002, 0.001, 0.002, 0.005, 0.01)
 
 
@@ -106,7 +106,8 @@ def test_a_joint_that_starts_outside_comes_back_without_overshoot(period, side):
         furthest = np.maximum(side * (highest - end), side * (lowest - end))
         assert np.all(furthest <= np.maximum(beyond, 0.0) + 1e-9)
         beyond = side * (q - end)
-    assert np.all(beyond < 1e-3) and np.all(beyond > -1e-6)
+        assert np.all(beyond > -1e-6)  # not thrown far inside either
+    assert np.all(beyond < 1e-3)
 
 
 def test_at_the_end_of_the_range_rounding_does_not_kick_the_joint():
