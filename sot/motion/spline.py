@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 AT_KNOT = np.array([1.0, 4.0, 1.0]) / 6.0  # a knot's value from its three control points
 JERK = np.array([-1.0, 3.0, -3.0, 1.0])
-HELD = 1e6  # weight that holds the spline at rest at both ends
+HELD = 1e11  # weight that holds the spline at rest at both ends, above all that is asked of it
 
 
 @dataclass(frozen=True)
