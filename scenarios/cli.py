@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from enum import StrEnum
@@ -18,6 +17,8 @@ from rich.table import Table
 
 import tasks
 from scenarios import clips
+from scenarios.bench import bench, read_figures
+from scenarios.bench import show as show_bench
 from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, replay, retarget
 from sim.report import show
 from sot.errors import InputError
@@ -127,22 +128,25 @@ def list_command(kind: Annotated[Kind, typer.Argument(help="What to list.")]) ->
 
 @app.command("bench")
 def bench_command(
-    names: Annotated[list[str] | None, typer.Argument(metavar="[CLIP]...", help="Clips; groove by default.")] = None,
+    clip: Clip = "groove",
     robot: RobotName = "hrp2",
     solver: SolverName = "cascade",
+    start: Start = 0.0,
+    duration: Duration = None,
     rate: Rate = 1000.0,
-    as_json: Annotated[bool, typer.Option("--json", help="The reports as JSON instead of a table.")] = False,
+    against: Annotated[Path | None, typer.Option(help="Figures to compare with, of `sot bench --json`.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="The figures as JSON instead of a table.")] = False,
 ) -> int:
-    """Replay clips and compare their figures and times."""
-    reports = []
-    with tempfile.TemporaryDirectory() as folder, _progress() as tell:
-        for clip in names or ["groove"]:
-            reports.append(replay(Replay(clip, robot, solver=solver, rate=rate), Path(folder), tell))
+    """Dance a clip and say what a tick costs, phase by phase."""
+    others = read_figures(against) if against else None
+    request = Replay(clip, robot, solver=solver, start=start, duration=duration, rate=rate)
+    with _progress() as tell:
+        figures = bench(request, tell)
     if as_json:
-        print(json.dumps(reports, indent=2))
+        print(json.dumps(figures, indent=2))
     else:
-        show(reports, output)
-    return FELL if any(report["fell"] for report in reports) else DONE
+        show_bench(figures, output, others)
+    return FELL if figures["fell"] else DONE
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -12,7 +12,7 @@ from scenarios import clips, stacks
 from scenarios.stack_file import load_stack
 from sim import recorder, report
 from sim.log import RunInfo
-from sim.loop import run
+from sim.loop import Run, run
 from sim.world import World
 from solvers import Cascade, Weighted
 from sot.controller import Controller, Solver
@@ -55,6 +55,29 @@ class Replay:
     mapping: Path | None = None
 
 
+@dataclass(frozen=True)
+class Dance:
+    """A clip that was danced.
+
+    Attributes:
+        run: the rows of the log, and how it ended.
+        info: what was asked for.
+        motion: the reference.
+        plan: how the reference came from a human; None if it came from a file.
+    """
+
+    run: Run
+    info: RunInfo
+    motion: Motion
+    plan: Plan | None
+
+    def record(self, path: Path) -> float:
+        """Write the recording; returns how long that took [s]."""
+        begun = perf_counter()
+        recorder.record(path, self.run.log, self.info, self.motion, self.plan.human if self.plan else None)
+        return perf_counter() - begun
+
+
 def replay(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
     """Plan, run, record and report; the files appear in the folder `out` when all is done.
 
@@ -65,6 +88,21 @@ def replay(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
         InputError: anything in the request that does not fit; nothing is written then.
     """
     check_writable(out)
+    danced = dance(request, tell)
+    tell("recording", None)
+    out.mkdir(parents=True, exist_ok=True)
+    wall = danced.run.wall_s + danced.record(out / RECORDING)
+    figures = report.report(danced.run.log, danced.info, wall, danced.motion, danced.plan)
+    report.write(figures, out / REPORT)
+    return figures
+
+
+def dance(request: Replay, tell: Tell) -> Dance:
+    """Plan and run; nothing is written.
+
+    Raises:
+        InputError: anything in the request that does not fit.
+    """
     solver = make_solver(request.solver)
     robot = Robot.load(request.robot)
     compose = load_stack(request.stack) if request.stack else stacks.planted
@@ -72,7 +110,6 @@ def replay(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
     controller = Controller(robot, compose(robot, motion), solver, period=1.0 / request.rate)
     world = World(robot, timestep=1.0 / request.rate)
     done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
-    tell("recording", None)
     info = RunInfo(
         clip=Path(request.clip).stem,
         robot=robot.name,
@@ -82,13 +119,7 @@ def replay(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
         fell_at_s=done.fell_at_s,
         reason=done.reason,
     )
-    out.mkdir(parents=True, exist_ok=True)
-    begun = perf_counter()
-    recorder.record(out / RECORDING, done.log, info, motion, planned.human if planned else None)
-    wall = done.wall_s + perf_counter() - begun
-    figures = report.report(done.log, info, wall, motion, planned)
-    report.write(figures, out / REPORT)
-    return figures
+    return Dance(done, info, motion, planned)
 
 
 def retarget(request: Replay, out: Path, tell: Tell) -> Plan:

@@ -5,21 +5,17 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
-import numpy as np
 from rich.console import Console
 from rich.table import Table
-from threadpoolctl import threadpool_limits
 
 from sim import figures
 from sim.log import RunInfo, RunLog
+from sim.reference import hot_reference_us
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
 
-REFERENCE_SHAPE = (62, 18)  # variables and equality rows of a condensed tick on two feet
-REFERENCE_RUNS = 200
 DIGITS = 6
 RETARGET = ("key_point_rms_m", "frames_per_s")
 
@@ -80,7 +76,7 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
         "fell_reason": info.reason or None,
         "real_time_factor": duration / wall_s,
         "tick_us": figures.tick_us(log),
-        "reference_us": reference_us(),
+        "reference_us": hot_reference_us(),
         "tracking": figures.tracking(log, motion),
         "likeness": figures.likeness(log, plan),
         "retarget": dict(plan.retarget) if plan else dict.fromkeys(RETARGET),
@@ -90,21 +86,6 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
         **figures.effort(log, robot),
     }
     return {key: _rounded(value) for key, value in report.items()}
-
-
-def reference_us() -> float:
-    """This machine's time for a fixed computation [µs], by which to compare times of several machines.
-
-    The median of complete QR factorisations in numpy, one thread.
-    """
-    matrix = np.random.default_rng(0).normal(size=REFERENCE_SHAPE)
-    times = []
-    with threadpool_limits(1):
-        for _ in range(REFERENCE_RUNS):
-            start = perf_counter()
-            np.linalg.qr(matrix, mode="complete")
-            times.append(perf_counter() - start)
-    return 1e6 * float(np.median(times))
 
 
 def write(report: Mapping[str, Any], path: Path) -> None:
