@@ -22,7 +22,7 @@ from sot.robot import Robot
 
 Array = NDArray[np.float64]
 
-LIMB_STEPS = 3  # Gauss-Newton steps of head and arms over the whole clip
+LIMB_STEPS = 2  # Gauss-Newton steps of head and arms over the whole clip
 ROUNDS = 6  # most rounds of balance and body, each taking the other's result
 SETTLED = 0.005  # m, a change of the whole body's ZMP from one round to the next that ends them
 
