@@ -8,18 +8,14 @@ from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, 
 
 
 def planted(robot: Robot, motion: Motion) -> Stack:
-    """Both feet stand. Strict for what must hold, weights for what should look right."""
+    """Both feet stand; strict for what must hold, the joints share what is left."""
     return Stack(
         contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
         hard=[TorqueBounds(robot), JointBounds(robot)],
         levels={
             "balance": [Balance(motion.balance)],
             "waist": [OperationalPoint(robot, "waist", motion.pose("waist"), axes="RPY")],
-            "body": [
-                OperationalPoint(robot, "chest", motion.pose("chest"), axes="RPY", weight=2.0),
-                OperationalPoint(robot, "head", motion.pose("head"), axes="RPY"),
-                Posture(robot, motion.joints),
-            ],
+            "posture": [Posture(robot, motion.joints)],
             "forces": [LeastForces()],
         },
     )

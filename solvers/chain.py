@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.linalg import lapack
 
-from solvers.nullspace import Projection, project
+from solvers.nullspace import Projection, determined, project
 from solvers.rows import Array, Level
 
 SMALLEST = 1e-12
@@ -66,34 +66,50 @@ class Space:
 
     def solve(
         self, A: Array, columns: int, b: Array, x: Array, tolerance: float, damping: float = 0.0
-    ) -> tuple[Array, "Space", Projection]:
-        """Least squares of ``A x = b`` in this space: the new x, the space left, and the factorisation.
+    ) -> tuple[Array, "Space"]:
+        """Least squares of ``A x = b`` in this space: the new x, and the space left.
 
         Only the first `columns` columns of A are other than zero; directions shorter than `tolerance` count as none.
         """
+        where, basis, rows = self._part(A, columns)
+        B, r = rows @ basis, b - A @ x
+        y = determined(B, r, tolerance, damping)
+        if y is None:
+            projection = project(B, tolerance)
+            y, left = projection.least_squares(r, damping), projection.remaining(basis)
+        else:
+            left = basis[:, :0]
+        x = x.copy()
+        x[where] += basis @ y
+        return x, self._left(where, left)
+
+    def hold(self, D: Array, target: Array, x: Array, tolerance: float) -> tuple[Array, "Space", Projection]:
+        """As `solve` with all columns, and the factorisation that its multipliers need."""
+        where, basis, rows = self._part(D, D.shape[1])
+        projection = project(rows @ basis, tolerance)
+        y = projection.least_squares(target - D @ x)
+        x = x.copy()
+        x[where] += basis @ y
+        return x, self._left(where, projection.remaining(basis)), projection
+
+    def _part(self, A: Array, columns: int) -> tuple[slice, Array, Array]:
+        """Variables that are free to satisfy rows A, their basis, and the rows in them."""
         n = len(self.U)
         if self.split and columns <= n:
-            U, rows = self.U, A[:, :n]
-            projection = project(rows @ U, tolerance)
-            x = x.copy()
-            x[:n] += U @ projection.least_squares(b - rows @ x[:n], damping)
-            return x, Space(projection.remaining(U), self.W), projection
-        r = b - A @ x
+            return slice(0, n), self.U, A[:, :n]
         if self.split and not self.U.shape[1]:
-            W = self.W
-            projection = project(A[:, n:] @ W, tolerance)
-            x = x.copy()
-            x[n:] += W @ projection.least_squares(r, damping)
-            return x, Space(self.U, projection.remaining(W)), projection
-        Z = self.Z
-        projection = project(A @ Z, tolerance)
-        return x + Z @ projection.least_squares(r, damping), Space(self.U, self.W, projection.remaining(Z)), projection
+            return slice(n, None), self.W, A[:, n:]
+        return slice(None), self.Z, A
 
-    def coordinates(self, g: Array, projection: Projection) -> Array:
-        """``Zᵀ g`` in the part of the space in which a projection was made."""
-        if self.split and projection.size == self.W.shape[1] and not self.U.shape[1]:
-            return self.W.T @ g[len(self.U) :]
-        return self.Z.T @ g
+    def _left(self, where: slice, basis: Array) -> "Space":
+        if where.start == 0:
+            return Space(basis, self.W)
+        return Space(self.U, basis) if where.start else Space(self.U, self.W, basis)
+
+    def coordinates(self, g: Array) -> Array:
+        """``Zᵀ g`` in the part of the space in which `hold` works."""
+        where, basis, _ = self._part(g[None], len(g))
+        return basis.T @ g[where]
 
 
 class Chain:
@@ -130,11 +146,11 @@ class Chain:
             if held is not None and len(rows := held[k].rows):
                 D = self.C[rows]
                 target = np.where(held[k].side > 0.0, self.upper[rows], self.lower[rows])
-                x, space, self._holds[k] = space.solve(D, len(x), target, x, self._tolerance(D))
+                x, space, self._holds[k] = space.hold(D, target, x, self._tolerance(D))
             if len(level.b):
                 columns = len(x) if level.columns is None else level.columns
                 damping = self.damping if k else 0.0
-                x, space, _ = space.solve(level.A, columns, level.b, x, self._tolerance(level.A), damping)
+                x, space = space.solve(level.A, columns, level.b, x, self._tolerance(level.A), damping)
             self.points[k], self.spaces[k + 1] = x, space
 
     def multipliers(self, k: int) -> Array:
@@ -146,7 +162,7 @@ class Chain:
         gradient = level.A.T @ (level.A @ x - level.b)
         if self.damping:
             gradient += self.damping**2 * (x - self.points[k - 1])
-        return hold.multipliers(-self.spaces[k].coordinates(gradient, hold))
+        return hold.multipliers(-self.spaces[k].coordinates(gradient))
 
     def _tolerance(self, A: Array) -> float:
         return self.rank_tolerance * max(SMALLEST, lapack.dlange("M", A.T))

@@ -12,6 +12,8 @@ from scipy.linalg import lapack
 from solvers.rows import Array
 
 _WORK = 64  # LAPACK's block size: workspace per row or column
+CONDITION = 1e-5
+"""Normal equations are trusted while the shortest direction is longer than this, relative to the first."""
 _UPPER = np.triu(np.ones((256, 256)))
 
 
@@ -86,18 +88,29 @@ def project(B: Array, tolerance: float) -> Projection:
     return Projection(qr, tau, pivots, rank)
 
 
-def _tall(R: Array, target: Array, damping: float) -> Array:
-    """z that minimises ``‖Rᵀ z − target‖² + damping² ‖z‖²`` for rows R of full rank, shape (k, m).
+def determined(B: Array, r: Array, tolerance: float, damping: float = 0.0) -> Array | None:
+    """Least squares of rows that leave nothing free; None if they do, or nearly.
 
-    Normal equations with one step of refinement: as accurate as a second factorisation at half its cost.
+    Normal equations with one step of refinement: as accurate as a factorisation of B, at a fraction of its cost.
     """
-    normal = R @ R.T
+    m, n = B.shape
+    if m < n or not n:
+        return None
+    normal = B.T @ B
     if damping:
-        normal.flat[:: len(R) + 1] += damping**2
+        normal.flat[:: n + 1] += damping**2
     factor, failed = lapack.dpotrf(normal, lower=0)
-    if failed:  # beyond what normal equations can do
-        z, _, _, _ = np.linalg.lstsq(np.vstack([R.T, damping * np.eye(len(R))]), np.append(target, np.zeros(len(R))))
-        return z
-    z, _ = lapack.dpotrs(factor, R @ target)
-    rest, _ = lapack.dpotrs(factor, R @ (target - R.T @ z) - damping**2 * z)
-    return z + rest
+    if failed or factor.diagonal().min() <= max(tolerance, CONDITION * factor[0, 0]):
+        return None
+    y, _ = lapack.dpotrs(factor, B.T @ r)
+    rest, _ = lapack.dpotrs(factor, B.T @ (r - B @ y) - damping**2 * y)
+    return y + rest
+
+
+def _tall(R: Array, target: Array, damping: float) -> Array:
+    """z that minimises ``‖Rᵀ z − target‖² + damping² ‖z‖²`` for rows R of full rank, shape (k, m)."""
+    z = determined(R.T, target, 0.0, damping)
+    if z is None:
+        k = len(R)
+        z = np.linalg.lstsq(np.vstack([R.T, damping * np.eye(k)]), np.append(target, np.zeros(k)))[0]
+    return z

@@ -42,7 +42,7 @@ class Contact:
         inset: float = 0.008,
         form: Form = "pyramid",
         stiffness: float = 100.0,
-        damping: float = 30.0,
+        damping: float = 20.0,
     ) -> None:
         self.point, self.form = point, form
         self.mode: Mode = "fixed"
