@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import Any
 
 from scenarios import clips, stacks
-from scenarios.stack_file import load_stack
+from scenarios.stack_file import blamed, load_stack
 from sim import recorder, report
 from sim.log import RunInfo
 from sim.loop import Run, run
@@ -109,7 +109,8 @@ def dance(request: Replay, tell: Tell) -> Dance:
     motion, planned = _motion(request, robot, tell)
     controller = Controller(robot, compose(robot, motion), solver, period=1.0 / request.rate)
     world = World(robot, timestep=1.0 / request.rate)
-    done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
+    with blamed(request.stack):
+        done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
     info = RunInfo(
         clip=Path(request.clip).stem,
         robot=robot.name,

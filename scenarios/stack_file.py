@@ -2,9 +2,9 @@
 
 import importlib.util
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from sot.errors import InputError
 from sot.motion.trajectory import Motion
@@ -29,13 +29,15 @@ def load_stack(path: Path) -> Composer:
     if spec is None or spec.loader is None:
         raise InputError(f"{path}: not a Python file (.py)")
     module = importlib.util.module_from_spec(spec)
-    _guarded(path, spec.loader.exec_module, module)
+    with _whatever_it_raises(path):
+        spec.loader.exec_module(module)
     composer = getattr(module, "stack", None)
     if not callable(composer):
         raise InputError(f"{path}: defines no function stack(robot, motion)")
 
     def compose(robot: Robot, motion: Motion) -> Stack:
-        composed = _guarded(path, composer, robot, motion)
+        with _whatever_it_raises(path):
+            composed = composer(robot, motion)
         if not isinstance(composed, Stack):
             raise InputError(f"{path}: stack(robot, motion) returned {type(composed).__name__}, not a Stack")
         return composed
@@ -43,14 +45,39 @@ def load_stack(path: Path) -> Composer:
     return compose
 
 
-def _guarded(path: Path, function: Callable[..., Any], *arguments: Any) -> Any:
+@contextmanager
+def blamed(path: Path | None) -> Iterator[None]:
+    """Turn an exception that comes from a stack file, by way of a reference or a task of its own, into an InputError.
+
+    Raises:
+        InputError: naming the file's line; exceptions that the file has no part in pass through.
+    """
     try:
-        return function(*arguments)
+        yield
+    except Exception as error:
+        line = path and _line(path, error)
+        if not line:
+            raise
+        raise InputError(f"{path}:{line}: {_what(error)}") from error
+
+
+@contextmanager
+def _whatever_it_raises(path: Path) -> Iterator[None]:
+    try:
+        yield
     except SyntaxError as error:
         raise InputError(f"{path}:{error.lineno}: {error.msg}") from error
     except Exception as error:
-        frames = traceback.extract_tb(error.__traceback__)
-        own = [frame.lineno for frame in frames if Path(frame.filename).resolve() == path.resolve()]
-        where = f"{path}:{own[-1]}" if own else f"{path}"
-        what = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {error}"
-        raise InputError(f"{where}: {what}") from error
+        line = _line(path, error)
+        raise InputError(f"{path}{f':{line}' if line else ''}: {_what(error)}") from error
+
+
+def _line(path: Path, error: Exception) -> int | None:
+    """The innermost line of the file that the exception came through."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame.lineno for frame in frames if Path(frame.filename).resolve() == path.resolve()]
+    return own[-1] if own else None
+
+
+def _what(error: Exception) -> str:
+    return str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {error}"

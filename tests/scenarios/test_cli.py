@@ -75,6 +75,17 @@ BAD_STACKS = {
     "syntax": ("def stack(robot motion):\n    pass\n", "mine.py:1: "),
     "raises when loaded": ("import math\nmath.sqrt(-1)\n", "mine.py:2: ValueError"),
     "raises when composed": ("def stack(robot, motion):\n    return robot.tail\n", "mine.py:2: AttributeError"),
+    "raises in the loop": (
+        "from scenarios import stacks\nfrom tasks import CenterOfMass\n\n\ndef stack(robot, motion):\n"
+        "    made = stacks.planted(robot, motion)\n"
+        "    made.add(CenterOfMass(lambda t: 1 / 0, name='mine'), level='balance')\n    return made\n",
+        "mine.py:7: ZeroDivisionError",
+    ),
+    "no such point": (
+        "from tasks import OperationalPoint\n\n\ndef stack(robot, motion):\n"
+        "    return OperationalPoint(robot, 'tail', motion.pose('waist'))\n",
+        "mine.py:5: hrp2 has no point 'tail'",
+    ),
     "no function": ("stack = 3\n", "mine.py: defines no function stack(robot, motion)"),
     "wrong result": ("def stack(robot, motion):\n    return []\n", "returned list, not a Stack"),
 }
@@ -125,6 +136,19 @@ def test_unwritable_output_is_found_before_any_work(folder, capsys, monkeypatch)
     assert status == cli.BAD_INPUT
     assert said.count("\n") == 1
     assert "file/run: cannot write there" in said
+
+
+def test_no_network(folder, capsys, monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("PIP_INDEX_URL", "http://127.0.0.1:9/simple")
+    monkeypatch.setenv("PIP_RETRIES", "0")
+    status, said = lines(["replay", "lafan1_dance1_subject2"], capsys)
+    *told, last = said.splitlines()
+    assert status == cli.BAD_INPUT
+    assert "is there a network" in last
+    assert [line.split()[0] for line in told] == ["Fetching"]
+    assert list(folder.iterdir()) == []
+    assert not [path for path in (tmp_path / "cache").rglob("*") if path.is_file()]
 
 
 def test_an_unexpected_error_is_one_line_too(capsys, monkeypatch):
