@@ -39,9 +39,7 @@ class Run:
     reason: str = ""
 
 
-def run(
-    controller: Controller, world: World, motion: Motion, progress: Callable[[float], object] | None = None
-) -> Run:
+def run(controller: Controller, world: World, motion: Motion, progress: Callable[[float], object] | None = None) -> Run:
     """Run a controller in a world for as long as a motion lasts, from the motion's first configuration.
 
     Args:
@@ -137,5 +135,6 @@ def _write(
             if column is not None:
                 log.level_error[k, column] = np.sqrt(task.error @ task.error)
                 log.level_slack[k, column] = level.error
-                log.level_active[k, column] = np.count_nonzero(level.active)
+                if len(level.level.lower):
+                    log.level_active[k, column] = np.count_nonzero(level.active)
     log.model_us[k], log.assemble_us[k], log.solve_us[k] = command.model_us, command.assemble_us, command.solve_us

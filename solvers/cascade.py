@@ -51,7 +51,7 @@ class Cascade:
         self._qps = PersistentQPs(tolerance=10.0 * tolerance)
         self._bite = 10**6  # the level at which inequalities bit last
         self._held: list[Held] | None = None  # and which ones they were
-        self._shape: tuple[tuple[int, int], ...] = ()
+        self._shape: list[tuple[int, int]] = []
 
     def solve(self, levels: Sequence[Level]) -> Solution:
         """Solve the hierarchy; ``levels[0]`` is hard.
@@ -85,7 +85,7 @@ class Cascade:
                 if worst[block.rows].max(initial=0.0) > self.tolerance:
                     solution.relaxed[block.name] = float(worst[block.rows].max()) / block.weight
         first = solution.levels[0]
-        first.violation = levels[0].violation(solution.x)
+        first.level = levels[0]
         solution.levels = [first, *solution.levels[1 + len(gave_way) :]]
         solution.status = first.status = Status.RELAXED
         return solution
@@ -127,30 +127,35 @@ class Cascade:
     def _guess(self, chain: Chain, owner: Array) -> Solution | None:
         """The answer if the inequalities held last time, or few others, are the right ones."""
         levels = chain.levels
-        shape = tuple((len(level.b), len(level.lower)) for level in levels)
+        shape = [(len(level.b), len(level.lower)) for level in levels]
         if shape != self._shape or self._held is None:
             self._shape, self._held = shape, [Held() for _ in levels]
-        if owner.any():
+        if len(owner) and owner[-1]:
             return None  # own inequalities of lower levels are objectives too: that is the descent's business
-        held, first = self._held, 0
+        hard, held, first = levels[0], self._held, 0
         for _ in range(ROUNDS):
             chain.run(held, first)
-            wrong = [held[k].side * chain.multipliers(k) < -self.tolerance for k in range(len(levels))]
-            value = chain.C @ chain.points[-1]
+            x = chain.points[-1]
+            value = chain.C @ x
             excess = np.maximum(value - chain.upper, chain.lower - value)
-            for hold in held:
-                excess[hold.rows] = np.abs(excess[hold.rows])
-            beyond = ~(excess <= self.tolerance)  # not a number is beyond
-            dropped = [k for k in range(len(levels)) if wrong[k].any()]
-            if not dropped and not beyond.any():
-                hard = levels[0]
-                if _relative(hard.A @ chain.points[0] - hard.b, hard.b) > self.tolerance:
-                    return None
+            wrong: dict[int, Array] = {}
+            for k, hold in enumerate(held):
+                if len(hold.rows):
+                    excess[hold.rows] = np.abs(excess[hold.rows])
+                    pulls = hold.side * chain.multipliers(k) < -self.tolerance
+                    if pulls.any():
+                        wrong[k] = pulls
+            most = excess.max(initial=-np.inf)
+            if not wrong and most <= self.tolerance:  # which not a number is not
                 self._held = held
-                return self._solution(levels, chain.points[-1], {}, Status.SOLVED)
-            if dropped:
-                first = dropped[0]
-                held = [Held(h.rows[~w], h.side[~w]) if w.any() else h for h, w in zip(held, wrong, strict=True)]
+                if len(hard.b) and _relative(hard.A @ x - hard.b, hard.b) > self.tolerance:
+                    return None
+                solution = self._solution(levels, x, {}, Status.SOLVED)
+                solution.levels[0].residual = max(float(most), 0.0)
+                return solution
+            if wrong:
+                first = min(wrong)
+                held = [Held(h.rows[~wrong[k]], h.side[~wrong[k]]) if k in wrong else h for k, h in enumerate(held)]
                 continue
             row = int(np.argmax(excess))
             if any((hold.rows == row).any() for hold in held):
@@ -179,25 +184,14 @@ class Cascade:
     ) -> Solution:
         results = []
         for k, level in enumerate(levels):
-            violation = level.violation(x)
-            active = _NONE
-            if len(level.lower):
-                bounded = level.C @ x
-                active = (bounded >= level.upper - self.tolerance) | (bounded <= level.lower + self.tolerance)
             qp = qps.get(k)
             state = Status.FAILED if failed is not None and k >= failed else qp.status if qp else Status.SOLVED
-            residual = qp.residual if qp else 0.0
-            if k == 0:
-                residual = max(residual, float(np.abs(violation).max(initial=0.0)))
-            results.append(LevelResult(level.name, violation, active, qp is not None, residual, state))
+            results.append(LevelResult(level, x, qp is not None, qp.residual if qp else 0.0, state))
         return Solution(x, results, status)
 
 
 def _relative(residual: Array, b: Array) -> float:
     return float(np.abs(residual).max(initial=0.0)) / (1.0 + float(np.abs(b).max(initial=0.0)))
-
-
-_NONE = np.zeros(0, dtype=bool)
 
 
 class _Descent:

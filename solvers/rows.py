@@ -13,6 +13,10 @@ import numpy as np
 Array = np.ndarray
 
 
+TIGHT = 1e-6
+"""Inequalities closer to their bound than this are told as active."""
+
+
 class Status(IntEnum):
     """How an answer came about; the higher, the worse."""
 
@@ -145,25 +149,40 @@ class LevelResult:
     """What became of one level.
 
     Args:
-        name: The level's name.
-        violation: Signed violation of its rows, equalities first, weighted as in the level, shape (m + p,).
-        active: Which of its inequalities hold with equality or are violated, shape (p,).
+        level: The level.
+        x: The solver's answer, shape (n,).
         needed_qp: Whether a QP had to be solved, or least squares were enough.
         residual: Largest violation of what the level had to preserve.
         status: How the level's answer came about.
     """
 
-    name: str
-    violation: Array
-    active: Array
+    level: Level
+    x: Array
     needed_qp: bool
     residual: float
     status: Status
 
     @property
+    def name(self) -> str:
+        """The level's name."""
+        return self.level.name
+
+    @property
+    def violation(self) -> Array:
+        """Signed violation of its rows, equalities first, weighted as in the level, shape (m + p,)."""
+        return self.level.violation(self.x)
+
+    @property
+    def active(self) -> Array:
+        """Which of its inequalities hold with equality or are violated, shape (p,)."""
+        value = self.level.C @ self.x
+        return (value >= self.level.upper - TIGHT) | (value <= self.level.lower + TIGHT)
+
+    @property
     def error(self) -> float:
         """Norm of the level's weighted violation, the quantity that the level minimises."""
-        return float(np.sqrt(self.violation @ self.violation))
+        violation = self.violation
+        return float(np.sqrt(violation @ violation))
 
 
 @dataclass(slots=True)

@@ -36,12 +36,5 @@ class Weighted:
         )
         answer = self._cascade.solve([levels[0], merged])
         first, last = answer.levels
-        results: list[LevelResult] = [first]
-        start = 0
-        for level in soft:
-            active = last.active[start : start + len(level.lower)]
-            start += len(level.lower)
-            results.append(
-                LevelResult(level.name, level.violation(answer.x), active, last.needed_qp, last.residual, last.status)
-            )
-        return Solution(answer.x, results, answer.status, answer.relaxed)
+        shared = [LevelResult(level, answer.x, last.needed_qp, last.residual, last.status) for level in soft]
+        return Solution(answer.x, [first, *shared], answer.status, answer.relaxed)

@@ -120,13 +120,6 @@ class Contact:
         wanted[2] -= self.stiffness * frame.position[2]
         return wanted
 
-    def centre_of_pressure(self, phi: Array, tick: Tick) -> tuple[Array, float]:
-        """Sum of vertex positions times normal force (2,) [m N], and the normal force [N], Ramos (11)."""
-        normal = phi[2::3] if self.form == "pyramid" else phi[6:]
-        frame = tick.frame(self.point)
-        ground = frame.position[:2] + (self.vertices @ frame.rotation.T)[:, :2]
-        return normal @ ground, float(normal.sum())
-
     def _empty_map(self) -> Array:
         """The part of `wrench_map` that no motion changes."""
         count = len(self.vertices)

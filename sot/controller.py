@@ -99,7 +99,7 @@ class Controller:
             torque = np.clip(decoded.torque, -robot.effort, robot.effort)
             self._held = torque
             acceleration, wrenches = decoded.acceleration, np.array(decoded.wrenches).reshape(-1, 6)
-            zmp = self._zmp(decoded.forces)
+            zmp = self._zmp(decoded.wrenches)
         else:
             # Always from the last torque that was solved for: damping added to damping would become a stiffness.
             torque = np.clip(self._held - HOLD_DAMPING * v[6:], -robot.effort, robot.effort)
@@ -118,10 +118,16 @@ class Controller:
             1e6 * (solved - assembled),
         )
 
-    def _zmp(self, forces: list[Array]) -> Array:
-        moment, load = np.zeros(2), 0.0
-        for contact, phi in zip(self.stack.contacts, forces, strict=True):
-            if len(phi):
-                part, normal = contact.centre_of_pressure(phi, self.tick)
-                moment, load = moment + part, load + normal
-        return moment / load if load > 1.0 else np.full(2, np.nan)
+    def _zmp(self, wrenches: list[Array]) -> Array:
+        """The point of the floor about which the contacts' forces have no horizontal moment.
+
+        With all vertices on the floor it is the mean of them weighted by their normal forces, Ramos (11).
+        """
+        x = y = load = 0.0
+        for contact, wrench in zip(self.stack.contacts, wrenches, strict=True):
+            fx, fy, fz, mx, my, _ = wrench.tolist()
+            px, py, pz = self.tick.frame(contact.point).position.tolist()
+            x += px * fz - pz * fx - my
+            y += py * fz - pz * fy + mx
+            load += fz
+        return np.array((x / load, y / load)) if load > 1.0 else np.full(2, np.nan)

@@ -109,17 +109,17 @@ class Dynamics:
 class _Rows:
     """Rows of one level, gathered in the variables of a form."""
 
-    __slots__ = ("A", "C", "b", "blocks", "columns", "counts", "form", "high", "low", "name")
+    __slots__ = ("A", "C", "b", "blocks", "columns", "form", "high", "low", "m", "name", "p")
 
     def __init__(self, name: str, form: Form) -> None:
         self.name, self.form = name, form
-        self.A: list[Array] = []
+        self.A: list[tuple[float, Array]] = []
         self.b: list[Array] = []
-        self.C: list[Array] = []
+        self.C: list[tuple[float, Array]] = []
         self.low: list[Array] = []
         self.high: list[Array] = []
         self.blocks: list[Block] = []
-        self.counts = [0, 0]
+        self.m = self.p = 0
         self.columns = form.motion
 
     def task(self, task: Task, tick: Tick, units: Units) -> None:
@@ -136,26 +136,29 @@ class _Rows:
             matrix, shift = rows.A @ maps, rows.A @ offset
         else:
             matrix, shift = maps[rows.selects], offset[rows.selects]
-        if scale != 1.0:
-            matrix, shift = scale * matrix, scale * shift
+        shift = scale * shift
         low = weight * rows.lower - shift
         block = Block(task.name, task.unit, weight, task.equality, slice(0), task.gives_way)
         if task.equality:
-            self.equal(block, matrix, low, columns)
+            self.equal(block, matrix, low, columns, scale)
         else:
-            self.bounded(block, matrix, low, weight * rows.upper - shift)
+            self.bounded(block, matrix, low, weight * rows.upper - shift, scale)
 
-    def equal(self, block: Block, A: Array, b: Array, columns: int) -> None:
-        """Add equalities that involve the leading `columns` variables."""
+    def equal(self, block: Block, A: Array, b: Array, columns: int, scale: float = 1.0) -> None:
+        """Add equalities ``scale A x = b`` that involve the leading `columns` variables."""
+        block.rows = slice(self.m, self.m + len(b))
+        self.m += len(b)
         self.columns = max(self.columns, columns)
-        self._label(block, len(b), 0)
-        self.A.append(A)
+        self.blocks.append(block)
+        self.A.append((scale, A))
         self.b.append(b)
 
-    def bounded(self, block: Block, C: Array, low: Array, high: Array) -> None:
-        """Add inequalities."""
-        self._label(block, len(low), 1)
-        self.C.append(C)
+    def bounded(self, block: Block, C: Array, low: Array, high: Array, scale: float = 1.0) -> None:
+        """Add inequalities ``low <= scale C x <= high``."""
+        block.rows = slice(self.p, self.p + len(low))
+        self.p += len(low)
+        self.blocks.append(block)
+        self.C.append((scale, C))
         self.low.append(low)
         self.high.append(high)
 
@@ -164,31 +167,23 @@ class _Rows:
         size = self.form.size
         return Level(
             self.name,
-            _stacked(self.A, size),
+            _stacked(self.A, self.m, size),
             _joined(self.b),
-            _stacked(self.C, size),
+            _stacked(self.C, self.p, size),
             _joined(self.low),
             _joined(self.high),
             self.blocks,
             self.columns,
         )
 
-    def _label(self, block: Block, count: int, kind: int) -> None:
-        start = self.counts[kind]
-        self.counts[kind] = start + count
-        block.rows = slice(start, start + count)
-        self.blocks.append(block)
 
-
-def _stacked(parts: list[Array], size: int) -> Array:
-    """Matrices on top of each other, filled up with zero columns."""
-    if len(parts) == 1 and parts[0].shape[1] == size:
-        return parts[0]
-    out = np.zeros((sum(map(len, parts)), size))
+def _stacked(parts: list[tuple[float, Array]], count: int, size: int) -> Array:
+    """Scaled matrices on top of each other, filled up with zero columns."""
+    out = np.zeros((count, size))
     start = 0
-    for part in parts:
+    for scale, part in parts:
         end = start + len(part)
-        out[start:end, : part.shape[1]] = part
+        np.multiply(part, scale, out=out[start:end, : part.shape[1]])
         start = end
     return out
 

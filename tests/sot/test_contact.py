@@ -114,20 +114,6 @@ def test_the_paper_s_form_holds_for_whatever_vertices_can_give(robot, seed):
         assert np.any(C @ pulling < lower)
 
 
-@pytest.mark.parametrize("form", ["pyramid", "unilateral"])
-def test_centre_of_pressure_is_where_the_wrench_has_no_tilting_moment(robot, form):
-    tick = standing(robot, 3)
-    forces = forces_in_cone(np.random.default_rng(3), 4, 0.5)
-    as_vertices = Contact(FOOT, robot.sole(FOOT))
-    wrench = as_vertices.wrench_map(tick) @ forces.ravel()
-    phi = forces.ravel() if form == "pyramid" else np.concatenate([wrench, forces[:, 2]])
-    weighted, normal = Contact(FOOT, robot.sole(FOOT), form=form).centre_of_pressure(phi, tick)
-    assert normal == pytest.approx(wrench[2])
-    arm = weighted / normal - tick.frame(FOOT).position[:2]
-    # m_x = y f_z and m_y = -x f_z at the centre of pressure, seen from the foot's point.
-    np.testing.assert_allclose(arm * wrench[2], [-wrench[4], wrench[3]], atol=1e-9)
-
-
 def largest(contact, direction):
     C, lower, upper = contact.force_inequalities(1000.0)
     both = np.vstack([C, -C]), np.concatenate([upper, -lower])

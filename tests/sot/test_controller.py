@@ -30,7 +30,7 @@ class FailingAfter:
         if self.ticks >= 0:
             return solution
         results = [
-            LevelResult(r.name, r.violation, r.active, False, 1.0, Status.FAILED if k >= self.level else r.status)
+            LevelResult(r.level, r.x, False, 1.0, Status.FAILED if k >= self.level else r.status)
             for k, r in enumerate(solution.levels)
         ]
         return Solution(np.full_like(solution.x, np.nan) if not self.level else solution.x, results, Status.FAILED)
