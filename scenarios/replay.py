@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import Any
 
 from scenarios import clips, stacks
-from scenarios.stack_file import blamed, load_stack
+from scenarios.stack_file import Composition, blamed, load_stack
 from sim import recorder, report
 from sim.log import RunInfo
 from sim.loop import Run, run
@@ -105,9 +105,10 @@ def dance(request: Replay, tell: Tell) -> Dance:
     """
     solver = make_solver(request.solver)
     robot = Robot.load(request.robot)
-    compose = load_stack(request.stack) if request.stack else stacks.planted
+    compose = load_stack(request.stack) if request.stack else _planted
     motion, planned = _motion(request, robot, tell)
-    controller = Controller(robot, compose(robot, motion), solver, period=1.0 / request.rate)
+    stack, schedule = compose(robot, motion)
+    controller = Controller(robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
     world = World(robot, timestep=1.0 / request.rate)
     with blamed(request.stack):
         done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
@@ -163,6 +164,10 @@ def check_writable(folder: Path) -> None:
         tempfile.TemporaryFile(dir=existing).close()
     except OSError as error:
         raise InputError(f"{folder}: cannot write there ({error.strerror}); choose another output folder") from error
+
+
+def _planted(robot: Robot, motion: Motion) -> Composition:
+    return stacks.planted(robot, motion), None
 
 
 def _motion(request: Replay, robot: Robot, tell: Tell) -> tuple[Motion, Plan | None]:

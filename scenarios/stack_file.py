@@ -1,24 +1,28 @@
-"""A user's own stack, from a Python file that defines `stack(robot, motion)`."""
+"""A user's own stack, from a Python file that defines `stack(robot, motion)`, and how it changes over time."""
 
 import importlib.util
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TypeVar
 
 from sot.errors import InputError
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
+from sot.schedule import Schedule
 from sot.stack import Stack
 
-Composer = Callable[[Robot, Motion], Stack]
+Made = TypeVar("Made")
+
+Composition = tuple[Stack, Schedule | None]
+Composer = Callable[[Robot, Motion], Composition]
 
 
 def load_stack(path: Path) -> Composer:
-    """The function `stack` of a file.
+    """What composes a file's stack for a robot and a motion, and its schedule if it defines `schedule(robot, motion)`.
 
-    Whatever the file raises, when it is loaded or when its function composes the stack, becomes an InputError that
-    names the line.
+    Whatever the file raises, when it is loaded or when its functions run, becomes an InputError that names the line.
 
     Raises:
         InputError: no such file, it raises, or it defines no function `stack`.
@@ -31,16 +35,19 @@ def load_stack(path: Path) -> Composer:
     module = importlib.util.module_from_spec(spec)
     with _whatever_it_raises(path):
         spec.loader.exec_module(module)
-    composer = getattr(module, "stack", None)
-    if not callable(composer):
+    if not callable(getattr(module, "stack", None)):
         raise InputError(f"{path}: defines no function stack(robot, motion)")
 
-    def compose(robot: Robot, motion: Motion) -> Stack:
+    def made(name: str, kind: type[Made], robot: Robot, motion: Motion) -> Made:
         with _whatever_it_raises(path):
-            composed = composer(robot, motion)
-        if not isinstance(composed, Stack):
-            raise InputError(f"{path}: stack(robot, motion) returned {type(composed).__name__}, not a Stack")
-        return composed
+            result = getattr(module, name)(robot, motion)
+        if not isinstance(result, kind):
+            raise InputError(f"{path}: {name}(robot, motion) returned {type(result).__name__}, not a {kind.__name__}")
+        return result
+
+    def compose(robot: Robot, motion: Motion) -> Composition:
+        stack = made("stack", Stack, robot, motion)
+        return stack, made("schedule", Schedule, robot, motion) if hasattr(module, "schedule") else None
 
     return compose
 

@@ -87,6 +87,10 @@ BAD_STACKS = {
         "mine.py:5: hrp2 has no point 'tail'",
     ),
     "no function": ("stack = 3\n", "mine.py: defines no function stack(robot, motion)"),
+    "wrong schedule": (
+        "from scenarios.stacks import planted as stack\n\n\ndef schedule(robot, motion):\n    return 3\n",
+        "schedule(robot, motion) returned int, not a Schedule",
+    ),
     "wrong result": ("def stack(robot, motion):\n    return []\n", "returned list, not a Stack"),
 }
 
