@@ -4,18 +4,18 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from sot.errors import InputError
 from sot.motion.centroidal import Centroidal
 from sot.motion.contacts import Phase, planted
-from sot.motion.coordinates import to_configuration, to_pinocchio
-from sot.motion.human import SIDES, Human
+from sot.motion.coordinates import to_pinocchio
+from sot.motion.human import Human
+from sot.motion.kinematics import Chains, Kinematics
 from sot.motion.limits import Limits
 from sot.motion.spline import Spline
 from sot.motion.stance import LEAD, TAIL, Build, on_time_line, over_feet
-from sot.motion.targets import targets
+from sot.motion.targets import Targets, key_points, targets
 from sot.motion.trajectory import Motion
 from sot.motion.whole_body import balanced, limbs_fitted, retarget
 from sot.robot import Robot
@@ -35,7 +35,8 @@ class Plan:
         motion: what the robot shall do.
         human: the human in the robot's size and place, on the motion's time line, at PLAN_RATE.
         start, end: the part of the motion that shows the clip [s]; before, the lead-in from rest; after, rest.
-        retarget: figures of the report: "key_point_rms_m" and "frames_per_s".
+        retarget: figures of the report: "key_point_rms_m", the reference's key points against those of the human in
+            the robot's size, limb by limb, over the clip; "frames_per_s", clip frames retargeted per second.
         seconds: time that planning took, by step.
     """
 
@@ -68,14 +69,14 @@ def plan(human: Human, robot: Robot, feet: str = "planted", rate: float = 1000.0
     phases = planted(robot, (wanted.length - 1) * period)
     whole = retarget(robot, build, wanted, phases[0], limits, period)
     retargeted = time.perf_counter()
-    figures = {
-        "key_point_rms_m": _key_point_rms(robot, build, person, whole),
-        "frames_per_s": human.count / (retargeted - begun),
-    }
     whole = balanced(robot, build, wanted, phases, limits, whole)
     whole = limbs_fitted(robot, wanted, limits, whole, REFIT_STEPS)  # the chest has moved
     whole = balanced(robot, build, wanted, phases, limits, whole)
     motion = sampled(robot, whole, phases, rate)
+    figures = {
+        "key_point_rms_m": _key_point_rms(robot, wanted, whole),
+        "frames_per_s": human.count / (retargeted - begun),
+    }
     ended = time.perf_counter()
     return Plan(
         motion=motion,
@@ -107,15 +108,14 @@ def sampled(robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate: float
     )
 
 
-def _key_point_rms(robot: Robot, build: Build, human: Human, spline: Spline) -> float:
-    """Distance between the robot's and the scaled human's wrists, elbows and head, relative to the hips [m]."""
-    names = ("neck", *(f"{side}_{point}" for side in SIDES for point in ("elbow", "wrist")))
-    data, q = robot.model.createData(), to_configuration(spline.knots)
-    errors = np.empty((len(q), len(names)))
-    for k in range(len(q)):
-        pin.framesForwardKinematics(robot.model, data, q[k])
-        hips = data.oMf[robot.point("waist")].act(build.hips)
-        for i, name in enumerate(names):
-            place = data.oMf[robot.point(name)].translation - hips
-            errors[k, i] = np.linalg.norm(place - (human.points[name][k] - human.points["waist"][k]))
-    return float(np.sqrt(np.mean(errors**2)))
+def _key_point_rms(robot: Robot, wanted: Targets, reference: Spline) -> float:
+    """Root mean square distance, over the clip, from the reference's key points to those of the human in the robot's
+    size (see `key_points`), both relative to the waist [m]."""
+    clip = slice(round(LEAD * PLAN_RATE), wanted.length - round(TAIL * PLAN_RATE))
+    kinematics = Kinematics(Chains(robot), reference.knots[clip])
+    _, waist = kinematics.frame(robot.point("waist"))
+    offsets = [
+        kinematics.frame(robot.point(name))[1] - waist - place[clip]
+        for name, place in key_points(wanted, robot).items()
+    ]
+    return float(np.sqrt(np.mean(np.sum(np.square(offsets), axis=2))))

@@ -61,6 +61,32 @@ def targets(human: Human, robot: Robot, build: Build) -> Targets:
     return Targets(hips, frames, directions)
 
 
+def key_points(wanted: Targets, robot: Robot) -> dict[str, Array]:
+    """Where neck, top of the head, elbows and wrists are when every target is met: point -> (T, 3) from the waist [m].
+
+    This is the human in the robot's size, limb by limb: each segment has the robot's length and the human's direction,
+    and shoulders and head sit on the chest as the robot's do at rest.
+    """
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.rest)
+
+    def between(near: str, far: str) -> Array:
+        return data.oMf[robot.point(far)].translation - data.oMf[robot.point(near)].translation
+
+    def on_chest(near: str, far: str) -> Array:
+        return wanted.frames["chest"] @ data.oMf[robot.point("chest")].rotation.T @ between(near, far)
+
+    def along(segment: str) -> Array:
+        return np.linalg.norm(between(*SEGMENTS[segment])) * wanted.directions[segment]
+
+    neck = along("trunk")
+    points = {"neck": neck, "head_top": neck + on_chest("neck", "head") + along("head")}
+    for side in SIDES:
+        elbow = neck + on_chest("neck", f"{side}_shoulder") + along(f"{side}_upper_arm")
+        points |= {f"{side}_elbow": elbow, f"{side}_wrist": elbow + along(f"{side}_forearm")}
+    return points
+
+
 def _untwisted(rotations: Array, share: float) -> Array:
     """Orientations (T, 3, 3) with a share of their heading: Z(share · yaw) in place of Z(yaw)."""
     yaw = np.unwrap(np.arctan2(rotations[:, 1, 0], rotations[:, 0, 0]))

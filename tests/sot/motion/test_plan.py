@@ -89,6 +89,11 @@ def test_robot_looks_like_the_human(planned):
     assert 0.8 < hand_path_ratio(theirs, ours, planned.motion.rate) < 1.2
 
 
+def test_key_points_are_where_the_segments_point(planned, robot):
+    """The dancer is within reach: what is left of its targets is a few degrees of half a metre of arm."""
+    assert 0.0 < planned.retarget["key_point_rms_m"] < 0.04
+
+
 def test_too_fast_a_human_costs_likeness_but_no_limit(robot):
     human = dancer(2.0, speed=3.0)
     planned = plan(human, robot, rate=500.0)
