@@ -20,10 +20,8 @@ from sot.polygon import Polygon
 
 Array = NDArray[np.float64]
 
-INSET = (
-    0.04,
-    0.04,
-)  # m along X and Y, from the edge of the support to the planned ZMP: what the closed loop may use up
+INSET = (0.04, 0.025)  # m along X and Y, from the edge of the support to the planned ZMP: what the closed loop may use
+SHARE = 0.12  # of the weight, least load of every foot that stands
 COM_ERROR = 0.02  # m, a deviation from the wanted CoM that costs as much as JERK_ERROR
 JERK_ERROR = 20.0  # m/s³
 OUTSIDE = 1e5  # price of a metre that the ZMP leaves the shrunk polygon by: only if it must

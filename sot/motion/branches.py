@@ -5,67 +5,55 @@ from numpy.typing import NDArray
 from scipy.stats.qmc import Halton
 
 from sot.motion.limits import Limits
-from sot.motion.parts import Arm
-from sot.motion.retarget import solve_at
+from sot.motion.parts import Part
+from sot.motion.retarget import solve
 
 Array = NDArray[np.float64]
 
 SPACING = 0.2  # s between key frames
-KEPT = 3  # most solutions of a key frame; one fresh start joins them at the next
-APART = 0.3  # rad, of two solutions that count as different
+STARTS = 8  # postures that every key frame is solved from
 HURRY = 0.8  # of the velocity limit, from which travel costs more
 TRAVEL, HASTE = 0.02, 4.0  # costs of travel and of hurry, against (direction error / accepted error)²
 
 
-def choose(part: Arm, y: Array, limits: Limits, period: float) -> Array:
-    """The path (T, nv) of least direction error and least joint travel, from the rest posture at the first knot.
+def choose(part: Part, y: Array, limits: Limits, period: float) -> Array:
+    """The path (T, nv) of least direction error and least joint travel, from the posture at the first knot.
 
-    A key frame's candidates are solved from those of the frame before and from a fresh seed; dynamic programming finds
-    the best sequence; knots between key frames are linear.
+    Every key frame is solved from the same postures, spread over the joint range; dynamic programming finds the best
+    sequence of their solutions; knots between key frames are linear.
     """
     columns = part.columns
     stride = max(1, round(SPACING / period))
     knots = np.append(np.arange(0, len(y) - 1, stride), len(y) - 1)
-    seeds = _seeds(len(columns), limits.lower[columns], limits.upper[columns])
-    rate = limits.velocity[columns] * stride * period
-
-    candidates, costs, origins = [y[:1, columns]], [np.zeros(1)], []
-    for index, k in enumerate(knots[1:]):
-        starts = np.vstack([candidates[-1], seeds[index % len(seeds)]])
-        found, error = _solutions(part, k, y[k], starts, limits)
-        travel = np.abs(found[None] - candidates[-1][:, None]) / rate
-        price = np.sum(TRAVEL * travel**2 + HASTE * np.maximum(travel - HURRY, 0.0) ** 2, axis=2)
-        total = costs[-1][:, None] + price
-        origins.append(total.argmin(axis=0))
-        candidates.append(found)
-        costs.append(total.min(axis=0) + error)
-
-    best = [int(costs[-1].argmin())]
-    for origin in reversed(origins):
-        best.append(int(origin[best[-1]]))
-    chosen = np.array([found[i] for found, i in zip(candidates, reversed(best), strict=True)])
+    lower, upper = limits.lower[columns], limits.upper[columns]
+    starts = lower + Halton(len(columns), scramble=False).random(STARTS) * (upper - lower)
+    repeated = np.repeat(knots[1:], STARTS)
+    trials = y[repeated]
+    trials[:, columns] = np.tile(starts, (len(knots) - 1, 1))
+    found, error = solve(part, repeated, trials, limits)
+    found, error = found.reshape(-1, STARTS, len(columns)), error.reshape(-1, STARTS)
+    first = np.broadcast_to(y[0, columns], (1, STARTS, len(columns)))
+    chosen = _best_path(np.vstack([first, found]), error, limits.velocity[columns] * stride * period)
     path = y.copy()
     for i, column in enumerate(columns):
         path[:, column] = np.interp(np.arange(len(y)), knots, chosen[:, i])
     return path
 
 
-def _solutions(part: Arm, k: int, y: Array, starts: Array, limits: Limits) -> tuple[Array, Array]:
-    """Different local solutions at a knot (n, s) and their costs (n,), the best KEPT."""
-    solved = []
-    for start in starts:
-        trial = y.copy()
-        trial[part.columns] = start
-        cost = solve_at(part, k, trial, limits)
-        solved.append((cost, trial[part.columns]))
-    solved.sort(key=lambda pair: pair[0])
-    kept: list[tuple[float, Array]] = []
-    for cost, x in solved:
-        if len(kept) < KEPT and all(np.abs(x - other).max() > APART for _, other in kept):
-            kept.append((cost, x))
-    return np.array([x for _, x in kept]), np.array([cost for cost, _ in kept])
+def _best_path(candidates: Array, error: Array, reach: Array) -> Array:
+    """The sequence (K, s) of one candidate (K, n, s) a key frame with the least sum of errors and travel.
 
-
-def _seeds(size: int, lower: Array, upper: Array) -> Array:
-    """Postures (n, size) spread evenly over the joint range, the same every time."""
-    return lower + Halton(size, scramble=False).random(64) * (upper - lower)
+    error: (K - 1, n) cost of all candidates but the first key frame's.
+    reach: (s,) farthest that a joint can travel from one key frame to the next.
+    """
+    travel = np.abs(candidates[1:, None] - candidates[:-1, :, None]) / reach
+    prices = np.sum(TRAVEL * travel**2 + HASTE * np.maximum(travel - HURRY, 0.0) ** 2, axis=3)
+    cost, origins = np.zeros(candidates.shape[1]), []
+    for price, own in zip(prices, error, strict=True):
+        total = cost[:, None] + price
+        origins.append(total.argmin(axis=0))
+        cost = total.min(axis=0) + own
+    best = [int(cost.argmin())]
+    for origin in reversed(origins):
+        best.append(int(origin[best[-1]]))
+    return candidates[np.arange(len(candidates)), best[::-1]]

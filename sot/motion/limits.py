@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
+from sot.motion.coordinates import from_configuration
 from sot.motion.human import SIDES
+from sot.motion.kinematics import Chains, Kinematics
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
@@ -42,22 +43,22 @@ class Limits:
 
 def _keep_knees_bent(robot: Robot, lower: Array, upper: Array) -> None:
     """Bound the joint that sets each leg's length, found by trying, where the leg gets nearly straight."""
-    data = robot.model.createData()
+    chains, rest = Chains(robot), robot.rest[7:]
 
-    def extension(side: str, joint: int, angle: float) -> float:
-        q = robot.rest.copy()
-        q[7 + joint] = angle
-        pin.framesForwardKinematics(robot.model, data, q)
-        hip, knee, ankle = (data.oMf[robot.point(f"{side}_{p}")].translation for p in ("hip", "knee", "ankle"))
-        return float(np.linalg.norm(ankle - hip) / (np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee)))
+    def extension(side: str, joint: int, angles: Array) -> Array:
+        y = np.tile(from_configuration(robot.rest[None]), (len(angles), 1))
+        y[:, 6 + joint] = angles
+        kinematics = Kinematics(chains, y)
+        hip, knee, ankle = (kinematics.frame(robot.point(f"{side}_{p}"))[1] for p in ("hip", "knee", "ankle"))
+        reach, thigh, shank = (np.linalg.norm(b - a, axis=1) for a, b in ((hip, ankle), (hip, knee), (knee, ankle)))
+        return reach / (thigh + shank)
 
     for side in SIDES:
         joints = robot.groups[f"{side}_leg"]
-        rest = robot.rest[7:]
-        bends = [extension(side, j, rest[j] + 0.1) - extension(side, j, rest[j] - 0.1) for j in joints]
-        knee = joints[int(np.argmax(np.abs(bends)))]
+        bends = [np.ptp(extension(side, j, rest[j] + np.array([-0.1, 0.1]))) for j in joints]
+        knee = joints[int(np.argmax(bends))]
         for bound in (lower, upper):
             angles = np.linspace(rest[knee], bound[knee], 200)
-            bent = [extension(side, knee, angle) <= STRAIGHT for angle in angles]
-            if not all(bent):
-                bound[knee] = angles[max(1, bent.index(False)) - 1]
+            bent = extension(side, knee, angles) <= STRAIGHT
+            if not bent.all():
+                bound[knee] = angles[max(1, int(bent.argmin())) - 1]

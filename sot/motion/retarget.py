@@ -1,13 +1,10 @@
-"""Bounded least squares on key bodies, Ramos (20)-(28), along a clip: warm-started, then as one limited programme."""
+"""Bounded least squares on key bodies, Ramos (20)-(28), along a clip: knot by knot, then as one limited programme."""
 
 import numpy as np
-import quadprog
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
-from scipy.linalg.lapack import dposv
 
 from sot.motion.limits import Limits
-from sot.motion.parts import Part
+from sot.motion.parts import Indices, Part
 from sot.motion.spline import LimitedFit, Spline
 
 Array = NDArray[np.float64]
@@ -15,67 +12,68 @@ Array = NDArray[np.float64]
 DAMPING = 1e-2  # of a Gauss-Newton step, in the units of squared residuals
 STEPS = 10  # most Gauss-Newton steps at one knot
 SMALL = 0.05  # rad or m, a step that ends them: they converge quadratically, and the fit goes on from there
+ROUNDS = 8  # most changes of the joints held at their ends, in one step
 LARGEST = 0.5  # rad or m, of a coordinate in one step
 JERK = 500.0  # rad/s³ (m/s³), the jerk that costs as much as an error one is ready to accept
 
 
-def solve_at(part: Part, k: int, y: Array, limits: Limits) -> float:
-    """Minimise a part's residuals at one knot within the joint range, from y and into y (nv,).
+def solve(part: Part, knots: Indices, y: Array, limits: Limits) -> tuple[Array, Array]:
+    """Minimise a part's residuals at some knots within the joint range, each by itself from its row of y (n, nv).
 
     Returns:
-        The cost ‖e‖² before the last step.
+        The part's coordinates (n, s), and the costs ‖e‖² (n,) before the last step.
     """
     columns = part.columns
     lower, upper = limits.lower[columns], limits.upper[columns]
-    e, J = np.empty(part.rows), np.empty((part.rows, len(columns)))
-    diagonal = np.arange(len(columns))
+    y, cost = y.copy(), np.empty(len(y))
+    left = np.arange(len(y))  # rows that still move
     for _ in range(STEPS):
-        part.evaluate(k, y, e, J)
-        g, H = J.T @ e, J.T @ J
-        H[diagonal, diagonal] += DAMPING
-        x = y[columns]
+        e, J = part.evaluate(knots[left], y[left])
+        Jt = J.transpose(0, 2, 1)
+        g, H = (Jt @ e[..., None])[..., 0], Jt @ J + DAMPING * np.eye(len(columns))
+        x = y[left[:, None], columns]
         step = _bounded_step(H, g, lower - x, upper - x)
-        largest = max(step.max(), -step.min())
-        if largest > LARGEST:
-            step *= LARGEST / largest
-        y[columns] = x + step
-        if largest < SMALL:
+        largest = np.abs(step).max(axis=1)
+        step *= np.minimum(1.0, LARGEST / np.maximum(largest, LARGEST))[:, None]
+        y[left[:, None], columns] = x + step
+        cost[left] = np.sum(e**2, axis=1)
+        left = left[largest >= SMALL]
+        if not len(left):
             break
-    return float(e @ e)
+    return y[:, columns], cost
 
 
 def _bounded_step(H: Array, g: Array, lower: Array, upper: Array) -> Array:
-    """Minimise ½ xᵀH x + gᵀx over lower <= x <= upper; lower <= 0 <= upper."""
-    x = -dposv(H, g)[1]
-    if (x >= lower).all() and (x <= upper).all():
-        return x
-    bounded = np.flatnonzero(np.isfinite(lower))
-    C = np.zeros((len(g), 2 * len(bounded)))
-    C[bounded, np.arange(len(bounded))] = 1.0
-    C[bounded, len(bounded) + np.arange(len(bounded))] = -1.0
-    return quadprog.solve_qp(H, -g, C, np.concatenate([lower[bounded], -upper[bounded]]))[0]
+    """Minimise ½ xᵀH x + gᵀx over lower <= x <= upper for each of n problems, g and bounds (n, s), H (n, s, s).
 
-
-def follow(part: Part, y: Array, limits: Limits) -> Array:
-    """A part solved along y (T, nv), each solution from the one before: the path (T, nv) without rate limits.
-
-    Every other knot is solved; a spline gives those between.
+    Primal-dual active sets (Hintermüller, Ito and Kunisch 2002): at a bound are the coordinates that would pass it and
+    those already there that gain by staying. It ends within a few rounds; where it does not, the answer still keeps to
+    its bounds, and the next Gauss-Newton step mends it.
     """
-    columns = part.columns
-    solved = np.append(np.arange(0, len(y) - 1, 2), len(y) - 1)
-    current = y[0].copy()
-    path = y.copy()
-    for k in solved:
-        solve_at(part, int(k), current, limits)
-        path[k, columns] = current[columns]
-    path[:, columns] = CubicSpline(solved, path[solved][:, columns])(np.arange(len(y)))
-    return path
+    x = np.linalg.solve(H, -g[..., None])[..., 0]
+    low, high = x < lower, x > upper
+    left = np.flatnonzero((low | high).any(axis=1))
+    for _ in range(ROUNDS):
+        if not len(left):
+            break
+        below, above, own = low[left], high[left], H[left]
+        fixed = np.where(below, lower[left], np.where(above, upper[left], 0.0))
+        free = ~(below | above)
+        reduced = own * (free[:, :, None] & free[:, None, :])
+        reduced[:, np.arange(g.shape[1]), np.arange(g.shape[1])] += ~free
+        right = -(g[left] + (own @ fixed[..., None])[..., 0])
+        x[left] = now = np.linalg.solve(reduced, np.where(free, right, 0.0)[..., None])[..., 0] + fixed
+        pull = -(g[left] + (own @ now[..., None])[..., 0])
+        low[left] = np.where(below, pull < 0.0, now < lower[left])
+        high[left] = np.where(above, pull > 0.0, now > upper[left])
+        left = left[((low[left] != below) | (high[left] != above)).any(axis=1)]
+    return np.clip(x, lower, upper)
 
 
 class PartFit:
     """Fits a part over a whole clip under range, velocity and acceleration limits."""
 
-    def __init__(self, columns: Array, length: int, period: float, limits: Limits):
+    def __init__(self, columns: Indices, length: int, period: float, limits: Limits):
         self._columns = columns
         self._fit = LimitedFit(
             length,
@@ -90,11 +88,9 @@ class PartFit:
 
     def improve(self, part: Part, spline: Spline, others: Array, steps: int) -> Spline:
         """Gauss-Newton steps from a spline of the part's columns, the other coordinates being those of (T, nv)."""
-        y = others.copy()
-        e, J = np.empty((len(y), part.rows)), np.empty((len(y), part.rows, len(self._columns)))
+        y, knots = others.copy(), np.arange(len(others))
         for _ in range(steps):
             y[:, self._columns] = spline.knots
-            for k in range(len(y)):
-                part.evaluate(k, y[k], e[k], J[k])
+            e, J = part.evaluate(knots, y)
             spline, _ = self._fit.step(spline, J, e)
         return spline

@@ -3,18 +3,17 @@
 from collections.abc import Sequence
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
-from sot.motion.balance import plan_balance
+from sot.motion.balance import SHARE, plan_balance
 from sot.motion.branches import choose
 from sot.motion.centroidal import Centroidal
-from sot.motion.contacts import Phase, support
-from sot.motion.coordinates import from_configuration, to_configuration, to_pinocchio
+from sot.motion.contacts import Phase, loaded_support
+from sot.motion.coordinates import from_configuration, to_pinocchio
 from sot.motion.human import SIDES
 from sot.motion.limits import Limits
 from sot.motion.parts import Arm, Body, Head, Part
-from sot.motion.retarget import PartFit, follow
+from sot.motion.retarget import PartFit, solve
 from sot.motion.spline import Spline
 from sot.motion.stance import Build
 from sot.motion.targets import Targets
@@ -32,12 +31,12 @@ def retarget(robot: Robot, build: Build, wanted: Targets, phase: Phase, limits: 
 
     The legs follow without regard to their speed, and nothing yet to balance: `balanced` sees to both.
     """
-    y = np.tile(from_configuration(robot.rest[None]), (wanted.length, 1))
-    y = follow(Body(robot, build, wanted, phase), y, limits)
-    chest = _orientations(robot, "chest", y)
-    y = follow(Head(robot, wanted, chest), y, limits)
+    y, knots = np.tile(from_configuration(robot.rest[None]), (wanted.length, 1)), np.arange(wanted.length)
+    parts: list[Part] = [Body(robot, build, wanted, phase), Head(robot, wanted)]
+    for part in parts:
+        y[:, part.columns], _ = solve(part, knots, y, limits)
     for side in SIDES:
-        y = choose(Arm(robot, side, wanted, chest), y, limits, period)
+        y = choose(Arm(robot, side, wanted), y, limits, period)
     whole = Spline.through(y, period)
     whole.control[:3] = y[0]
     return limbs_fitted(robot, wanted, limits, whole, LIMB_STEPS)
@@ -46,23 +45,12 @@ def retarget(robot: Robot, build: Build, wanted: Targets, phase: Phase, limits: 
 def limbs_fitted(robot: Robot, wanted: Targets, limits: Limits, whole: Spline, steps: int) -> Spline:
     """The same motion with head and arms fitted, under their limits, to the chest as it moves."""
     y, control = whole.knots, whole.control.copy()
-    chest = _orientations(robot, "chest", y)
-    limbs: list[Part] = [Head(robot, wanted, chest), *(Arm(robot, side, wanted, chest) for side in SIDES)]
+    limbs: list[Part] = [Head(robot, wanted), *(Arm(robot, side, wanted) for side in SIDES)]
     for limb in limbs:
         fit = PartFit(limb.columns, wanted.length, whole.period, limits)
         spline = Spline(control[:, limb.columns], whole.period)
         control[:, limb.columns] = fit.improve(limb, spline, y, steps).control
     return Spline(control, whole.period)
-
-
-def _orientations(robot: Robot, point: str, y: Array) -> Array:
-    """Orientation (T, 3, 3) of a point along coordinates (T, nv)."""
-    data, frame = robot.model.createData(), robot.point(point)
-    rotations = np.empty((len(y), 3, 3))
-    for k, q in enumerate(to_configuration(y)):
-        pin.forwardKinematics(robot.model, data, q)
-        rotations[k] = pin.updateFramePlacement(robot.model, data, frame).rotation
-    return rotations
 
 
 def balanced(
@@ -72,7 +60,7 @@ def balanced(
 
     What the ZMP depends on, the height of the CoM and the angular momentum, changes with the body: hence ROUNDS.
     """
-    polygons = [support(robot, phase) for phase in phases]
+    polygons = [loaded_support(robot, phase, SHARE) for phase in phases]
     columns = Body(robot, build, wanted, phases[0]).columns
     fit = PartFit(columns, wanted.length, whole.period, limits)
     state = _centroidal(whole, robot)
