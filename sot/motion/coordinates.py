@@ -27,17 +27,15 @@ def from_configuration(q: Array) -> Array:
 
 def to_velocity(y: Array, dy: Array) -> Array:
     """Pinocchio velocities (T, nv): linear and angular velocity of the base in the base frame, joint velocities."""
-    R = Rotation.from_euler("ZYX", y[:, [5, 4, 3]]).as_matrix()
-    linear = np.einsum("tji,tj->ti", R, dy[:, :3])
+    linear = np.einsum("tji,tj->ti", to_rotation(y[:, 3:6]), dy[:, :3])
     angular = np.einsum("tij,tj->ti", rate_matrix(y[:, 3:6]), dy[:, 3:6])
     return np.hstack([linear, angular, dy[:, 6:]])
 
 
 def to_acceleration(y: Array, dy: Array, ddy: Array) -> Array:
     """Pinocchio accelerations (T, nv): the time derivative of `to_velocity`."""
-    R = Rotation.from_euler("ZYX", y[:, [5, 4, 3]]).as_matrix()
     v = to_velocity(y, dy)
-    linear = np.einsum("tji,tj->ti", R, ddy[:, :3]) - np.cross(v[:, 3:6], v[:, :3])
+    linear = np.einsum("tji,tj->ti", to_rotation(y[:, 3:6]), ddy[:, :3]) - np.cross(v[:, 3:6], v[:, :3])
     angular = np.einsum("tij,tj->ti", rate_matrix(y[:, 3:6]), ddy[:, 3:6])
     angular += np.einsum("tij,tj->ti", _rate_matrix_derivative(y[:, 3:6], dy[:, 3:6]), dy[:, 3:6])
     return np.hstack([linear, angular, ddy[:, 6:]])
@@ -46,6 +44,16 @@ def to_acceleration(y: Array, dy: Array, ddy: Array) -> Array:
 def to_pinocchio(y: Array, dy: Array, ddy: Array) -> tuple[Array, Array, Array]:
     """q (T, nv + 1), v (T, nv) and a (T, nv) of coordinates and their derivatives, each (T, nv)."""
     return to_configuration(y), to_velocity(y, dy), to_acceleration(y, dy, ddy)
+
+
+def to_rotation(rpy: Array) -> Array:
+    """R = Rz(yaw) Ry(pitch) Rx(roll), (T, 3, 3) from base to world, from angles (T, 3)."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy.T), np.cos(rpy.T)
+    R = np.empty((len(rpy), 3, 3))
+    R[:, 0, 0], R[:, 0, 1], R[:, 0, 2] = cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr
+    R[:, 1, 0], R[:, 1, 1], R[:, 1, 2] = sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr
+    R[:, 2, 0], R[:, 2, 1], R[:, 2, 2] = -sp, cp * sr, cp * cr
+    return R
 
 
 def rate_matrix(rpy: Array) -> Array:

@@ -11,11 +11,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from sot.motion.coordinates import to_rotation
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
 
-BASE, BASE_COLUMNS = 1, 6  # the joint of the floating base, and its share of y
+BASE = 1  # the joint of the floating base
 SMALL_ANGLE = 1e-4  # rad, below which the series of the logarithm's derivative is exact to double precision
 
 
@@ -57,42 +58,36 @@ class Kinematics:
     def __init__(self, chains: Chains, y: Array, columns: NDArray[np.int_] | Sequence[int] = ()):
         self._chains, self._model, self._y = chains, chains.model, y
         self._slots = {int(column): slot for slot, column in enumerate(columns)}
-        roll, pitch, yaw = y[:, 3:6].T
-        tilted, upright = Rotation.from_euler("ZY", np.column_stack([yaw, pitch])).as_matrix(), np.zeros((len(y), 3))
-        upright[:, 2] = 1.0
-        sine, cosine, nought = np.sin(roll), np.cos(roll), np.zeros(len(y))
-        rolled = np.array([[nought + 1.0, nought, nought], [nought, cosine, -sine], [nought, sine, cosine]])
-        self._base_axes = (tilted[:, :, 0], tilted[:, :, 1], upright)  # of roll, pitch and yaw
-        self._poses = {BASE: (tilted @ rolled.transpose(2, 0, 1), y[:, :3])}
+        rotation, yaw, nought = to_rotation(y[:, 3:6]), y[:, 5], np.zeros(len(y))
+        # of roll, pitch and yaw: X of the base, Y turned by the yaw alone, Z of the world
+        self._base_axes = (
+            rotation[:, :, 0],
+            np.column_stack([-np.sin(yaw), np.cos(yaw), nought]),
+            np.column_stack([nought, nought, nought + 1.0]),
+        )
+        self._poses = {BASE: (rotation, y[:, :3])}
         self._turning: dict[int, list[tuple[int, Array, Array]]] = {}
-        self._frames: dict[int, tuple[Array, Array]] = {}
+        self._origins: dict[int, tuple[Array, Array]] = {}
 
     def frame(self, frame: int) -> tuple[Array, Array]:
         """Rotation (n, 3, 3) and position (n, 3) of a frame in the world."""
-        if frame not in self._frames:
-            about = self._model.frames[frame]
-            rotation, position = self._pose(about.parentJoint)
-            placement = about.placement
-            self._frames[frame] = rotation @ placement.rotation, position + rotation @ placement.translation
-        return self._frames[frame]
+        return self._rotation(frame), self._origin(frame)[0]
 
     def position(self, frame: int, wanted: Array, offset: Array | None = None) -> tuple[Array, Array]:
         """Error (n, 3) of a frame's position against a wanted one, (n, 3) or (3,) [m], and its Jacobian.
 
         offset: (3,) of the point meant from the frame's origin, in the frame [m]; none unless given.
         """
-        rotation, place = self.frame(frame)
+        place, J = self._origin(frame)
         if offset is not None:
-            place = place + rotation @ offset
-        J = self._translations()
-        for slot, axis, origin in self._turns(self._model.frames[frame].parentJoint):
-            J[:, :, slot] = _cross(axis, place - origin)
+            place = place + self._rotation(frame) @ offset
+            J = self._moved(self._model.frames[frame].parentJoint, place)
         return place - wanted, J
 
     def orientation(self, frame: int, wanted: Array) -> tuple[Array, Array]:
         """Rotation vectors (n, 3) from wanted orientations, (n, 3, 3) or (3, 3), to a frame's, Ramos (24)-(27), and
         their Jacobian."""
-        error = Rotation.from_matrix(self.frame(frame)[0] @ np.swapaxes(wanted, -1, -2)).as_rotvec()
+        error = Rotation.from_matrix(self._rotation(frame) @ np.swapaxes(wanted, -1, -2)).as_rotvec()
         J = np.zeros((len(error), 3, len(self._slots)))
         for slot, axis, _ in self._turns(self._model.frames[frame].parentJoint):
             J[:, :, slot] = axis
@@ -100,7 +95,7 @@ class Kinematics:
 
     def direction(self, start: int, end: int, wanted: Array) -> tuple[Array, Array]:
         """Error (n, 3) of the direction between two frames against wanted unit vectors (n, 3), and its Jacobian."""
-        (near, J_near), (far, J_far) = (self.position(frame, np.zeros(3)) for frame in (start, end))
+        (near, J_near), (far, J_far) = self._origin(start), self._origin(end)
         along, J = far - near, J_far - J_near
         length = np.linalg.norm(along, axis=1, keepdims=True)
         along = along / length
@@ -123,6 +118,26 @@ class Kinematics:
             for column, axis in self._own_axes(j):
                 J[:, :, self._slots[column]] = _cross(axis, lever)
         return moments[BASE] / total, J
+
+    def _rotation(self, frame: int) -> Array:
+        about = self._model.frames[frame]
+        return self._pose(about.parentJoint)[0] @ about.placement.rotation
+
+    def _origin(self, frame: int) -> tuple[Array, Array]:
+        """Position (n, 3) of a frame in the world, and its Jacobian; directions share them."""
+        if frame not in self._origins:
+            about = self._model.frames[frame]
+            rotation, position = self._pose(about.parentJoint)
+            place = position + rotation @ about.placement.translation
+            self._origins[frame] = place, self._moved(about.parentJoint, place)
+        return self._origins[frame]
+
+    def _moved(self, joint: int, place: Array) -> Array:
+        """Jacobian of places (n, 3) that move with a joint."""
+        J = self._translations()
+        for slot, axis, origin in self._turns(joint):
+            J[:, :, slot] = _cross(axis, place - origin)
+        return J
 
     def _pose(self, joint: int) -> tuple[Array, Array]:
         """Rotation (n, 3, 3) and position (n, 3) of a joint in the world, behind its own turn."""

@@ -1,6 +1,7 @@
 """Bounded least squares on key bodies, Ramos (20)-(28), along a clip: knot by knot, then as one limited programme."""
 
 import numpy as np
+import quadprog
 from numpy.typing import NDArray
 
 from sot.motion.limits import Limits
@@ -46,9 +47,9 @@ def solve(part: Part, knots: Indices, y: Array, limits: Limits) -> tuple[Array, 
 def _bounded_step(H: Array, g: Array, lower: Array, upper: Array) -> Array:
     """Minimise ½ xᵀH x + gᵀx over lower <= x <= upper for each of n problems, g and bounds (n, s), H (n, s, s).
 
-    Primal-dual active sets (Hintermüller, Ito and Kunisch 2002): at a bound are the coordinates that would pass it and
-    those already there that gain by staying. It ends within a few rounds; where it does not, the answer still keeps to
-    its bounds, and the next Gauss-Newton step mends it.
+    Primal-dual active sets (Hintermüller, Ito and Kunisch 2002), all problems at once: at a bound are the coordinates
+    that would pass it and those already there that gain by staying. The few for which this goes round in circles are
+    solved one by one.
     """
     x = np.linalg.solve(H, -g[..., None])[..., 0]
     low, high = x < lower, x > upper
@@ -67,6 +68,11 @@ def _bounded_step(H: Array, g: Array, lower: Array, upper: Array) -> Array:
         low[left] = np.where(below, pull < 0.0, now < lower[left])
         high[left] = np.where(above, pull > 0.0, now > upper[left])
         left = left[((low[left] != below) | (high[left] != above)).any(axis=1)]
+    bounded = np.isfinite(lower[0])
+    C = np.eye(g.shape[1])[:, bounded]
+    for i in left:
+        ends = np.concatenate([lower[i, bounded], -upper[i, bounded]])
+        x[i] = quadprog.solve_qp(H[i], -g[i], np.hstack([C, -C]), ends)[0]
     return np.clip(x, lower, upper)
 
 

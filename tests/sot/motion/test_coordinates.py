@@ -2,7 +2,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from sot.motion.coordinates import from_configuration, to_acceleration, to_configuration, to_velocity
+from sot.motion.coordinates import from_configuration, to_acceleration, to_configuration, to_rotation, to_velocity
 
 STEP = 1e-5
 
@@ -22,6 +22,11 @@ def path(model, t):
     for array, value in zip((y, dy, ddy), (2.5 * t, 2.5, 0.0), strict=True):
         array[:, 5] = value
     return y, dy, ddy
+
+
+def test_rotation_turns_by_roll_then_pitch_then_yaw():
+    angles = np.random.default_rng(0).uniform(-3.0, 3.0, (5, 3))
+    np.testing.assert_allclose(to_rotation(angles), [pin.rpy.rpyToMatrix(rpy) for rpy in angles], atol=1e-14)
 
 
 def test_velocity_is_the_derivative_of_the_configuration(model):
