@@ -1,6 +1,8 @@
 """The loop that closes: state from the world, torques from the controller, a row of the log a tick."""
 
-from collections.abc import Callable
+import gc
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -61,7 +63,7 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
     columns = {task.name: k for k, (_, task) in enumerate(entries)}
     watch = _FallWatch(world, motion)
     # The matrices of a tick are far too small to share between threads.
-    with threadpool_limits(1):
+    with threadpool_limits(1), _uncollected():
         start = perf_counter()
         for k in range(ticks):
             t = k * world.timestep
@@ -81,6 +83,19 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
                 if reason := watch(t, controller):
                     return Run(log, perf_counter() - start, t, reason)
         return Run(log, perf_counter() - start)
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """No collection of cycles meanwhile: a tick makes none, and looking for them takes several ticks' time."""
+    was = gc.isenabled()
+    gc.collect()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()
 
 
 class _FallWatch:
