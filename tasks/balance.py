@@ -1,14 +1,16 @@
 """The centre of mass kept where the feet can hold it, by its divergent component."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from math import sqrt
 
 import numpy as np
 
 from solvers.rows import Rows
+from sot.contact import Contact
 from sot.polygon import Polygon
 from sot.task import Task
 from sot.tick import GRAVITY, Tick
+from tasks.operational_point import PoseReference
 
 Array = np.ndarray
 Place = tuple[str, list[float], list[float]]
@@ -28,6 +30,8 @@ class Balance(Task):
 
     Args:
         reference: ``t -> (c, ċ, c̈, z)``, shapes (3,), (3,), (3,), (2,), world.
+        feet: Where the plan has the contacts. Feet creep, and a plan that did not follow them would lead over their
+            edge in the end: c and z are meant relative to the feet that carry.
         k: Rate at which the divergent component converges [1/s].
         kp: Stiffness of the height [1/s²], critically damped.
         margin: Distance kept from the edges of the support polygon [m].
@@ -35,10 +39,17 @@ class Balance(Task):
     """
 
     def __init__(
-        self, reference: BalanceReference, k: float = 4.0, kp: float = 100.0, margin: float = 0.002, weight: float = 1.0
+        self,
+        reference: BalanceReference,
+        feet: Mapping[str, PoseReference] | None = None,
+        k: float = 4.0,
+        kp: float = 100.0,
+        margin: float = 0.002,
+        weight: float = 1.0,
     ) -> None:
         super().__init__("Balance", "m/s²", "m", weight)
         self._reference = reference
+        self._feet = dict(feet or {})
         self.k, self.kp, self.margin = k, kp, margin
         self._polygon: Polygon | None = None
         self._places: list[Place] = []
@@ -46,12 +57,15 @@ class Balance(Task):
     def rows(self, tick: Tick) -> Rows:
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
         c, velocity, acceleration, z = self._reference(tick.t)
+        carrying = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load >= 1.0]
+        if crept := self._crept(tick, carrying):
+            c, z = c + np.array((*crept, 0.0)), z + crept
         self.error = c - tick.com
         rate = velocity - tick.com_velocity
         omega = sqrt(GRAVITY / max(tick.com[2], 0.1))
         # The deviation from the plan, and the ZMP that leads the divergent component back.
         lag = (-(1.0 + self.k / omega)) * (self.error[:2] + rate[:2] / omega)
-        polygon = self._support(tick)
+        polygon = self._support(tick, carrying)
         if polygon is not None:
             lag = polygon.nearest(z + lag) - z
         wanted = acceleration - tick.com_drift
@@ -59,9 +73,19 @@ class Balance(Task):
         wanted[2] += self.kp * self.error[2] + 2.0 * sqrt(self.kp) * rate[2]
         return self._rows(tick.com_jacobian, wanted, wanted)
 
-    def _support(self, tick: Tick) -> Polygon | None:
+    def _crept(self, tick: Tick, carrying: Sequence[Contact]) -> tuple[float, float] | None:
+        """How far the contacts that carry are from where the plan has them, on average [m]."""
+        planned = [
+            (tick.frame(c.point).position, self._feet[c.point](tick.t)) for c in carrying if c.point in self._feet
+        ]
+        if not planned:
+            return None
+        x = sum(at[0] - pose.position[0] for at, pose in planned) / len(planned)
+        y = sum(at[1] - pose.position[1] for at, pose in planned) / len(planned)
+        return float(x), float(y)
+
+    def _support(self, tick: Tick, carrying: Sequence[Contact]) -> Polygon | None:
         """Support polygon of the contacts that carry, drawn in by the margin; none if nothing does."""
-        carrying = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load >= 1.0]
         if not carrying:
             return None
         frames = [tick.frame(contact.point) for contact in carrying]

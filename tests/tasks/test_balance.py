@@ -8,6 +8,7 @@ import pytest
 from sot.contact import Contact
 from sot.polygon import Polygon
 from sot.robot import Robot, robots
+from sot.task import Pose
 from sot.tick import GRAVITY, Tick
 from tasks import Balance
 from tests.sot.states import random_state, standing_state
@@ -137,3 +138,29 @@ def test_the_polygon_follows_the_feet(robot):
     q[0] += 0.3  # the whole robot, feet and all: nothing changes for it
     second = task.rows(tick.update(0.0, q, np.zeros(robot.nv))).lower
     np.testing.assert_allclose(second, first, atol=1e-9)
+
+
+@pytest.mark.parametrize("crept", [(0.05, -0.02), (0.0, 0.0)])
+def test_the_plan_goes_with_feet_that_have_crept(crept):
+    robot = Robot.load("hrp2")
+    tick = Tick(robot)
+    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    still = tick.frame("left_foot"), tick.frame("right_foot")
+    com, z = tick.com.copy(), tick.com[:2].copy()
+    planned = {
+        foot: Pose(frame.position - np.array((*crept, 0.0)), frame.rotation.copy(), np.zeros(6), np.zeros(6))
+        for foot, frame in zip(robot.feet, still, strict=True)
+    }
+    nothing = np.zeros(3)
+
+    def reference(t):
+        return com - np.array((*crept, 0.0)), nothing, nothing, z - crept
+
+    task = Balance(reference, feet={foot: lambda t, pose=pose: pose for foot, pose in planned.items()})
+    rows = task.rows(tick)
+    np.testing.assert_allclose(task.error, 0.0, atol=1e-12)
+    np.testing.assert_allclose(rows.lower, -tick.com_drift, atol=1e-9)
+    if any(crept):
+        alone = Balance(reference)
+        alone.rows(tick)
+        np.testing.assert_allclose(alone.error[:2], np.negative(crept), atol=1e-12)
