@@ -13,7 +13,7 @@ def planted(robot: Robot, motion: Motion) -> Stack:
         contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
         hard=[TorqueBounds(robot), JointBounds(robot)],
         levels={
-            "balance": [Balance(motion.balance, feet={foot: motion.pose(foot) for foot in robot.feet})],
+            "balance": [Balance(motion.balance, motion.feet)],
             "waist": [OperationalPoint(robot, "waist", motion.pose("waist"), axes="RPY")],
             "posture": [Posture(robot, motion.joints)],
             "forces": [LeastForces()],

@@ -18,7 +18,7 @@ def stack(robot, motion):
         contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
         hard=[TorqueBounds(robot), JointBounds(robot)],
         levels={
-            "balance": [Balance(motion.balance)],
+            "balance": [Balance(motion.balance, motion.feet)],
             "waist": [OperationalPoint(robot, "waist", motion.pose("waist"), axes="RPY")],
             "body": [
                 OperationalPoint(robot, "chest", motion.pose("chest"), axes="RPY", weight=2.0),

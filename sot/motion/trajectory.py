@@ -108,6 +108,11 @@ class Motion:
         now = self.sample(t)
         return now.com, now.com_velocity, now.com_acceleration, now.zmp
 
+    @property
+    def feet(self) -> dict[str, Callable[[float], Pose]]:
+        """Where the feet are to be, by foot: their `pose`."""
+        return {foot: self.pose(foot) for foot in self.robot.feet}
+
     def pose(self, point: str) -> Callable[[float], Pose]:
         """An operational point's reference: its pose, velocity and acceleration at any time [s].
 
