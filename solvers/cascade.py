@@ -225,7 +225,7 @@ class _Descent:
             own = self.owner == k
             if k > start and not len(level.b) and not own.any():
                 continue
-            bound = (self.owner < k) if k < len(levels) - 1 else ~own
+            bound = self.owner < k
             hard_lower, hard_upper, hard = lower[bound], upper[bound], self.C[bound]
             value = hard @ x
             low, high = hard_lower - value, hard_upper - value

@@ -30,11 +30,6 @@ class Projection:
     pivots: Array
     rank: int
 
-    @property
-    def size(self) -> int:
-        """Dimension of the space that was factorised."""
-        return self.qr.shape[0]
-
     def least_squares(self, r: Array, damping: float = 0.0) -> Array:
         """Least-norm ``y`` of those that minimise ``‖B y − r‖² + damping² ‖y‖²``; y has shape (n,)."""
         n, k = self.qr.shape[0], self.rank

@@ -68,7 +68,7 @@ class Dynamics:
             levels: Names and tasks of the levels below, in order.
         """
         self._touch = Touch.of(tick, contacts, self.units)
-        form = condensed(tick, self._touch, self.units) if self.name == "condensed" else None
+        form = condensed(tick, self._touch) if self.name == "condensed" else None
         self._form = form or full(tick, contacts, self._touch, self.units)
         first = _Rows("hard", self._form)
         for equality in self._form.equalities:

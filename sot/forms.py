@@ -131,7 +131,7 @@ class Touch:
         return cls(parts, maps, forces, pressure, np.concatenate(jacobians), np.concatenate(accelerations), held)
 
 
-def condensed(tick: Tick, touch: Touch, units: Units) -> Form | None:
+def condensed(tick: Tick, touch: Touch) -> Form | None:
     """The condensed form; None where the contacts cannot bear any wrench, or ask for the impossible."""
     nv = tick.robot.nv
     M, G = tick.M, touch.forces
