@@ -32,10 +32,6 @@ LIMITS = {  # place in the report: least, greatest
 }
 
 
-MISSED = {"perfume_A": {"contacts.slip_max_m"}}
-"""Figures of a dance that its limit is not reached for yet, all else holding."""
-
-
 def value(report: dict[str, Any], place: str) -> float:
     for key in place.split("."):
         report = report[key]
@@ -52,9 +48,6 @@ def test_dances_within_all_limits(name, tmp_path):
     assert not report["fell"], report["fell_reason"]
     figures = {place: value(report, place) for place in LIMITS}
     beyond = {place: figures[place] for place, (low, high) in LIMITS.items() if not low <= figures[place] <= high}
-    missed = MISSED.get(name, set())
-    assert {place: figure for place, figure in beyond.items() if place not in missed} == {}
+    assert beyond == {}
     assert (tmp_path / RECORDING).stat().st_size < 2e6 * report["duration_s"]
     assert (tmp_path / REPORT).is_file()
-    if beyond:
-        pytest.xfail(f"not reached yet: {beyond}")
