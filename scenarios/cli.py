@@ -19,6 +19,7 @@ import tasks
 from scenarios import clips
 from scenarios.bench import bench, read_figures
 from scenarios.bench import show as show_bench
+from scenarios.disturbances import parse_mismatch, parse_push
 from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, replay, retarget
 from sim.report import show
 from sot.errors import InputError
@@ -41,6 +42,17 @@ Feet = Annotated[str, typer.Option(help="planted: both feet stay where they stan
 Start = Annotated[float, typer.Option(help="Where in the clip to start [s].", min=0.0)]
 Duration = Annotated[float | None, typer.Option(help="How much of the clip to play [s]; to its end by default.")]
 Rate = Annotated[float, typer.Option(help="Control ticks per second.", min=100.0, max=2000.0)]
+Pushes = Annotated[
+    list[str] | None,
+    typer.Option("--push", help='A push, like "t=5 force=80,0,0 duration=0.1 body=chest" [s, N]; may be repeated.'),
+]
+Differs = Annotated[
+    str,
+    typer.Option(
+        "--mismatch",
+        help='What the controller is not told, like "mass=1.1 damping=2 delay=0.002 noise=0.05 friction=0.5 seed=1".',
+    ),
+]
 Mapping = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
 
 
@@ -64,12 +76,15 @@ def replay_command(
     duration: Duration = None,
     rate: Rate = 1000.0,
     mapping: Mapping = None,
+    push: Pushes = None,
+    mismatch: Differs = "",
     out: Annotated[Path | None, typer.Option(help="Folder for run.rrd and report.json; runs/CLIP by default.")] = None,
     view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
 ) -> int:
     """Let a robot dance a clip under physics; record it and report on it."""
     folder = out or Path("runs") / Path(clip).stem
-    request = Replay(clip, robot, stack, solver, feet, start, duration, rate, mapping)
+    pushes = tuple(parse_push(text) for text in push or ())
+    request = Replay(clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, parse_mismatch(mismatch))
     with _progress() as tell:
         report = replay(request, folder, tell)
     show([report], output)

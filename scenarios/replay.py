@@ -13,6 +13,8 @@ from scenarios.stack_file import Composition, blamed, load_stack
 from sim import recorder, report
 from sim.log import RunInfo
 from sim.loop import Run, run
+from sim.mismatch import AS_MODELLED, Mismatch
+from sim.push import Push
 from sim.world import World
 from solvers import Cascade, Weighted
 from sot.controller import Controller, Solver
@@ -42,6 +44,8 @@ class Replay:
         start, duration: part of the clip [s], to its end by default.
         rate: of the control [Hz].
         mapping: file that names the joints of an unknown skeleton.
+        pushes: forces on the robot while it dances.
+        mismatch: how the simulated robot and floor differ from what the controller knows.
     """
 
     clip: str
@@ -53,6 +57,8 @@ class Replay:
     duration: float | None = None
     rate: float = 1000.0
     mapping: Path | None = None
+    pushes: tuple[Push, ...] = ()
+    mismatch: Mismatch = AS_MODELLED
 
 
 @dataclass(frozen=True)
@@ -109,7 +115,7 @@ def dance(request: Replay, tell: Tell) -> Dance:
     motion, planned = _motion(request, robot, tell)
     stack, schedule = compose(robot, motion)
     controller = Controller(robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
-    world = World(robot, timestep=1.0 / request.rate)
+    world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes)
     with blamed(request.stack):
         done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
     info = RunInfo(
@@ -120,6 +126,8 @@ def dance(request: Replay, tell: Tell) -> Dance:
         rate_hz=request.rate,
         fell_at_s=done.fell_at_s,
         reason=done.reason,
+        mismatch=request.mismatch,
+        pushes=request.pushes,
     )
     return Dance(done, info, motion, planned)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from sim.log import FOOT_FIXED, FOOT_OFF, RunLog, nearest_frames
+from sim.log import FOOT_FIXED, FOOT_OFF, RunInfo, RunLog, nearest_frames
 from sim.support import planned_support
 from solvers.rows import Status
 from sot.motion.likeness import hand_path_ratio, segment_deg
@@ -19,6 +19,7 @@ Figures = dict[str, float | int | None]
 POSE_RATE = 100.0  # Hz, at which the places of bodies are compared
 INSET = 0.010  # m that the ZMP has to stay inside the support polygon
 SATURATED = 0.99  # of a torque limit
+RECOVERY = 3.0  # s after a push: a robot that still stands then has survived it
 KEY_POINTS = (
     "head",
     *(
@@ -158,6 +159,17 @@ def solver(log: RunLog) -> Figures:
         "fallback_ticks": int(np.count_nonzero((log.status == Status.SECOND_SOLVER) | (log.status == Status.FAILED))),
         "max_residual": _percentile(log.residual, 100),
     }
+
+
+def pushes(info: RunInfo, duration: float) -> Figures:
+    """How many pushes a run of this duration [s] met, and survived; the strongest impulse survived [N s].
+
+    A push counts as survived if the robot does not fall while it acts or within `RECOVERY` of its end.
+    """
+    given = [push for push in info.pushes if push.t < duration]
+    fell = np.inf if info.fell_at_s is None else info.fell_at_s
+    survived = [push.impulse for push in given if not push.t <= fell <= push.end + RECOVERY]
+    return {"given": len(given), "survived": len(survived), "survived_max_ns": max(survived, default=None)}
 
 
 def effort(log: RunLog, robot: Robot) -> Figures:

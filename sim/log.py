@@ -6,6 +6,8 @@ from typing import Any, Self
 
 import numpy as np
 
+from sim.mismatch import AS_MODELLED, Mismatch
+from sim.push import Push
 from sot.robot import Robot
 
 FOOT_OFF, FOOT_FIXED, FOOT_SLIDING = 0, 1, 2
@@ -137,6 +139,7 @@ class RunInfo:
         speed: playing speed, 1 is the dancer's; `speed_min` the slowest at any moment, and `stretched_s` the time
             that slowing down added.
         fell_at_s: when the robot fell, None if it did not; `reason` says by which sign.
+        mismatch, pushes: what the world did that the controller did not know of.
     """
 
     clip: str
@@ -149,3 +152,5 @@ class RunInfo:
     stretched_s: float = 0.0
     fell_at_s: float | None = None
     reason: str = ""
+    mismatch: Mismatch = AS_MODELLED
+    pushes: tuple[Push, ...] = ()

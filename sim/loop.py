@@ -70,8 +70,9 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
             q, v = world.state()
             if not (np.isfinite(q).all() and np.isfinite(v).all()):
                 return Run(log, perf_counter() - start, t, "the simulation diverged")
+            sensed = world.measured()
             begin = perf_counter()
-            command = controller(t, q, v)
+            command = controller(t, *sensed)
             log.tick_us[k] = 1e6 * (perf_counter() - begin)
             world.step(command.torque)
             _write(log, k, t, q, v, command, controller, world, motion, columns)

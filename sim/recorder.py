@@ -35,7 +35,7 @@ def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, human: Human 
     stream.send_recording_name(f"{info.clip}, {robot.label}")
     columns = Columns(stream)
     columns.static("about", rr.TextDocument(_about(info, robot), media_type=rr.MediaType.MARKDOWN))
-    send_visuals(columns, log, motion, human)
+    send_visuals(columns, log, info, motion, human)
     _send_balance(columns, log, motion)
     _send_joints(columns, log, motion)
     _send_ticks(columns, log)
@@ -106,5 +106,5 @@ def _about(info: RunInfo, robot: Robot) -> str:
 In 3D, from left to right: the human in the robot's size, the simulated robot, the reference that it follows.
 Arrows from below are the floor's force on each foot (1 m is {1 / METRES_PER_NEWTON:.0f} N), the green outline is the
 planned support. Dots on the floor are the ZMP: measured (orange), predicted by the controller (blue), planned
-(green). The yellow ball is the centre of mass. Red lines in the curves are limits.
+(green). The yellow ball is the centre of mass. A red arrow is a push. Red lines in the curves are limits.
 """

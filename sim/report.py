@@ -4,6 +4,7 @@ import json
 import math
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,9 @@ LINES: tuple[tuple[str, str, float, str, str], ...] = (
     ("limits.velocity_max_excess", "beyond a joint's velocity", 100.0, "%", "0"),
     ("limits.torque_max_excess", "beyond a joint's torque", 100.0, "%", "0"),
     ("limits.self_collision_min_m", "least distance between own bodies", 1e3, "mm", "above 0"),
+    ("pushes.given", "pushes", 1.0, "", ""),
+    ("pushes.survived", "pushes survived", 1.0, "", "all"),
+    ("pushes.survived_max_ns", "strongest push survived", 1.0, "N s", ""),
     ("torque_saturated", "ticks with a torque at its limit", 100.0, "%", ""),
     ("power_w", "mechanical power, mean", 1.0, "W", ""),
     ("solver.infeasible_ticks", "ticks whose hard level had to give way", 1.0, "", "0"),
@@ -84,6 +88,8 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
         "contacts": figures.contacts(log, robot),
         "limits": figures.limits(log, robot),
         **figures.effort(log, robot),
+        "pushes": figures.pushes(info, duration),
+        "mismatch": asdict(info.mismatch),
     }
     return {key: _rounded(value) for key, value in report.items()}
 

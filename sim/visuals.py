@@ -1,6 +1,6 @@
 """What a recording shows in 3D: the robot between the human and its reference, forces, support, CoM and ZMP."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -10,7 +10,8 @@ import rerun as rr
 from scipy.spatial.transform import Rotation
 
 from sim.columns import COLORS, Color, Columns
-from sim.log import RunLog, nearest_frames
+from sim.log import RunInfo, RunLog, nearest_frames
+from sim.push import Push
 from sim.shapes import Shape, read_shapes
 from sim.support import planned_support
 from sot.motion.human import SEGMENTS, SIDES, Human
@@ -20,6 +21,7 @@ from sot.robot import Robot
 FRAME_RATE = 60.0  # Hz; curves keep the control rate
 BESIDE = 1.2  # m from the robot to the human on one side and to its reference on the other
 METRES_PER_NEWTON = 1e-3  # length of a force arrow
+PUSH_METRES_PER_NEWTON = 4e-3  # a push is weaker than a weight
 ON_FLOOR = 0.004  # m: what lies on the floor is drawn this much above it
 BONES = (
     *(bone for name, bone in SEGMENTS.items() if name != "trunk"),
@@ -29,7 +31,7 @@ BONES = (
 )
 
 
-def send_visuals(columns: Columns, log: RunLog, motion: Motion, human: Human | None) -> None:
+def send_visuals(columns: Columns, log: RunLog, info: RunInfo, motion: Motion, human: Human | None) -> None:
     """Send all that is seen in 3D, `FRAME_RATE` times a second."""
     rows = log.rows_at(FRAME_RATE)
     times = log.time[rows]
@@ -47,6 +49,7 @@ def send_visuals(columns: Columns, log: RunLog, motion: Motion, human: Human | N
         _send_name(columns, "world/human", "human, scaled")
         columns.static("world/human", rr.Transform3D(translation=[0.0, -BESIDE, 0.0]))
     _send_forces(columns, log, motion.robot, rows)
+    _send_pushes(columns, log, info.pushes, motion.robot, rows)
     _send_balance(columns, log, motion, rows)
 
 
@@ -151,6 +154,25 @@ def _send_forces(columns: Columns, log: RunLog, robot: Robot, rows: np.ndarray) 
         arrow = METRES_PER_NEWTON * force
         arrows = rr.Arrows3D.columns(vectors=arrow, origins=origin - arrow)
         columns.over_time(entity, log.time[rows], arrows.partition(loaded.astype(int)))
+
+
+def _send_pushes(columns: Columns, log: RunLog, pushes: Sequence[Push], robot: Robot, rows: np.ndarray) -> None:
+    """An arrow onto the body that is pushed, for as long as it is."""
+    data = robot.model.createData()
+    for index, push in enumerate(pushes):
+        acting = rows[[push.acts(t) for t in log.time[rows]]]
+        if not len(acting):
+            continue
+        tips = np.empty((len(acting), 3))
+        for tip, q in zip(tips, log.q[acting], strict=True):
+            pin.forwardKinematics(robot.model, data, q)
+            tip[:] = pin.updateFramePlacement(robot.model, data, robot.point(push.body)).translation
+        entity, arrow = f"world/push/{index}", PUSH_METRES_PER_NEWTON * np.array(push.force)
+        columns.static(entity, rr.Arrows3D.from_fields(colors=[COLORS["limit"]], radii=[0.015]))
+        shown = rr.Arrows3D.columns(vectors=np.tile(arrow, (len(tips), 1)), origins=tips - arrow)
+        # What is logged last stays: an empty row takes the arrow away.
+        columns.over_time(entity, log.time[acting], shown.partition([1] * len(tips)))
+        columns.over_time(entity, np.array([push.end]), rr.Arrows3D.columns(vectors=np.empty((0, 3))).partition([0]))
 
 
 def _send_balance(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray) -> None:

@@ -1,11 +1,15 @@
 """MuJoCo with a robot on a floor: torques in, state and what the floor feels out. It never helps the robot."""
 
+from collections import deque
+from collections.abc import Sequence
 from math import ceil
 
 import mujoco
 import numpy as np
 
 from sim.convert import joint_order, state_from_mujoco, state_to_mujoco
+from sim.mismatch import AS_MODELLED, Mismatch
+from sim.push import Push, Pusher
 from sim.scene import build
 from sim.sensors import FloorSensors, SelfDistance
 from sot.robot import Robot
@@ -23,23 +27,35 @@ class World:
         robot: the robot; MuJoCo reads the same model file as Pinocchio.
         timestep: time that one `step` advances, the control period [s]. It is cut into equal physics steps of at
             most `PHYSICS_TIMESTEP`, the torque held.
-        friction: coefficient of every contact with the floor.
+        mismatch: how the real robot and floor differ from the model that the controller has.
+        pushes: forces on the robot's bodies over time.
 
     Attributes:
-        robot: as given.
-        model, data: MuJoCo's, open for pushes (`data.xfrc_applied`) and rendering.
+        robot, mismatch, pushes: as given.
+        model, data: MuJoCo's, open for forces of one's own (`data.xfrc_applied`) and rendering.
 
     Raises:
-        InputError: MuJoCo cannot read the robot's model file.
+        InputError: MuJoCo cannot read the robot's model file, or the robot has no body that a push names.
     """
 
-    def __init__(self, robot: Robot, timestep: float = 0.001, friction: float = 0.7):
+    def __init__(
+        self,
+        robot: Robot,
+        timestep: float = 0.001,
+        mismatch: Mismatch = AS_MODELLED,
+        pushes: Sequence[Push] = (),
+    ):
         self.robot = robot
         self.timestep = timestep
+        self.mismatch = mismatch
+        self.pushes = tuple(pushes)
         self._substeps = max(1, ceil(timestep / PHYSICS_TIMESTEP - 1e-9))
-        self.model = build(robot, timestep / self._substeps, friction)
+        self.model = build(robot, timestep / self._substeps, self.mismatch.friction)
+        self.mismatch.apply(self.model)
         self.data = mujoco.MjData(self.model)
         self._order = joint_order(robot.joints, [self.model.joint(1 + k).name for k in range(robot.na)])
+        self._push = Pusher(self.model, self.data, robot, self.pushes)
+        self._lag = round(self.mismatch.delay * self._substeps / timestep)
         self.reset(robot.rest)
         self._floor = FloorSensors(self.model, self.data, robot.feet)
         self._self_distance = SelfDistance(self.model, self.data)
@@ -50,6 +66,8 @@ class World:
         v = np.zeros(self.robot.nv) if v is None else v
         self.data.qpos[: self.robot.nq], self.data.qvel[: self.robot.nv] = state_to_mujoco(q, v, self._order)
         mujoco.mj_forward(self.model, self.data)
+        self._random = np.random.default_rng(self.mismatch.seed)
+        self._underway: deque[np.ndarray] = deque()
 
     @property
     def time(self) -> float:
@@ -61,10 +79,23 @@ class World:
         qpos, qvel = self.data.qpos[: self.robot.nq], self.data.qvel[: self.robot.nv]
         return state_from_mujoco(qpos, qvel, self._order)
 
+    def measured(self) -> tuple[np.ndarray, np.ndarray]:
+        """The state as the controller is told: `state` with the mismatch's noise on angular velocities."""
+        q, v = self.state()
+        if self.mismatch.noise:
+            v[3:] += self.mismatch.noise * self._random.standard_normal(self.robot.nv - 3)
+        return q, v
+
     def step(self, tau: np.ndarray) -> None:
-        """Advance one control period under joint torques (na,) [N m]; the motors clip them to the effort limits."""
-        self.data.ctrl[:] = tau
-        mujoco.mj_step(self.model, self.data, nstep=self._substeps)
+        """Advance one control period under joint torques (na,) [N m]; the motors clip them to the effort limits.
+
+        With a delay, what was commanded first acts from the start, as if it had been commanded before.
+        """
+        for _ in range(self._substeps):
+            self._underway.append(np.array(tau))
+            self.data.ctrl[:] = self._underway.popleft() if len(self._underway) > self._lag else self._underway[0]
+            self._push()
+            mujoco.mj_step(self.model, self.data)
 
     def foot_wrenches(self) -> dict[str, np.ndarray]:
         """Force [N] and moment about the foot frame's origin [N m] of the floor on each foot (6,), world axes."""

@@ -1,6 +1,7 @@
 """Every figure of the report on runs whose answer is known."""
 
 import json
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from rich.console import Console
 
 from sim import figures
 from sim.log import FOOT_OFF, FOOT_SLIDING, RunInfo, RunLog
+from sim.push import Push
 from sim.reference import Reference, hot_reference_us
 from sim.report import report, show, write
 from solvers.rows import Status
@@ -168,6 +170,15 @@ def test_effort(motion, log):
     assert spent["power_w"] == pytest.approx(60.0)
     assert spent["torque_saturated"] == pytest.approx(40 / log.ticks)
     assert spent["torque_rms_nm"] == pytest.approx(np.sqrt(np.mean(log.torque**2)))
+
+
+def test_pushes_survived_and_not():
+    pushes = (Push(1.0, (80.0, 0.0, 0.0)), Push(6.0, (0.0, 150.0, 0.0)), Push(20.0, (0.0, 300.0, 0.0)))
+    info = replace(INFO, pushes=pushes)
+    assert figures.pushes(info, 30.0) == {"given": 3, "survived": 3, "survived_max_ns": pytest.approx(30.0)}
+    fell = replace(info, fell_at_s=7.5)
+    assert figures.pushes(fell, 7.5) == {"given": 2, "survived": 1, "survived_max_ns": pytest.approx(8.0)}
+    assert figures.pushes(INFO, 30.0) == {"given": 0, "survived": 0, "survived_max_ns": None}
 
 
 def test_solver_counts(log):

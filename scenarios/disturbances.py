@@ -1,0 +1,57 @@
+"""Pushes and mismatches as one writes them on a command line: words like ``t=5 force=80,0,0``."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from sim.mismatch import Mismatch
+from sim.push import Push
+from sot.errors import InputError
+
+Kinds = Mapping[str, Callable[[str], Any]]
+
+
+def parse_push(text: str) -> Push:
+    """A push from "t=5 force=80,0,0", with "duration=0.1" and "body=chest" unless given [s, N].
+
+    Raises:
+        InputError: anything else.
+    """
+    words = _words("--push", text, {"t": float, "force": _vector, "duration": float, "body": str})
+    if missing := {"t", "force"} - set(words):
+        raise InputError(
+            f'--push "{text}": {min(missing)} is missing, as in "t=5 force=80,0,0 duration=0.1 body=chest"'
+        )
+    return Push(**words)
+
+
+def parse_mismatch(text: str) -> Mismatch:
+    """A mismatch from any of "mass=1.1 damping=2 delay=0.002 noise=0.05 friction=0.5 seed=1".
+
+    Raises:
+        InputError: anything else.
+    """
+    numbers: Kinds = dict.fromkeys(("mass", "damping", "delay", "noise", "friction"), float)
+    return Mismatch(**_words("--mismatch", text, {**numbers, "seed": int}))
+
+
+def _words(option: str, text: str, kinds: Kinds) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for word in text.split():
+        name, equals, value = word.partition("=")
+        if not equals or name not in kinds or name in found:
+            raise InputError(
+                f"{option} \"{text}\": '{word}' does not go; give each of {', '.join(kinds)} as name=value"
+            )
+        try:
+            found[name] = kinds[name](value)
+        except ValueError:
+            raise InputError(f"{option} \"{text}\": {name} is no {_nouns[kinds[name]]}: '{value}'") from None
+    return found
+
+
+def _vector(text: str) -> tuple[float, ...]:
+    x, y, z = map(float, text.split(","))
+    return x, y, z
+
+
+_nouns: dict[Callable[[str], Any], str] = {float: "number", int: "whole number", _vector: "force x,y,z"}

@@ -1,0 +1,59 @@
+"""A plant that differs from what the controller knows of it."""
+
+from dataclasses import dataclass
+
+import mujoco
+
+from sot.errors import InputError
+
+LIMITS = {
+    "mass": (0.1, 10.0),
+    "damping": (0.0, 100.0),
+    "delay": (0.0, 0.1),
+    "noise": (0.0, 10.0),
+    "friction": (0.01, 0.7),
+    "seed": (0, 2**32 - 1),
+}
+"""What the numbers may be; no floor holds better than 0.7."""
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """How robot, sensors and floor differ from the controller's model of them; nobody tells it.
+
+    Attributes:
+        mass: factor on every mass and inertia.
+        damping: factor on every joint's viscous damping.
+        delay: from a torque's command to its effect [s], to the nearest physics step.
+        noise: standard deviation of what is added to every measured angular velocity, of joints and base, at each
+            reading anew [rad/s].
+        friction: coefficient of the floor.
+        seed: of the noise.
+
+    Raises:
+        InputError: a number outside of what makes sense.
+    """
+
+    mass: float = 1.0
+    damping: float = 1.0
+    delay: float = 0.0
+    noise: float = 0.0
+    friction: float = 0.7
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name, (low, high) in LIMITS.items():
+            if not low <= getattr(self, name) <= high:
+                raise InputError(f"mismatch {name}={getattr(self, name):g}: must be between {low:g} and {high:g}")
+
+    def apply(self, model: mujoco.MjModel) -> None:
+        """Change masses and dampings of a compiled model."""
+        if self.mass != 1.0:
+            model.body_mass *= self.mass
+            model.body_inertia *= self.mass
+            mujoco.mj_setConst(model, mujoco.MjData(model))
+        model.dof_damping *= self.damping
+
+
+AS_MODELLED = Mismatch()
+"""Nothing that the controller does not know."""
