@@ -111,7 +111,7 @@ def dance(request: Replay, tell: Tell) -> Dance:
     """
     solver = make_solver(request.solver)
     robot = Robot.load(request.robot)
-    compose = load_stack(request.stack) if request.stack else _planted
+    compose = load_stack(request.stack) if request.stack else _shipped
     motion, planned = _motion(request, robot, tell)
     stack, schedule = compose(robot, motion)
     controller = Controller(robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
@@ -174,8 +174,11 @@ def check_writable(folder: Path) -> None:
         raise InputError(f"{folder}: cannot write there ({error.strerror}); choose another output folder") from error
 
 
-def _planted(robot: Robot, motion: Motion) -> Composition:
-    return stacks.planted(robot, motion), None
+def _shipped(robot: Robot, motion: Motion) -> Composition:
+    """The stack that fits the motion's feet."""
+    if all(len(phase.feet) == len(robot.feet) for phase in motion.phases):
+        return stacks.planted(robot, motion), None
+    return stacks.steps(robot, motion), stacks.stepping(robot, motion)
 
 
 def _motion(request: Replay, robot: Robot, tell: Tell) -> tuple[Motion, Plan | None]:

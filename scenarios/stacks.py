@@ -4,7 +4,8 @@ from sot.contact import Contact
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
 from sot.stack import Stack
-from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, TorqueBounds
+from sot.stepping import Stepping
+from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, SwingFoot, TorqueBounds
 
 
 def planted(robot: Robot, motion: Motion) -> Stack:
@@ -19,3 +20,16 @@ def planted(robot: Robot, motion: Motion) -> Stack:
             "forces": [LeastForces()],
         },
     )
+
+
+def steps(robot: Robot, motion: Motion) -> Stack:
+    """Feet stand and swing as its schedule, `stepping`, has it; a swinging foot comes next to balance."""
+    stack = planted(robot, motion)
+    for foot in robot.feet:
+        stack.add(SwingFoot(robot, foot, motion), level="feet", before="waist")
+    return stack
+
+
+def stepping(robot: Robot, motion: Motion) -> Stepping:
+    """The schedule that goes with `steps`: the motion's contact phases, and what the feet feel."""
+    return Stepping(robot, motion.phases)

@@ -65,17 +65,20 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
     # The matrices of a tick are far too small to share between threads.
     with threadpool_limits(1), _uncollected():
         start = perf_counter()
+        wrenches = world.foot_wrenches()
         for k in range(ticks):
             t = k * world.timestep
             q, v = world.state()
             if not (np.isfinite(q).all() and np.isfinite(v).all()):
                 return Run(log, perf_counter() - start, t, "the simulation diverged")
             sensed = world.measured()
+            loads = {foot: float(wrench[2]) for foot, wrench in wrenches.items()}
             begin = perf_counter()
-            command = controller(t, *sensed)
+            command = controller(t, *sensed, loads)
             log.tick_us[k] = 1e6 * (perf_counter() - begin)
             world.step(command.torque)
-            _write(log, k, t, q, v, command, controller, world, motion, columns)
+            wrenches = world.foot_wrenches()
+            _write(log, k, t, q, v, command, wrenches, controller, world, motion, columns)
             log.ticks = k + 1
             if k % every == 0:
                 log.self_distance[k] = world.self_distance()
@@ -125,6 +128,7 @@ def _write(
     q: np.ndarray,
     v: np.ndarray,
     command: Command,
+    wrenches: dict[str, np.ndarray],
     controller: Controller,
     world: World,
     motion: Motion,
@@ -135,7 +139,6 @@ def _write(
     log.torque[k], log.acceleration[k] = command.torque, command.acceleration
     log.zmp_control[k], log.zmp_measured[k] = command.zmp, world.zmp()
     log.zmp_planned[k], log.com[k] = motion.sample(t).zmp, controller.tick.com
-    wrenches = world.foot_wrenches()
     for i, foot in enumerate(world.robot.feet):
         log.foot_wrench[k, i] = wrenches[foot]
     for contact in controller.stack.contacts:

@@ -11,6 +11,9 @@ Array = np.ndarray
 Mode = Literal["fixed", "sliding", "off"]
 Form = Literal["pyramid", "unilateral"]
 
+LARGEST_LOAD = 2.0
+"""Normal force of a contact whose ramp is almost over, in weights of the robot."""
+
 
 class Contact:
     """A flat surface of a body on level ground, with the forces at its vertices as variables.
@@ -96,10 +99,14 @@ class Contact:
         E[2, 4], E[2, 6:] = -1.0, -arms[:, 0]
         return E
 
-    def force_inequalities(self, largest: float) -> tuple[Array, Array, Array]:
-        """Rows ``lower <= C φ <= upper``; `largest` is the normal force of the contact at full load [N]."""
+    def largest(self, weight: float) -> float:
+        """Normal force that the ramp admits now [N], for a robot of this weight [N]; no limit at full load."""
+        return np.inf if self.load >= 1.0 else self.load**3 * LARGEST_LOAD * weight
+
+    def force_inequalities(self, weight: float) -> tuple[Array, Array, Array]:
+        """Rows ``lower <= C φ <= upper``; `weight` is the robot's [N]."""
         count = len(self.vertices)
-        top = np.inf if self.load >= 1.0 else self.load**3 * largest / count
+        top = self.largest(weight) / count
         if self.form == "unilateral":
             return self._cone, np.zeros(count), np.full(count, top)
         lower, upper = np.full(5 * count, -np.inf), np.zeros(5 * count)

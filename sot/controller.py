@@ -1,5 +1,6 @@
 """State in, torques out: one tick of the stack of tasks."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Protocol
@@ -80,12 +81,15 @@ class Controller:
         self.tick = Tick(robot, period)
         self._held = np.zeros(robot.na)
 
-    def __call__(self, t: float, q: Array, v: Array) -> Command:
-        """One tick: the state at time `t` [s], Pinocchio's conventions, to torques."""
+    def __call__(self, t: float, q: Array, v: Array, loads: Mapping[str, float] | None = None) -> Command:
+        """One tick: the state at time `t` [s], Pinocchio's conventions, to torques.
+
+        `loads` are the measured normal forces on the feet [N]; a schedule may heed them.
+        """
         start = perf_counter()
         stack, robot = self.stack, self.robot
         if self.schedule is not None:
-            self.schedule.apply(t, stack)
+            self.schedule.apply(t, stack, loads)
         self.tick.contacts = stack.contacts
         self.tick.update(t, q, v)
         modelled = perf_counter()

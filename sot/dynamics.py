@@ -18,8 +18,6 @@ FormName = Literal["condensed", "full"]
 
 FRICTION_GIVES_WAY = 3
 """Place of the friction pyramids in the order in which level 0 is relaxed: the last."""
-LARGEST_LOAD = 2.0
-"""Normal force of a contact at full load, in weights of the robot: where its ramp starts from."""
 
 
 @dataclass(slots=True)
@@ -99,7 +97,7 @@ class Dynamics:
         )
 
     def _friction(self, contact: Contact, part: slice, rows: "_Rows") -> None:
-        F, low, high = contact.force_inequalities(LARGEST_LOAD * self.units.weight)
+        F, low, high = contact.force_inequalities(self.units.weight)
         share = 1.0 / self.units.force
         shift = F @ self._form.force_offset[part]
         block = Block(f"Friction {contact.point}", "N", share, False, slice(0), FRICTION_GIVES_WAY)

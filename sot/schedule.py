@@ -1,7 +1,7 @@
 """Changes of a stack over time."""
 
 from bisect import insort
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from sot.contact import Mode
@@ -73,8 +73,14 @@ class Schedule:
         self.at(start, f"{point} load {before:.0f} to {after:.0f}", lambda stack: self._ramps.append(load))
         return self.at(t, f"{point} {mode}", lambda stack: setattr(stack.contact(point), "mode", mode))
 
-    def apply(self, t: float, stack: Stack) -> list[str]:
-        """Carry out what has become due; returns what it was."""
+    def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:
+        """Carry out what has become due; returns what it was.
+
+        Args:
+            t: Time [s].
+            stack: What changes.
+            loads: Measured normal force on each foot [N], for schedules that heed it.
+        """
         done = []
         while self._next < len(self.events) and self.events[self._next].t <= t + 1e-9:
             event = self.events[self._next]

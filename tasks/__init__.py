@@ -8,6 +8,7 @@ from tasks.foot_sliding import FootSliding
 from tasks.momentum import AngularMomentum
 from tasks.operational_point import OperationalPoint
 from tasks.posture import Posture
+from tasks.swing_foot import SwingFoot
 
 __all__ = [
     "AngularMomentum",
@@ -18,5 +19,6 @@ __all__ = [
     "LeastForces",
     "OperationalPoint",
     "Posture",
+    "SwingFoot",
     "TorqueBounds",
 ]

@@ -1,19 +1,18 @@
 """The centre of mass kept where the feet can hold it, by its divergent component."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from math import sqrt
 
 import numpy as np
 
 from solvers.rows import Rows
-from sot.contact import Contact
 from sot.polygon import Polygon
 from sot.task import Task
 from sot.tick import GRAVITY, Tick
-from tasks.operational_point import PoseReference
 
 Array = np.ndarray
-Place = tuple[str, list[float], list[float]]
+Place = tuple[tuple[str, float], list[float], list[float]]
+PlaceReference = Callable[[float], Array]
 BalanceReference = Callable[[float], tuple[Array, Array, Array, Array]]
 
 
@@ -30,8 +29,8 @@ class Balance(Task):
 
     Args:
         reference: ``t -> (c, ċ, c̈, z)``, shapes (3,), (3,), (3,), (2,), world.
-        feet: Where the plan has the contacts. Feet creep, and a plan that did not follow them would lead over their
-            edge in the end: c and z are meant relative to the feet that carry.
+        feet: Where the plan has the contacts, ``t -> place`` (3,). Feet creep and land beside their place, and a plan
+            that did not follow them would lead over their edge: c and z are meant relative to the feet that stand.
         k: Rate at which the divergent component converges [1/s].
         kp: Stiffness of the height [1/s²], critically damped.
         margin: Distance kept from the edges of the support polygon [m].
@@ -41,7 +40,7 @@ class Balance(Task):
     def __init__(
         self,
         reference: BalanceReference,
-        feet: Mapping[str, PoseReference] | None = None,
+        feet: Mapping[str, PlaceReference] | None = None,
         k: float = 4.0,
         kp: float = 100.0,
         margin: float = 0.002,
@@ -57,15 +56,15 @@ class Balance(Task):
     def rows(self, tick: Tick) -> Rows:
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
         c, velocity, acceleration, z = self._reference(tick.t)
-        carrying = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load >= 1.0]
-        if crept := self._crept(tick, carrying):
-            c, z = c + np.array((*crept, 0.0)), z + crept
+        crept = self._crept(tick)
+        if crept is not None:
+            c, z = c + np.append(crept, 0.0), z + crept
         self.error = c - tick.com
         rate = velocity - tick.com_velocity
         omega = sqrt(GRAVITY / max(tick.com[2], 0.1))
         # The deviation from the plan, and the ZMP that leads the divergent component back.
         lag = (-(1.0 + self.k / omega)) * (self.error[:2] + rate[:2] / omega)
-        polygon = self._support(tick, carrying)
+        polygon = self._support(tick)
         if polygon is not None:
             lag = polygon.nearest(z + lag) - z
         wanted = acceleration - tick.com_drift
@@ -73,33 +72,44 @@ class Balance(Task):
         wanted[2] += self.kp * self.error[2] + 2.0 * sqrt(self.kp) * rate[2]
         return self._rows(tick.com_jacobian, wanted, wanted)
 
-    def _crept(self, tick: Tick, carrying: Sequence[Contact]) -> tuple[float, float] | None:
-        """How far the contacts that carry are from where the plan has them, on average [m]."""
-        planned = [
-            (tick.frame(c.point).position, self._feet[c.point](tick.t)) for c in carrying if c.point in self._feet
-        ]
-        if not planned:
-            return None
-        x = sum(at[0] - pose.position[0] for at, pose in planned) / len(planned)
-        y = sum(at[1] - pose.position[1] for at, pose in planned) / len(planned)
-        return float(x), float(y)
+    def _crept(self, tick: Tick) -> Array | None:
+        """How far the contacts that stand are from where the plan has them [m], on average, by the load they may take:
+        where a foot comes down beside its place, the plan is to move over as gradually as it takes its load."""
+        shift, weight = np.zeros(2), 0.0
+        for contact in tick.contacts:
+            if contact.mode == "fixed" and contact.point in self._feet:
+                at, place = tick.frame(contact.point).position, self._feet[contact.point](tick.t)
+                shift += contact.load * (at[:2] - place[:2])
+                weight += contact.load
+        return shift / weight if weight else None
 
-    def _support(self, tick: Tick, carrying: Sequence[Contact]) -> Polygon | None:
-        """Support polygon of the contacts that carry, drawn in by the margin; none if nothing does."""
-        if not carrying:
+    def _support(self, tick: Tick) -> Polygon | None:
+        """Where the contacts let the zero-moment point be, drawn in by the margin; none if nothing carries.
+
+        A contact in a ramp widens the support of the others by as much as it may bear: no jump when the ramp ends.
+        """
+        standing = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load > 0.0]
+        if not standing:
             return None
-        frames = [tick.frame(contact.point) for contact in carrying]
+        frames = [tick.frame(contact.point) for contact in standing]
         # Standing feet creep by fractions of a millimetre: no reason for another hull.
         places = [
-            (contact.point, frame.position.tolist(), frame.rotation[0].tolist())
-            for contact, frame in zip(carrying, frames, strict=True)
+            ((contact.point, contact.load), frame.position.tolist(), frame.rotation[0].tolist())
+            for contact, frame in zip(standing, frames, strict=True)
         ]
         if self._polygon is None or not _near(places, self._places):
             self._places = places
-            corners = [
+            soles = [
                 frame.position[:2] + (contact.vertices @ frame.rotation.T)[:, :2]
-                for contact, frame in zip(carrying, frames, strict=True)
+                for contact, frame in zip(standing, frames, strict=True)
             ]
+            most = max(contact.load for contact in standing)
+            full = np.concatenate([sole for sole, contact in zip(soles, standing, strict=True) if contact.load == most])
+            corners = [full]
+            for sole, contact in zip(soles, standing, strict=True):
+                if contact.load < most:
+                    share = min(contact.largest(1.0), 1.0)
+                    corners.append(((1.0 - share) * full[:, None] + share * sole).reshape(-1, 2))
             self._polygon = Polygon.hull(np.concatenate(corners)).shrunk(self.margin, self.margin)
         return self._polygon
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from sot.errors import InputError
 from sot.motion.contacts import Phase
+from sot.motion.footfalls import Footfalls
 from sot.robot import Robot
 from sot.task import Pose
 
@@ -109,9 +110,18 @@ class Motion:
         return now.com, now.com_velocity, now.com_acceleration, now.zmp
 
     @property
-    def feet(self) -> dict[str, Callable[[float], Pose]]:
-        """Where the feet are to be, by foot: their `pose`."""
-        return {foot: self.pose(foot) for foot in self.robot.feet}
+    def feet(self) -> dict[str, Callable[[float], Array]]:
+        """Where each foot that stands is to stand at a time [s], or was or will be if it is not to stand then: (3,)."""
+        return {foot: self._foothold(foot) for foot in self.robot.feet}
+
+    def _foothold(self, foot: str) -> Callable[[float], Array]:
+        stances, somewhere = Footfalls(self.phases, foot), np.full(3, np.nan)
+
+        def at(t: float) -> Array:
+            stance = stances.nearest(t)
+            return somewhere if stance is None else stance.pose.translation
+
+        return at
 
     def pose(self, point: str) -> Callable[[float], Pose]:
         """An operational point's reference: its pose, velocity and acceleration at any time [s].

@@ -128,14 +128,14 @@ def test_load_limits_the_normal_force_and_with_it_the_friction(robot, load):
     contact = Contact(FOOT, robot.sole(FOOT), friction=0.5)
     contact.load = load
     count = len(contact.vertices)
-    assert largest(contact, np.tile([0.0, 0.0, 1.0], count)) == pytest.approx(load**3 * 1000.0, abs=1e-6)
+    assert largest(contact, np.tile([0.0, 0.0, 1.0], count)) == pytest.approx(load**3 * 2000.0, abs=1e-6)
     assert largest(contact, np.tile([1.0, 0.0, 0.0], count)) == pytest.approx(
-        0.5 / np.sqrt(2) * load**3 * 1000, abs=1e-6
+        0.5 / np.sqrt(2) * load**3 * 2000, abs=1e-6
     )
     contact = Contact(FOOT, robot.sole(FOOT), form="unilateral")
     contact.load = load
     normals = np.concatenate([np.zeros(6), np.ones(count)])
-    assert largest(contact, normals) == pytest.approx(load**3 * 1000.0, abs=1e-6)
+    assert largest(contact, normals) == pytest.approx(load**3 * 2000.0, abs=1e-6)
 
 
 def test_full_load_is_not_limited(robot):

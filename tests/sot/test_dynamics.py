@@ -39,7 +39,7 @@ def assert_obeys_level_0(robot, stack, tick, decoded):
         acceleration = frame.jacobian @ decoded.acceleration + frame.drift
         np.testing.assert_allclose(acceleration[held], contact.acceleration(tick)[held], atol=1e-5)
         if len(phi):
-            C, lower, upper = contact.force_inequalities(2.0 * robot.mass * 9.81)
+            C, lower, upper = contact.force_inequalities(robot.mass * 9.81)
             assert np.all(C @ phi <= upper + 1e-3) and np.all(C @ phi >= lower - 1e-3)
             np.testing.assert_allclose(contact.force_equalities(tick) @ phi, 0.0, atol=1e-3)
         else:

@@ -8,7 +8,6 @@ import pytest
 from sot.contact import Contact
 from sot.polygon import Polygon
 from sot.robot import Robot, robots
-from sot.task import Pose
 from sot.tick import GRAVITY, Tick
 from tasks import Balance
 from tests.sot.states import random_state, standing_state
@@ -88,7 +87,7 @@ def test_no_pressure_is_asked_for_outside_what_the_feet_carry(robot, standing):
     rng, tick = np.random.default_rng(1), Tick(robot)
     tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
     for contact in tick.contacts:
-        contact.load = 1.0 if contact.point in standing else 0.5
+        contact.load = 1.0 if contact.point in standing else 0.0
     inside = 0
     for _ in range(20):
         tick.update(0.0, *standing_state(robot, rng))
@@ -120,7 +119,7 @@ def test_feet_that_do_not_carry_bound_nothing(robot, change):
     tick = Tick(robot)
     tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
     for contact in tick.contacts:
-        contact.mode, contact.load = (change, 1.0) if change != "unloaded" else ("fixed", 0.9)
+        contact.mode, contact.load = (change, 1.0) if change != "unloaded" else ("fixed", 0.0)
     far = np.array([2.0, 0.0, 0.0])
     reference = lambda t: (tick.com - far, np.zeros(3), np.zeros(3), (tick.com - far)[:2])  # noqa: E731
     rows = Balance(reference).rows(tick)
@@ -147,16 +146,13 @@ def test_the_plan_goes_with_feet_that_have_crept(crept):
     tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
     still = tick.frame("left_foot"), tick.frame("right_foot")
     com, z = tick.com.copy(), tick.com[:2].copy()
-    planned = {
-        foot: Pose(frame.position - np.array((*crept, 0.0)), frame.rotation.copy(), np.zeros(6), np.zeros(6))
-        for foot, frame in zip(robot.feet, still, strict=True)
-    }
+    planned = {foot: frame.position - np.array((*crept, 0.0)) for foot, frame in zip(robot.feet, still, strict=True)}
     nothing = np.zeros(3)
 
     def reference(t):
         return com - np.array((*crept, 0.0)), nothing, nothing, z - crept
 
-    task = Balance(reference, feet={foot: lambda t, pose=pose: pose for foot, pose in planned.items()})
+    task = Balance(reference, feet={foot: lambda t, place=place: place for foot, place in planned.items()})
     rows = task.rows(tick)
     np.testing.assert_allclose(task.error, 0.0, atol=1e-12)
     np.testing.assert_allclose(rows.lower, -tick.com_drift, atol=1e-9)
@@ -164,3 +160,24 @@ def test_the_plan_goes_with_feet_that_have_crept(crept):
         alone = Balance(reference)
         alone.rows(tick)
         np.testing.assert_allclose(alone.error[:2], np.negative(crept), atol=1e-12)
+
+
+def test_a_foot_counts_as_much_as_it_may_carry():
+    """While a foot that has landed beside its place takes its load, neither plan nor support jump."""
+    robot = Robot.load("hrp2")
+    tick = Tick(robot)
+    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    left, right = (tick.frame(foot).position.copy() for foot in robot.feet)
+    beside, nothing = np.array([0.0, 0.02, 0.0]), np.zeros(3)
+    over = np.array([0.0, right[1] - left[1], 0.0])
+    planned = {"left_foot": lambda t: left, "right_foot": lambda t: right - beside}
+    errors, asked = [], []
+    for load in np.linspace(0.0, 1.0, 101):
+        tick.contacts[1].load = float(load)
+        task = Balance(lambda t: (tick.com + over, nothing, nothing, (tick.com + over)[:2]), planned, k=0.0)
+        asked.append(task.rows(tick).lower[1])
+        errors.append(task.error[1] - over[1])
+    assert (errors[0], errors[-1]) == (pytest.approx(0.0), pytest.approx(0.01))
+    assert np.abs(np.diff(errors)).max() < 2e-4
+    assert np.ptp(asked) > 0.5
+    assert np.abs(np.diff(asked)).max() < 0.1 * np.ptp(asked)

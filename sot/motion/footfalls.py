@@ -1,0 +1,63 @@
+"""Contact phases seen from one foot: when and where it stands, one stance after the other."""
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import pinocchio as pin
+
+from sot.motion.contacts import Phase
+
+
+@dataclass(frozen=True)
+class Footfall:
+    """A stance of one foot.
+
+    Attributes:
+        start, end: in motion time [s].
+        pose: of the foot's frame.
+    """
+
+    start: float
+    end: float
+    pose: pin.SE3
+
+
+class Footfalls:
+    """The stances of a foot over a motion, in order of time, each at a place of its own.
+
+    Args:
+        phases: of the motion.
+        foot: whose.
+    """
+
+    def __init__(self, phases: Sequence[Phase], foot: str) -> None:
+        stances: list[Footfall] = []
+        for phase in phases:
+            if foot not in phase.feet:
+                continue
+            pose = phase.feet[foot]
+            if stances and stances[-1].end >= phase.start - 1e-9:
+                stances[-1] = Footfall(stances[-1].start, phase.end, pose)
+            else:
+                stances.append(Footfall(phase.start, phase.end, pose))
+        self.stances = tuple(stances)
+        self._starts = [stance.start for stance in stances]
+
+    def __len__(self) -> int:
+        return len(self.stances)
+
+    def __getitem__(self, index: int) -> Footfall:
+        return self.stances[index]
+
+    def begun(self, t: float) -> int:
+        """How many stances have begun by a time [s]."""
+        return bisect_right(self._starts, t + 1e-9)
+
+    def nearest(self, t: float) -> Footfall | None:
+        """The stance at a time [s], or the one nearest in time to it; none if the foot never stands."""
+        if not self.stances:
+            return None
+        index = self.begun(t)
+        before, after = self.stances[max(index - 1, 0)], self.stances[min(index, len(self) - 1)]
+        return after if after.start - t < t - before.end else before

@@ -1,0 +1,58 @@
+"""Steps in closed loop: the robot walks two steps of a motion made for the test."""
+
+import numpy as np
+import pytest
+
+from scenarios import stacks
+from sim import figures
+from sim.log import FOOT_OFF
+from sim.loop import run
+from sim.world import World
+from solvers import Cascade
+from sot.controller import Controller
+from sot.motion.trajectory import Motion
+from sot.robot import Robot
+from tests.sot.stepping import stepping_motion
+
+RATE = 500.0
+JUMP = 15.0
+"""Most that any joint's torque may change from one tick to the next around a switch [N m]."""
+
+
+@pytest.fixture(scope="module")
+def motion() -> Motion:
+    return stepping_motion(Robot.load("hrp2"), rate=RATE)
+
+
+@pytest.fixture(scope="module")
+def stepped(motion):
+    robot = motion.robot
+    stack, schedule = stacks.steps(robot, motion), stacks.stepping(robot, motion)
+    done = run(Controller(robot, stack, Cascade(), 1.0 / RATE, schedule), World(robot, 1.0 / RATE), motion)
+    assert done.fell_at_s is None, done.reason
+    return done.log.trimmed()
+
+
+def test_each_foot_steps_and_lands_where_it_should(motion, stepped):
+    assert figures.contacts(stepped, motion.robot)["switches"] == 4
+    last = motion.phases[-1].feet
+    places = figures.Points.of(motion.robot, stepped.q[-1:]).positions
+    for foot in motion.robot.feet:
+        np.testing.assert_allclose(places[foot][0], last[foot].translation, atol=3e-3)
+        assert (stepped.foot_mode[:, motion.robot.feet.index(foot)] == FOOT_OFF).sum() > 0.5 * RATE
+
+
+def test_in_balance_and_without_slip(motion, stepped):
+    assert figures.zmp(stepped, motion)["inside"] > 0.98
+    contacts = figures.contacts(stepped, motion.robot)
+    assert contacts["slip_max_m"] < 0.003
+    assert contacts["sole_tilt_max_deg"] < 1.0
+    assert figures.tracking(stepped, motion)["com_rms_m"] < 0.003
+    assert figures.solver(stepped)["infeasible_ticks"] == 0
+
+
+def test_no_joint_torque_jumps_at_a_switch(motion, stepped):
+    switches = np.flatnonzero(np.diff(stepped.foot_mode, axis=0).any(axis=1))
+    jumps = np.abs(np.diff(stepped.torque, axis=0)).max(axis=1)
+    around = round(0.06 * RATE)
+    assert max(jumps[tick - around : tick + around].max() for tick in switches) < JUMP

@@ -1,0 +1,60 @@
+"""A foot is led while it swings only, and looks for the floor when it is late."""
+
+import numpy as np
+import pytest
+
+from sot.contact import Contact
+from sot.robot import Robot
+from sot.tick import Tick
+from tasks import SwingFoot
+from tests.sot.stepping import FIRST, SWING, stepping_motion
+
+FOOT = "right_foot"
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return Robot.load("hrp2")
+
+
+@pytest.fixture(scope="module")
+def motion(robot):
+    return stepping_motion(robot, rate=200.0)
+
+
+def swung(robot, motion, t: float, mode: str) -> tuple[SwingFoot, np.ndarray]:
+    """The task and its wanted accelerations on a robot that is where the motion is at a time."""
+    task, tick = SwingFoot(robot, FOOT, motion), Tick(robot)
+    contact = Contact(FOOT, robot.sole(FOOT))
+    contact.mode = mode
+    tick.contacts = [contact]
+    now = motion.sample(t)
+    tick.update(t, now.q, now.v)
+    rows = task.rows(tick)
+    return task, rows.lower + (tick.frame(FOOT).drift if len(rows.lower) else np.zeros(0))
+
+
+def test_a_foot_that_stands_is_not_asked_for_anything(robot, motion):
+    task, wanted = swung(robot, motion, FIRST + 0.3, "fixed")
+    assert wanted.shape == (0,)
+    assert task.error.shape == (0,)
+
+
+def test_on_its_path_a_foot_is_asked_for_the_paths_acceleration(robot, motion):
+    t = FIRST + 0.3
+    task, wanted = swung(robot, motion, t, "off")
+    np.testing.assert_allclose(task.error, 0.0, atol=1e-9)
+    np.testing.assert_allclose(wanted, motion.pose(FOOT)(t).acceleration, atol=1e-6)
+
+
+def test_a_late_foot_is_lowered_steadily_and_without_a_kick(robot, motion):
+    lands = FIRST + SWING
+    depths = []
+    for late in np.arange(0.0, 0.12, 0.005):
+        task, _ = swung(robot, motion, lands + late, "off")
+        depths.append(-task.error[2])
+    speed = np.diff(depths) / 0.005
+    assert depths[0] == pytest.approx(0.0, abs=1e-5)  # rounding of the path
+    assert speed[0] < 0.02
+    np.testing.assert_allclose(speed[8:], 0.1, rtol=0.02)
+    assert np.abs(np.diff(speed)).max() < 0.02
