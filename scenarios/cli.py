@@ -38,7 +38,9 @@ output, messages = Console(), Console(stderr=True)
 Clip = Annotated[str, typer.Argument(help="A file (.bvh, or .npz of `sot retarget`) or a name of `sot list clips`.")]
 RobotName = Annotated[str, typer.Option("--robot", help="A name of `sot list robots`, or a robot file (.toml).")]
 SolverName = Annotated[str, typer.Option("--solver", help="A name of `sot list solvers`.")]
-Feet = Annotated[str, typer.Option(help="planted: both feet stay where they stand.")]
+Feet = Annotated[
+    str, typer.Option(help="planted: both feet stay where they stand; steps: they step when the dancer's do.")
+]
 Start = Annotated[float, typer.Option(help="Where in the clip to start [s].", min=0.0)]
 Duration = Annotated[float | None, typer.Option(help="How much of the clip to play [s]; to its end by default.")]
 Rate = Annotated[float, typer.Option(help="Control ticks per second.", min=100.0, max=2000.0)]

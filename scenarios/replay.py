@@ -40,7 +40,7 @@ class Replay:
         robot: name of a robot, or its file.
         stack: file of the user's own stack; None for the one that fits the feet.
         solver: one of `SOLVERS`.
-        feet: "planted".
+        feet: one of `sot.motion.plan.FEET`.
         start, duration: part of the clip [s], to its end by default.
         rate: of the control [Hz].
         mapping: file that names the joints of an unknown skeleton.

@@ -47,9 +47,11 @@ class Polygon:
         """Distance of points (..., 2) to the nearest edge's line [m], negative outside."""
         return np.min(self.offsets - points @ self.normals.T, axis=-1)
 
-    def shrunk(self, x: float, y: float) -> "Polygon":
-        """With its edges moved inward by up to x along X and y along Y."""
-        return Polygon(self.normals, self.offsets - np.hypot(self.normals[:, 0] * x, self.normals[:, 1] * y))
+    def shrunk(self, x: float, y: float, heading: float = 0.0) -> "Polygon":
+        """With its edges moved inward by up to x along X and y along Y of axes turned by a heading [rad]."""
+        cosine, sine = np.cos(heading), np.sin(heading)
+        along, across = self.normals @ [cosine, sine], self.normals @ [-sine, cosine]
+        return Polygon(self.normals, self.offsets - np.hypot(along * x, across * y))
 
     def nearest(self, point: Array) -> Array:
         """The point of the polygon that is nearest to a point (2,); the point itself if the polygon is empty."""

@@ -14,14 +14,11 @@ from scipy.linalg.blas import dsbmv
 
 from solvers.banded import BandedQP
 from sot.motion.centroidal import Centroidal
-from sot.motion.contacts import Phase, phase_at
 from sot.motion.spline import AT_KNOT, Spline
-from sot.polygon import Polygon
+from sot.motion.support import Support
 
 Array = NDArray[np.float64]
 
-INSET = (0.04, 0.025)  # m along X and Y, from the edge of the support to the planned ZMP: what the closed loop may use
-SHARE = 0.12  # of the weight, least load of every foot that stands
 COM_ERROR = 0.02  # m, a deviation from the wanted CoM that costs as much as JERK_ERROR
 JERK_ERROR = 20.0  # m/s³
 OUTSIDE = 1e5  # price of a metre that the ZMP leaves the shrunk polygon by: only if it must
@@ -37,10 +34,8 @@ class BalancePlan:
     excursion: float
 
 
-def plan_balance(
-    motion: Centroidal, wanted: Array, phases: Sequence[Phase], polygons: Sequence[Polygon], period: float
-) -> BalancePlan:
-    """The CoM nearest to the wanted one whose ZMP stays in the polygons, shrunk by INSET.
+def plan_balance(motion: Centroidal, wanted: Array, supports: Sequence[Support], period: float) -> BalancePlan:
+    """The CoM nearest to the wanted one whose ZMP stays in the inset of what supports it.
 
     Where no such CoM exists, the ZMP leaves the inset by the least (an exact penalty). It starts and ends at rest,
     where the wanted CoM starts and over the middle of the support.
@@ -48,12 +43,12 @@ def plan_balance(
     Args:
         motion: the whole body's at T knots, of which height and angular momentum are kept.
         wanted: (T, 2) horizontal CoM to stay near to [m].
-        phases, polygons: contact phases and the support polygon of each.
+        supports: in order of time.
         period: time between knots [s].
     """
     length = len(wanted)
-    of_knot = phase_at(phases, period * np.arange(length))
-    inset = [polygon.shrunk(*INSET) for polygon in polygons]
+    times = period * np.arange(length)
+    until = [*(support.start for support in supports[1:]), np.inf]
     height, offset = motion.pendulum()
 
     # variables of a knot: its control point's x and y, and the excursion of the ZMP
@@ -61,9 +56,10 @@ def plan_balance(
     curve = np.array([1.0, -2.0, 1.0]) / period**2
     rows, columns, values, upper = [], [], [], []
     count = 0
-    for index, polygon in enumerate(inset):
-        knots = np.flatnonzero(of_knot == index)
-        for normal, edge in zip(polygon.normals, polygon.offsets, strict=True):
+    for support, stop in zip(supports, until, strict=True):
+        # where supports meet, both count: between two knots the ZMP runs straight
+        knots = np.flatnonzero((times > support.start - period + 1e-9) & (times < stop + period - 1e-9))
+        for normal, edge in zip(support.inset.normals, support.inset.offsets, strict=True):
             row = count + np.arange(len(knots))
             count += len(knots)
             for i in range(3):
@@ -81,7 +77,7 @@ def plan_balance(
     lower = np.concatenate([np.full(count, -np.inf), np.zeros(length + 2)])
     upper_all = np.concatenate([*upper, np.full(length + 2, np.inf)])
 
-    end = polygons[of_knot[-1]].centre
+    end = supports[-1].polygon.centre
     around = np.zeros((length + 2, 3))
     around[1:-1, :2], around[:3, :2], around[-3:, :2] = wanted, wanted[0], end
     H, g = _objective(wanted, period)

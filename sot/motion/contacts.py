@@ -41,23 +41,6 @@ def support(robot: Robot, phase: Phase) -> Polygon:
     return Polygon.hull(corners)
 
 
-def loaded_support(robot: Robot, phase: Phase, share: float) -> Polygon:
-    """Where the ZMP may be if every foot that stands carries at least a share of the weight.
-
-    A foot that carries next to nothing slides and tilts under the least moment: standing, it should stand.
-    """
-    soles = [np.array([pose.act(corner)[:2] for corner in robot.sole(foot)]) for foot, pose in phase.feet.items()]
-    most = 1.0 - share * (len(soles) - 1)
-    corners = []
-    for heavy in range(len(soles)):
-        points = np.zeros((1, 2))
-        for foot, sole in enumerate(soles):
-            part = (most if foot == heavy else share) * sole
-            points = (points[:, None] + part[None]).reshape(-1, 2)
-        corners.append(points)
-    return Polygon.hull(np.vstack(corners))
-
-
 def phase_at(phases: Sequence[Phase], times: np.ndarray) -> np.ndarray:
     """Index (T,) of the phase at each time; the last one from its start on."""
     return np.clip(np.searchsorted([phase.start for phase in phases], times, side="right") - 1, 0, len(phases) - 1)

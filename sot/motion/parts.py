@@ -3,17 +3,17 @@
 A weight is the inverse of the error that one is ready to accept, so that metres and radians compare.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from sot.motion.contacts import Phase
 from sot.motion.human import SEGMENTS
 from sot.motion.kinematics import Chains, Kinematics
 from sot.motion.stance import Build
+from sot.motion.swing import FootPath
 from sot.motion.targets import Targets
 from sot.robot import Robot
 
@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 FOOT = 1.0 / 0.0001  # 1/m and 1/rad
-COM = 1.0 / 0.0003  # 1/m
+COM = {False: 1.0 / 0.0003, True: 1.0 / 0.00005}  # 1/m, on feet that stand or step: stepping, support is scarce
 PLACE = 1.0 / 0.05  # 1/m, of the hips where no CoM is asked for
-HEIGHT = 1.0 / 0.05  # 1/m, of the hips
+HEIGHT = {False: 1.0 / 0.05, True: 1.0 / 0.01}  # 1/m, of the hips
 PELVIS = 1.0 / np.array([0.3, 0.3, 0.1])  # 1/rad, tilted and turned
 TRUNK = 1.0 / 0.05
 CHEST = 1.0 / 0.15
@@ -46,16 +46,19 @@ class Part(Protocol):
 
 
 class Body:
-    """Base, legs and chest: feet that stay, then the CoM (or the hips), then the pelvis and the trunk."""
+    """Base, legs and chest: the feet, then the CoM (or the hips), then the pelvis and the trunk."""
 
-    def __init__(self, robot: Robot, build: Build, targets: Targets, phase: Phase, com: Array | None = None):
+    def __init__(
+        self, robot: Robot, build: Build, targets: Targets, feet: Mapping[str, FootPath], com: Array | None = None
+    ):
         """com: (T, 2) horizontal CoM to follow [m]; without it the hips follow the human's."""
         joints = robot.groups["legs"] + robot.groups["chest"]
         self.columns: Indices = np.array([*range(6), *(6 + np.sort(joints))])
         self._chains = Chains(robot)
         self._targets, self._com, self._hips = targets, com, build.hips
         self._waist, self._chest, self._neck = (robot.point(point) for point in ("waist", "chest", "neck"))
-        self._feet = [(robot.point(foot), pose.translation, pose.rotation) for foot, pose in phase.feet.items()]
+        self._steps = any(bool(np.ptp(path.position, axis=0).any()) for path in feet.values())
+        self._feet = [(robot.point(foot), path) for foot, path in feet.items()]
 
     def evaluate(self, knots: Indices, y: Array) -> tuple[Array, Array]:
         wanted, kinematics = self._targets, Kinematics(self._chains, y, self.columns)
@@ -64,17 +67,20 @@ class Body:
             place = PLACE, hips[:, :2], J_hips[:, :2]
         else:
             com, J_com = kinematics.com()
-            place = COM, com[:, :2] - self._com[knots], J_com[:, :2]
+            place = COM[self._steps], com[:, :2] - self._com[knots], J_com[:, :2]
         tilt, J_tilt = kinematics.orientation(self._waist, wanted.frames["pelvis"][knots])
         feet = [
             (FOOT, *residual)
-            for foot, position, rotation in self._feet
-            for residual in (kinematics.position(foot, position), kinematics.orientation(foot, rotation))
+            for foot, path in self._feet
+            for residual in (
+                kinematics.position(foot, path.position[knots]),
+                kinematics.orientation(foot, path.rotation[knots]),
+            )
         ]
         return _weighted(
             *feet,
             place,
-            (HEIGHT, hips[:, 2:], J_hips[:, 2:]),
+            (HEIGHT[self._steps], hips[:, 2:], J_hips[:, 2:]),
             (1.0, PELVIS * tilt, PELVIS[:, None] * J_tilt),
             (TRUNK, *kinematics.direction(self._waist, self._neck, wanted.directions["trunk"][knots])),
             (CHEST, *kinematics.orientation(self._chest, wanted.frames["chest"][knots])),

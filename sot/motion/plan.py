@@ -10,18 +10,22 @@ from sot.errors import InputError
 from sot.motion.centroidal import Centroidal
 from sot.motion.contacts import Phase, planted
 from sot.motion.coordinates import to_pinocchio
+from sot.motion.footholds import Reach
 from sot.motion.human import Human
 from sot.motion.kinematics import Chains, Kinematics
 from sot.motion.limits import Limits
 from sot.motion.spline import Spline
 from sot.motion.stance import LEAD, TAIL, Build, on_time_line, over_feet
+from sot.motion.swing import foot_paths, phases_of, standing
 from sot.motion.targets import Targets, key_points, targets
 from sot.motion.trajectory import Motion
+from sot.motion.travel import travel
 from sot.motion.whole_body import balanced, limbs_fitted, retarget
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
 
+FEET = ("planted", "steps")
 PLAN_RATE = 50.0  # knots per second
 REFIT_STEPS = 2  # Gauss-Newton steps of head and arms once the body is balanced
 NOISE_HZ = 6.0  # faster than this, a capture is noise
@@ -54,24 +58,33 @@ def plan(human: Human, robot: Robot, feet: str = "planted", rate: float = 1000.0
     Args:
         human: a clip, or the part of one to dance.
         robot: who dances.
-        feet: "planted", both soles where the rest posture puts them.
+        feet: "planted", both soles where the rest posture puts them; "steps", where and when the dancer steps.
         rate: samples per second of the motion [Hz].
 
     Raises:
         InputError: another kind of `feet`.
     """
-    if feet != "planted":
-        raise InputError(f"feet '{feet}' are not known: choose planted")
+    if feet not in FEET:
+        raise InputError(f"feet '{feet}' are not known: choose one of {', '.join(FEET)}")
     begun = time.perf_counter()
     build, limits, period = Build.of(robot), Limits.of(robot), 1.0 / PLAN_RATE
-    person = on_time_line(over_feet(human.low_passed(NOISE_HZ), build), PLAN_RATE)
+    smooth = human.low_passed(NOISE_HZ)
+    if feet == "planted":
+        person = on_time_line(over_feet(smooth, build), PLAN_RATE)
+        phases = planted(robot, person.duration)
+        paths = standing(phases[0], person.count)
+    else:
+        reach = Reach.of(robot)
+        going = travel(on_time_line(smooth, PLAN_RATE), build, reach)
+        person = going.human
+        phases = phases_of(robot, going.stands, going.steps, person.duration)
+        paths = foot_paths(robot, going.stands, going.steps, going.lifts, reach, person.times)
     wanted = targets(person, robot, build)
-    phases = planted(robot, (wanted.length - 1) * period)
-    whole = retarget(robot, build, wanted, phases[0], limits, period)
+    whole = retarget(robot, build, wanted, paths, limits, period)
     retargeted = time.perf_counter()
-    whole = balanced(robot, build, wanted, phases, limits, whole)
+    whole = balanced(robot, build, wanted, paths, phases, limits, whole)
     whole = limbs_fitted(robot, wanted, limits, whole, REFIT_STEPS)  # the chest has moved
-    whole = balanced(robot, build, wanted, phases, limits, whole)
+    whole = balanced(robot, build, wanted, paths, phases, limits, whole)
     motion = sampled(robot, whole, phases, rate)
     figures = {
         "key_point_rms_m": _key_point_rms(robot, wanted, whole),

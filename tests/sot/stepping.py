@@ -5,9 +5,10 @@ import pinocchio as pin
 
 from sot.motion.balance import plan_balance
 from sot.motion.centroidal import Centroidal
-from sot.motion.contacts import Phase, loaded_support, planted
+from sot.motion.contacts import Phase, planted
 from sot.motion.coordinates import from_configuration, to_pinocchio
 from sot.motion.spline import Spline
+from sot.motion.support import supports
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
 from sot.tick import Tick
@@ -17,8 +18,7 @@ Array = np.ndarray
 PERIOD = 0.02
 AHEAD = np.array([1.0, 0.0, 0.0])
 FIRST, STAND, SWING, LAST = 1.2, 0.5, 0.6, 1.2
-RAMP = 0.06
-"""Times [s]: before the first step, between steps, in the air, after the last; of a load."""
+"""Times [s]: before the first step, between steps, in the air, after the last."""
 
 
 def stepping_motion(robot: Robot, stride: float = 0.05, height: float = 0.04, rate: float = 1000.0) -> Motion:
@@ -35,16 +35,8 @@ def stepping_motion(robot: Robot, stride: float = 0.05, height: float = 0.04, ra
     rest = Tick(robot)
     count = len(times)
     still = Centroidal(np.tile(rest.com, (count, 1)), np.zeros((count, 6)), np.zeros((count, 6)), robot.mass)
-    # A foot that is about to leave, or has just landed, gives no support yet.
-    short = tuple(
-        Phase(phase.start - RAMP, phase.end + RAMP, phase.feet)
-        if len(phase.feet) == 1
-        else Phase(phase.start + RAMP * (phase.start > 0.0), phase.end - RAMP, phase.feet)
-        for phase in phases
-    )
-    polygons = [loaded_support(robot, phase, 0.12) for phase in short]
     wanted = np.linspace(0.0, stride, count)[:, None] * (1.0, 0.0) + rest.com[:2]
-    com = plan_balance(still, wanted, short, polygons, PERIOD).com.knots
+    com = plan_balance(still, wanted, supports(robot, phases), PERIOD).com.knots
     q = _follow(robot, np.column_stack([com, still.com[:, 2]]), [_feet(phases, t, height) for t in times])
     spline = Spline.through(from_configuration(q), PERIOD)
     fine = np.arange(round(spline.duration * rate) + 1) / rate

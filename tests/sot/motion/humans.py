@@ -63,3 +63,33 @@ def _knee(hip: np.ndarray, ankle: np.ndarray) -> np.ndarray:
     out = np.sqrt(np.maximum(LENGTHS["thigh"] ** 2 - along**2, 0.0))
     forward = np.array([1.0, 0.0, 0.0]) - way * way[:, :1] / length**2
     return hip + way / length * along + forward / np.linalg.norm(forward, axis=1, keepdims=True) * out
+
+
+def walker(steps: int = 6, stride: float = 0.3, period: float = 0.8) -> Human:
+    """A human that walks along X: its feet take turns, each to a place a stride ahead of the other."""
+    duration = period * (steps + 1)
+    t = np.arange(round(duration * RATE) + 1) / RATE
+    count = len(t)
+    up, left = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
+    feet = {side: np.tile([0.0, sign * 0.1, 0.08], (count, 1)) for side, sign in (("left", 1.0), ("right", -1.0))}
+    for k in range(steps):
+        track, last = feet["left" if k % 2 == 0 else "right"], k == steps - 1
+        start = period * (k + 0.5)
+        share = np.clip((t - start) / (0.7 * period), 0.0, 1.0)
+        ease = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+        track[:, 0] += ease * stride * (1.0 if k == 0 or last else 2.0)
+        track[:, 2] += 0.12 * np.sin(np.pi * share) ** 2
+    middle = 0.5 * (feet["left"] + feet["right"])
+    heading = np.broadcast_to(np.eye(3), (count, 3, 3)).copy()
+    points = {"waist": np.column_stack([middle[:, 0], middle[:, 1], np.full(count, 0.78)])}
+    points["chest"], points["neck"] = points["waist"] + 0.25 * up, points["waist"] + 0.5 * up
+    points["head"], points["head_top"] = points["neck"] + 0.08 * up, points["neck"] + 0.23 * up
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        hip = points["waist"] + sign * LENGTHS["hip"] * left
+        points |= {f"{side}_hip": hip, f"{side}_ankle": feet[side], f"{side}_knee": _knee(hip, feet[side])}
+        points[f"{side}_toe"] = feet[side] + np.array([0.15, 0.0, -0.06])
+        shoulder = points["neck"] + sign * LENGTHS["shoulder"] * left
+        elbow = shoulder - LENGTHS["arm"] * up
+        wrist = elbow + LENGTHS["arm"] * np.array([0.6, 0.0, -0.8])
+        points |= {f"{side}_shoulder": shoulder, f"{side}_elbow": elbow, f"{side}_wrist": wrist}
+    return Human("walker", RATE, points, {"pelvis": heading, "chest": heading, "head": heading})

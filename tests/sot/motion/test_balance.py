@@ -2,11 +2,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from sot.motion.balance import INSET, plan_balance
+from sot.motion.balance import plan_balance
 from sot.motion.centroidal import Centroidal
 from sot.motion.contacts import Phase, phase_at, planted, support
 from sot.motion.coordinates import from_configuration, to_pinocchio
 from sot.motion.spline import Spline
+from sot.motion.support import INSET, Support
 from sot.robot import Robot
 
 PERIOD = 0.02
@@ -46,7 +47,7 @@ def test_plan_keeps_the_zmp_inside_and_ends_at_rest_over_the_middle(robot, dance
     phases = planted(robot, 4.0)
     polygon = support(robot, phases[0])
     assert polygon.margin(motion.zmp()).min() < 0.0
-    plan = plan_balance(motion, motion.com[:, :2], phases, [polygon], PERIOD)
+    plan = plan_balance(motion, motion.com[:, :2], [Support(0.0, polygon, polygon.shrunk(*INSET))], PERIOD)
     assert plan.excursion < 1e-5
     assert polygon.shrunk(*INSET).margin(plan.zmp).min() > -1e-5
     height, offset = motion.pendulum()
@@ -66,7 +67,7 @@ def test_plan_leaves_the_inset_only_where_it_must(robot):
     motion = Centroidal(com, np.zeros((length, 6)), rate, robot.mass)
     phases = planted(robot, length * PERIOD)
     polygon = support(robot, phases[0])
-    plan = plan_balance(motion, com[:, :2], phases, [polygon], PERIOD)
+    plan = plan_balance(motion, com[:, :2], [Support(0.0, polygon, polygon.shrunk(*INSET))], PERIOD)
     outside = polygon.shrunk(*INSET).margin(plan.zmp) < -1e-5
     assert plan.excursion > 0.01
     assert outside[0] and not outside[10:].any()

@@ -11,6 +11,7 @@ from sot.motion.parts import Arm, Body, Head
 from sot.motion.retarget import PartFit, _bounded_step, solve
 from sot.motion.spline import Spline
 from sot.motion.stance import Build, on_time_line, over_feet
+from sot.motion.swing import standing
 from sot.motion.targets import targets
 from sot.robot import Robot
 from tests.sot.motion.humans import dancer
@@ -36,13 +37,13 @@ def rest(robot, wanted):
 
 
 def make(name, robot, wanted):
-    phase = planted(robot, 1.0)[0]
+    feet = standing(planted(robot, 1.0)[0], wanted.length)
     build = Build.of(robot)
     if name == "arm":
         return Arm(robot, "left", wanted)
     if name == "head":
         return Head(robot, wanted)
-    return Body(robot, build, wanted, phase, np.zeros((wanted.length, 2)) if name == "balanced body" else None)
+    return Body(robot, build, wanted, feet, np.zeros((wanted.length, 2)) if name == "balanced body" else None)
 
 
 @pytest.mark.parametrize("name", ["body", "balanced body", "head", "arm"])

@@ -1,0 +1,190 @@
+"""Where the robot's feet stand: the dancer's places, changed by the least that its legs need."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+import quadprog
+from numpy.typing import NDArray
+
+from sot.motion.footwork import Stand, Step
+from sot.motion.human import SIDES
+from sot.robot import Robot
+
+Array = NDArray[np.float64]
+
+LOWERED = 0.90  # of a stretched leg's length, the lowest hips that a stride may ask for
+EXTENDED = 0.97  # of its length, how far a stride may stretch a leg
+CLEARANCE = 0.02  # m between the soles
+ROOM = 0.8  # of the range in which a foot can turn against the pelvis, for both feet at once
+HURRY = 0.45  # mean speed of a swinging leg's joints over their limit: a swing starts and ends at rest
+EDGES = 12  # of the polygon inside the circle of strides
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What a robot's legs can do with its feet flat.
+
+    Attributes:
+        hips: distance of the legs' roots [m].
+        stride: farthest of one ankle from the other beyond that distance [m].
+        turn: least and most that the left foot may be turned out from the right one, together [rad].
+        speed, turning: mean of a foot in a step [m/s, rad/s].
+        soles: foot -> (nc, 2) corners about the point below the ankle [m].
+    """
+
+    hips: float
+    stride: float
+    turn: tuple[float, float]
+    speed: float
+    turning: float
+    soles: Mapping[str, Array]
+
+    @staticmethod
+    def of(robot: Robot) -> "Reach":
+        data = robot.model.createData()
+        pin.computeJointJacobians(robot.model, data, robot.rest)
+        pin.updateFramePlacements(robot.model, data)
+
+        def place(point: str) -> Array:
+            return data.oMf[robot.point(point)].translation
+
+        def length(side: str) -> float:
+            hip, knee, ankle = (place(f"{side}_{point}") for point in ("hip", "knee", "ankle"))
+            return float(np.linalg.norm(hip - knee) + np.linalg.norm(knee - ankle))
+
+        def yaw(side: str) -> int:
+            return max(robot.groups[f"{side}_leg"], key=lambda joint: abs(data.J[5, 6 + joint]))
+
+        leg = float(np.mean([length(side) for side in SIDES]))
+        lower, upper = [], []
+        for side, outward in zip(SIDES, (1.0, -1.0), strict=True):
+            joint = yaw(side)
+            ends = np.sort(outward * np.sign(data.J[5, 6 + joint]) * np.array([robot.lower[joint], robot.upper[joint]]))
+            lower.append(ends[0])
+            upper.append(ends[1])
+        rates = robot.velocity[list(robot.groups["legs"])]
+        soles = {}
+        for foot, side in zip(robot.feet, SIDES, strict=True):
+            pose = data.oMf[robot.point(foot)]
+            soles[foot] = np.array([(pose.act(corner) - place(f"{side}_ankle"))[:2] for corner in robot.sole(foot)])
+        return Reach(
+            hips=float(abs(place("left_hip")[1] - place("right_hip")[1])),
+            stride=float(2.0 * leg * np.sqrt(EXTENDED**2 - LOWERED**2)),
+            turn=(ROOM * sum(lower), ROOM * sum(upper)),
+            speed=HURRY * float(np.median(rates)) * leg,
+            turning=HURRY * min(float(robot.velocity[yaw(side)]) for side in SIDES),
+            soles=soles,
+        )
+
+
+def together(steps: Sequence[Step]) -> Iterator[tuple[int, int]]:
+    """Which stand of the left foot and of the right one are on the floor together, before and after each step."""
+    left = right = 0
+    yield left, right
+    for step in steps:
+        left, right = (left + 1, right) if step.foot == "left_foot" else (left, right + 1)
+        yield left, right
+
+
+def headings(wanted: Mapping[str, Sequence[Stand]], steps: Sequence[Step], reach: Reach) -> dict[str, Array]:
+    """Headings of the stands (n,) a foot, nearest to the wanted ones within what hips can turn and how fast."""
+    index = _Index(wanted)
+    rows, least = [], []
+    for left, right in together(steps):
+        apart = index.row(("left_foot", left, 1.0), ("right_foot", right, -1.0))
+        rows += [apart, -apart]
+        least += [reach.turn[0], -reach.turn[1]]
+    for before, after, step in index.moves(steps):
+        turned = index.row((step.foot, before, -1.0), (step.foot, after, 1.0))
+        rows += [turned, -turned]
+        least += 2 * [-reach.turning * (step.land - step.lift)]
+    target = index.gather({foot: np.array([stand.heading for stand in stands]) for foot, stands in wanted.items()})
+    return index.split(_nearest(target, rows, least))
+
+
+def places(
+    wanted: Mapping[str, Sequence[Stand]], turned: Mapping[str, Array], steps: Sequence[Step], reach: Reach
+) -> dict[str, list[Stand]]:
+    """The stands nearest to the wanted ones that the legs reach from one another, without crossing or touching.
+
+    A convex programme: each pair of stands that are on the floor together keeps, in the axes between their headings,
+    its left foot to the left by what both soles need, and no farther than a stride.
+    """
+    index = _Index(wanted)
+    rows, least = [], []
+
+    def apart(left: int, right: int, axis: Array) -> Array:
+        parts = [("left_foot", left, 1.0), ("right_foot", right, -1.0)]
+        return np.kron(index.row(*parts), axis).astype(float)
+
+    for left, right in together(steps):
+        yaws = turned["left_foot"][left], turned["right_foot"][right]
+        middle = 0.5 * (yaws[0] + yaws[1])
+        across = np.array([-np.sin(middle), np.cos(middle)])
+        rows.append(apart(left, right, across))
+        least.append(separation(yaws, reach, across))
+        for angle in middle + 2.0 * np.pi * (np.arange(EDGES) + 0.5) / EDGES:
+            way = np.array([np.cos(angle), np.sin(angle)])
+            rows.append(apart(left, right, -way))
+            least.append(-reach.stride * np.cos(np.pi / EDGES) - reach.hips * float(way @ across))
+    for before, after, step in index.moves(steps):
+        for angle in 2.0 * np.pi * np.arange(EDGES) / EDGES:
+            way = np.array([np.cos(angle), np.sin(angle)])
+            rows.append(np.kron(index.row((step.foot, before, 1.0), (step.foot, after, -1.0)), way))
+            least.append(-reach.speed * (step.land - step.lift))
+    target = index.gather({foot: np.array([(stand.x, stand.y) for stand in wanted[foot]]) for foot in wanted})
+    nearest = _nearest(target.ravel(), rows, least)
+    found = index.split(nearest.reshape(-1, 2))
+    return {
+        foot: [Stand(float(x), float(y), float(yaw)) for (x, y), yaw in zip(found[foot], turned[foot], strict=True)]
+        for foot in wanted
+    }
+
+
+def separation(yaws: tuple[float, float], reach: Reach, across: Array) -> float:
+    """Least distance of the ankles along a direction from right to left (2,) that keeps the soles apart [m]."""
+    extents = []
+    for foot, yaw, way in zip(("left_foot", "right_foot"), yaws, (-across, across), strict=True):
+        cosine, sine = np.cos(yaw), np.sin(yaw)
+        corners = reach.soles[foot] @ np.array([[cosine, sine], [-sine, cosine]])
+        extents.append(float((corners @ way).max()))
+    return sum(extents) + CLEARANCE
+
+
+class _Index:
+    """Numbers the stands of both feet in one vector."""
+
+    def __init__(self, stands: Mapping[str, Sequence[Stand]]):
+        self._first, self.count = {}, 0
+        self._counts = {foot: len(own) for foot, own in stands.items()}
+        for foot, own in self._counts.items():
+            self._first[foot] = self.count
+            self.count += own
+
+    def row(self, *parts: tuple[str, int, float]) -> Array:
+        """A row that is a weighted sum of stands, each a foot, its number, and a weight."""
+        row = np.zeros(self.count)
+        for foot, number, weight in parts:
+            row[self._first[foot] + number] = weight
+        return row
+
+    def moves(self, steps: Sequence[Step]) -> Iterator[tuple[int, int, Step]]:
+        """The stands that each step leaves and reaches."""
+        now = dict.fromkeys(self._counts, 0)
+        for step in steps:
+            now[step.foot] += 1
+            yield now[step.foot] - 1, now[step.foot], step
+
+    def gather(self, values: Mapping[str, Array]) -> Array:
+        return np.concatenate([values[foot] for foot in self._counts])
+
+    def split(self, values: Array) -> dict[str, Array]:
+        return {foot: values[first : first + self._counts[foot]] for foot, first in self._first.items()}
+
+
+def _nearest(target: Array, rows: Sequence[Array], least: Sequence[float]) -> Array:
+    """The point nearest to a target with rows · x >= least; the stands' own places are free, so there is one."""
+    found: Array = quadprog.solve_qp(np.eye(len(target)), target, np.array(rows).T, np.array(least))[0]
+    return found

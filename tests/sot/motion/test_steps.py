@@ -1,0 +1,149 @@
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from sot.motion import plan, read, recognise
+from sot.motion.contacts import phase_at
+from sot.motion.footholds import Reach, headings, places, separation
+from sot.motion.footwork import Stand, Step
+from sot.motion.support import RAMP, supports
+from sot.motion.timetable import DOUBLE, STANCE, SWING, timetable
+from sot.robot import Robot
+from tests.sot.motion.humans import walker
+
+MOCAP = Path(__file__).parents[4] / "shared" / "mocap"
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return Robot.load("hrp2")
+
+
+@pytest.fixture(scope="module")
+def walk(robot):
+    return plan(walker(), robot, "steps", rate=500.0)
+
+
+def assert_can_be_stepped(motion):
+    """Feet still and flat where they stand, clear of the floor and of each other between; the ZMP where feet carry."""
+    robot = motion.robot
+    index = phase_at(motion.phases, motion.times)
+    for foot in robot.feet:
+        track = motion.track(foot)
+        for number, phase in enumerate(motion.phases):
+            rows = index == number
+            if foot in phase.feet:
+                assert np.linalg.norm(track.position[rows] - phase.feet[foot].translation, axis=1).max() < 3e-3
+                assert np.abs(track.rotation[rows] - phase.feet[foot].rotation).max() < 5e-3
+            else:
+                assert track.position[rows, 2].max() > 0.03
+                assert track.position[rows, 2].min() > -1e-3
+    for start, support in [(support.start, support) for support in supports(robot, motion.phases)]:
+        rows = (motion.times >= start) & (motion.times < start + 0.01)
+        assert support.polygon.margin(motion.zmp[rows]).min() > 0.0
+    assert np.all(motion.q[:, 7:] >= robot.lower) and np.all(motion.q[:, 7:] <= robot.upper)
+    assert np.all(np.abs(motion.v[:, 6:]) <= robot.velocity)
+    assert np.all(np.abs(motion.a[:, 6:]) <= robot.acceleration)
+
+
+def test_a_walk_can_be_stepped(walk):
+    assert_can_be_stepped(walk.motion)
+
+
+def test_a_walk_is_followed_step_by_step(walk):
+    motion = walk.motion
+    swings = [phase for phase in motion.phases if len(phase.feet) == 1]
+    standing = [next(iter(phase.feet)) for phase in swings]
+    assert len(swings) == 6
+    assert all(a != b for a, b in pairwise(standing))
+    assert motion.com[-1, 0] - motion.com[0, 0] > 0.5
+
+
+def test_ends_at_rest(walk):
+    motion = walk.motion
+    for end in (0, -1):
+        np.testing.assert_allclose(motion.v[end], 0.0, atol=1e-6)
+        np.testing.assert_allclose(motion.a[end], 0.0, atol=1e-4)
+
+
+def test_soles_stay_apart_in_the_air(walk):
+    robot, motion = walk.motion.robot, walk.motion
+    left, right = (motion.track(foot) for foot in robot.feet)
+    for k in range(0, len(motion.q), 5):
+        poses = [pin.SE3(track.rotation[k], track.position[k]) for track in (left, right)]
+        soles = [np.array([pose.act(c)[:2] for c in robot.sole(f)]) for f, pose in zip(robot.feet, poses, strict=True)]
+        across = poses[0].rotation[:2, 1] + poses[1].rotation[:2, 1]
+        across /= np.linalg.norm(across)
+        assert (soles[0] @ across).min() - (soles[1] @ across).max() > 0.014
+
+
+def test_one_foot_at_a_time():
+    """A flight, two quick steps of a foot and a hasty one keep their order and get the time that they need."""
+    moves = (
+        Step("left_foot", 2.0, 2.5),
+        Step("right_foot", 2.1, 2.5),
+        Step("left_foot", 3.0, 3.4),
+        Step("left_foot", 3.45, 3.9),
+        Step("right_foot", 5.0, 5.1),
+    )
+    timed = timetable(moves, 8.0)
+    assert [step.foot for step in timed] == [step.foot for step in moves]
+    for step in timed:
+        assert step.land - step.lift > SWING - 1e-9
+    for before, after in pairwise(timed):
+        assert after.lift - before.land > (STANCE if before.foot == after.foot else DOUBLE) - 1e-9
+    assert abs(timed[-1].lift + timed[-1].land - 10.1) < 0.05
+
+
+def test_steps_with_room_keep_their_times():
+    moves = (Step("left_foot", 1.5, 2.1), Step("right_foot", 2.5, 3.2))
+    assert timetable(moves, 6.0) == tuple(Step(m.foot, pytest.approx(m.lift), pytest.approx(m.land)) for m in moves)
+
+
+def test_footholds_out_of_reach_are_moved_into_it(robot):
+    reach = Reach.of(robot)
+    wanted = {
+        "left_foot": [Stand(0.0, 0.1, 0.0), Stand(1.2, 0.1, 0.0), Stand(1.2, 0.1, 2.0)],
+        "right_foot": [Stand(0.0, -0.1, 0.0), Stand(1.2, 0.2, 0.0)],
+    }
+    moves = (Step("left_foot", 1.0, 1.5), Step("right_foot", 2.0, 2.5), Step("left_foot", 3.0, 3.5))
+    turned = headings(wanted, moves, reach)
+    found = places(wanted, turned, moves, reach)
+    for left, right in ((0, 0), (1, 0), (1, 1), (2, 1)):
+        a, b = found["left_foot"][left], found["right_foot"][right]
+        assert reach.turn[0] - 1e-6 < a.heading - b.heading < reach.turn[1] + 1e-6
+        middle = 0.5 * (a.heading + b.heading)
+        across = np.array([-np.sin(middle), np.cos(middle)])
+        way = np.array([a.x - b.x, a.y - b.y])
+        assert way @ across > separation((a.heading, b.heading), reach, across) - 1e-6
+        assert np.linalg.norm(way - reach.hips * across) < reach.stride + 1e-6
+
+
+def test_footholds_in_reach_stay(robot):
+    reach = Reach.of(robot)
+    wanted = {
+        "left_foot": [Stand(0.0, 0.1, 0.0), Stand(0.2, 0.12, 0.1)],
+        "right_foot": [Stand(0.0, -0.1, 0.0)],
+    }
+    moves = (Step("left_foot", 1.0, 1.6),)
+    found = places(wanted, headings(wanted, moves, reach), moves, reach)
+    for foot, stands in wanted.items():
+        for stand, own in zip(stands, found[foot], strict=True):
+            assert (own.x, own.y, own.heading) == pytest.approx((stand.x, stand.y, stand.heading), abs=1e-9)
+
+
+def test_feet_carry_after_a_ramp(walk, robot):
+    """While a foot is loaded or unloaded the ZMP has to be under the other one."""
+    phases = walk.motion.phases
+    swing = next(k for k, phase in enumerate(phases) if len(phase.feet) == 1)
+    carried = supports(robot, phases)
+    alone = next(support for support in carried if support.polygon.vertices.shape[0] == 4 and support.start > 0.0)
+    assert alone.start == pytest.approx(phases[swing].start - RAMP)
+
+
+@pytest.mark.skipif(not MOCAP.is_dir(), reason="needs ../shared/mocap")
+def test_a_recorded_walk_can_be_stepped(robot):
+    assert_can_be_stepped(plan(recognise(read(MOCAP / "bandai_walk.bvh")), robot, "steps", rate=500.0).motion)
