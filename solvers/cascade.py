@@ -5,6 +5,10 @@ Level 0 holds, the others are least squares of decreasing priority:
     min ‖w_k‖   subject to   A_k x - b_k = w_k,   lower_k <= C_k x - w_k <= upper_k,
                              levels above keep the violation w* they have reached.
 
+*The usual tick.* Where inequalities bite at the last level only, `Direct` needs one factorisation for all levels.
+
+*Level 0's equalities* are taken out by a change of variables, `Reduction`, before anything else is tried.
+
 *Null spaces.* What level k may still use is an orthonormal basis Z_k of the null space of all equalities above; they
 depend on the matrices only. Without inequalities the whole cascade is then a chain of least squares.
 
@@ -23,8 +27,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from solvers.chain import Chain, Held
+from solvers.direct import Direct
 from solvers.nullspace import project
 from solvers.proxqp import PersistentQPs, QPResult
+from solvers.reduction import Reduction, leading_of
 from solvers.rows import Array, Level, LevelResult, Solution, Status
 
 ROUNDS = 4
@@ -49,6 +55,7 @@ class Cascade:
         self.rank_tolerance = rank_tolerance
         self.tolerance = tolerance
         self._qps = PersistentQPs(tolerance=10.0 * tolerance)
+        self._direct = Direct(tolerance)
         self._bite = 10**6  # the level at which inequalities bit last
         self._held: list[Held] | None = None  # and which ones they were
         self._shape: list[tuple[int, int]] = []
@@ -60,10 +67,35 @@ class Cascade:
         level 0; the solution's status is then RELAXED and `relaxed` names what gave way.
         """
         if len(levels) == 1:  # somebody has to ask for a point that satisfies level 0
-            levels = [levels[0], Level.stack("any", [], levels[0].A.shape[1])]
+            levels = [levels[0], Level.stack("any", [], levels[0].size)]
             solution = self.solve(levels)
             del solution.levels[1:]
             return solution
+        leading = leading_of(levels)
+        if not (self.damping or self._bites_above()):
+            x = self._direct.solve(levels, leading)
+            if x is not None:
+                self._held = None
+                solution = self._solution(levels, x, {}, Status.SOLVED)
+                solution.levels[0].residual = self._direct.excess
+                return solution
+        reduction = Reduction.of(levels[0], leading, self.rank_tolerance) if levels[0].equalities else None
+        if reduction is None:
+            return self._strict(levels)
+        solution = self._strict(reduction.levels(levels))
+        solution.x = reduction.back(solution.x)
+        for level, result in zip(levels, solution.levels, strict=True):
+            result.level, result.x = level, reduction.back(result.x)
+        if self._held is not None:
+            self._direct.expect(self._held[-1].rows, self._held[-1].side)
+        return solution
+
+    def _bites_above(self) -> bool:
+        """Whether inequalities were held above the last level when null spaces were last needed."""
+        return self._held is not None and any(len(held.rows) for held in self._held[:-1])
+
+    def _strict(self, levels: Sequence[Level]) -> Solution:
+        """Solve, and let rows of level 0 give way if there is no solution."""
         solution = self._cascade(levels)
         order = sorted({block.gives_way for block in levels[0].blocks if block.gives_way})
         steps: list[int] = []
@@ -344,10 +376,9 @@ def _split(hard: Level, steps: list[int]) -> tuple[Level, list[Level]]:
             blocks.append(type(block)(block.name, block.unit, block.weight, False, slice(start, start + count)))
             start += count
         index = np.concatenate(rows) if rows else np.zeros(0, dtype=int)
-        none = np.zeros((0, hard.A.shape[1]))
-        return Level(name, none, none[:, 0], hard.C[index], hard.lower[index], hard.upper[index], blocks)
+        return Level(name, hard.size, [], hard.C[index], hard.lower[index], hard.upper[index], blocks)
 
     kept = part(hard.name, {b.gives_way for b in hard.blocks} - set(steps))
     equalities = [block for block in hard.blocks if block.equality]
-    rest = Level(hard.name, hard.A, hard.b, kept.C, kept.lower, kept.upper, equalities + kept.blocks)
+    rest = Level(hard.name, hard.size, hard.equalities, kept.C, kept.lower, kept.upper, equalities + kept.blocks)
     return rest, [part(f"relaxed {step}", {step}) for step in steps]

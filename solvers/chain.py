@@ -130,8 +130,8 @@ class Chain:
     ) -> None:
         self.levels, self.C, self.lower, self.upper = levels, C, lower, upper
         self.rank_tolerance, self.damping = rank_tolerance, damping
-        count, size = len(levels), levels[0].A.shape[1]
-        leading = min(size if level.columns is None else level.columns for level in levels)
+        count, size = len(levels), levels[0].size
+        leading = min(level.columns for level in levels)
         whole = Space(np.eye(leading, order="F"), np.eye(size - leading, order="F"))
         self.spaces: list[Space] = [whole] * (count + 1)
         self.points: list[Array] = [np.zeros(size)] * count
@@ -141,16 +141,15 @@ class Chain:
         """Solve from level `first` on; what the levels above left is kept."""
         for k in range(first, len(self.levels)):
             level, space = self.levels[k], self.spaces[k]
-            x = self.points[k - 1] if k else np.zeros(level.A.shape[1])
+            x = self.points[k - 1] if k else np.zeros(level.size)
             self._holds[k] = None
             if held is not None and len(rows := held[k].rows):
                 D = self.C[rows]
                 target = np.where(held[k].side > 0.0, self.upper[rows], self.lower[rows])
                 x, space, self._holds[k] = space.hold(D, target, x, self._tolerance(D))
             if len(level.b):
-                columns = len(x) if level.columns is None else level.columns
                 damping = self.damping if k else 0.0
-                x, space = space.solve(level.A, columns, level.b, x, self._tolerance(level.A), damping)
+                x, space = space.solve(level.A, level.columns, level.b, x, self._tolerance(level.A), damping)
             self.points[k], self.spaces[k + 1] = x, space
 
     def multipliers(self, k: int) -> Array:

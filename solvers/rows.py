@@ -68,27 +68,83 @@ class Block:
 
 
 @dataclass(slots=True)
+class Equality:
+    """Rows ``scale A x[start : start + k] = b`` on a run of k variables.
+
+    Args:
+        A: Matrix, shape (m, k).
+        b: Right-hand side, shape (m,), scaled already.
+        scale: Of the rows.
+        start: The first variable that they involve.
+        selects: If A is a run of rows of the identity, which ones.
+    """
+
+    A: Array
+    b: Array
+    scale: float = 1.0
+    start: int = 0
+    selects: slice | None = None
+
+    def times(self, Z: Array) -> Array:
+        """``scale A Z`` for the rows Z of the variables it involves, shape (k, any)."""
+        out = Z[self.selects] if self.selects is not None else self.A @ Z
+        return out if self.scale == 1.0 else self.scale * out
+
+    def residual(self, x: Array) -> Array:
+        """``scale A x - b`` of all variables x, shape (m,)."""
+        return self.times(x[self.start : self.start + self.A.shape[1]]) - self.b
+
+
+@dataclass(slots=True)
 class Level:
-    """Rows of one priority, stacked: ``A x = b`` and ``lower <= C x <= upper``, already multiplied by their weights.
+    """Rows of one priority: equalities, and ``lower <= C x <= upper``, all multiplied by their weights.
 
     Args:
         name: The level's name.
-        A: Equalities, shape (m, n).
-        b: Right-hand side, shape (m,).
+        size: Number n of variables.
+        equalities: In the order of their blocks.
         C: Inequalities, shape (p, n).
         lower, upper: Bounds, shape (p,).
-        blocks: Who owns which rows.
-        columns: Number of leading variables that the equalities involve; all of them unless given.
+        blocks: Who owns which rows; those of equalities count through all of them.
     """
 
     name: str
-    A: Array
-    b: Array
+    size: int
+    equalities: list[Equality]
     C: Array
     lower: Array
     upper: Array
     blocks: list[Block] = field(default_factory=list)
-    columns: int | None = None
+    _A: Array | None = None
+    _b: Array | None = None
+
+    @property
+    def A(self) -> Array:  # noqa: N802
+        """All equalities as one matrix, shape (m, n)."""
+        if self._A is None:
+            if len(self.equalities) == 1 and self.equalities[0].A.shape[1] == self.size:
+                one = self.equalities[0]
+                self._A = one.A if one.scale == 1.0 else one.scale * one.A
+            else:
+                self._A = np.zeros((len(self.b), self.size))
+                row = 0
+                for e in self.equalities:
+                    np.multiply(e.A, e.scale, out=self._A[row : row + len(e.b), e.start : e.start + e.A.shape[1]])
+                    row += len(e.b)
+        return self._A
+
+    @property
+    def b(self) -> Array:
+        """Their right-hand side, shape (m,)."""
+        if self._b is None:
+            parts = [e.b for e in self.equalities]
+            self._b = parts[0] if len(parts) == 1 else np.concatenate(parts) if parts else np.zeros(0)
+        return self._b
+
+    @property
+    def columns(self) -> int:
+        """Number of leading variables that the equalities involve; all of them if there are none."""
+        return max((e.start + e.A.shape[1] for e in self.equalities), default=self.size)
 
     @classmethod
     def stack(cls, name: str, rows: Sequence[Rows], size: int) -> "Level":
@@ -98,7 +154,7 @@ class Level:
             ValueError: If a matrix has another number of columns, bounds of another length, a lower bound above its
                 upper one, or an entry that is not a number.
         """
-        equalities: list[tuple[Array, Array]] = []
+        equalities: list[Equality] = []
         inequalities: list[tuple[Array, Array, Array]] = []
         blocks: list[Block] = []
         n_equal = n_unequal = 0
@@ -112,7 +168,7 @@ class Level:
                 raise ValueError(f"{row.name}: a lower bound lies above its upper bound")
             equal = lower == upper
             if equal.any():
-                equalities.append((row.weight * A[equal], row.weight * lower[equal]))
+                equalities.append(Equality(A[equal], row.weight * lower[equal], row.weight))
                 count = int(equal.sum())
                 where = slice(n_equal, n_equal + count)
                 blocks.append(Block(row.name, row.unit, row.weight, True, where, row.gives_way))
@@ -127,8 +183,8 @@ class Level:
         none = np.zeros((0, size))
         return cls(
             name,
-            np.vstack([none, *(A for A, _ in equalities)]),
-            np.concatenate([none[:, 0], *(b for _, b in equalities)]),
+            size,
+            equalities,
             np.vstack([none, *(C for C, _, _ in inequalities)]),
             np.concatenate([none[:, 0], *(lower for _, lower, _ in inequalities)]),
             np.concatenate([none[:, 0], *(upper for _, _, upper in inequalities)]),
@@ -137,11 +193,11 @@ class Level:
 
     def violation(self, x: Array) -> Array:
         """Signed violation of every row at ``x``, equalities first, shape (m + p,); 0 where a row holds."""
-        if not len(self.lower):
-            return self.A @ x - self.b
-        value = self.C @ x
-        excess = np.maximum(value - self.upper, 0.0) + np.minimum(value - self.lower, 0.0)
-        return np.concatenate([self.A @ x - self.b, excess])
+        parts = [e.residual(x) for e in self.equalities]
+        if len(self.lower):
+            value = self.C @ x
+            parts.append(np.maximum(value - self.upper, 0.0) + np.minimum(value - self.lower, 0.0))
+        return parts[0] if len(parts) == 1 else np.concatenate(parts) if parts else np.zeros(0)
 
 
 @dataclass(slots=True)

@@ -1,6 +1,7 @@
 """One weighted level instead of many strict ones: the usual alternative, behind the same interface."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,8 +29,8 @@ class Weighted:
         weights = [np.sqrt(self.ratio) ** (len(soft) - 1 - k) for k in range(len(soft))]
         merged = Level(
             "weighted",
-            np.vstack([w * level.A for w, level in zip(weights, soft, strict=True)]),
-            np.concatenate([w * level.b for w, level in zip(weights, soft, strict=True)]),
+            levels[0].size,
+            [replace(e, scale=w * e.scale, b=w * e.b) for w, level in zip(weights, soft, strict=True) for e in level.equalities],
             np.vstack([w * level.C for w, level in zip(weights, soft, strict=True)]),
             np.concatenate([w * level.lower for w, level in zip(weights, soft, strict=True)]),
             np.concatenate([w * level.upper for w, level in zip(weights, soft, strict=True)]),

@@ -20,7 +20,8 @@ class Contact:
 
     Forms of its force variables φ:
 
-    - "pyramid": a force (x, y, z) at each vertex, Ramos (3), in the friction pyramid inscribed in the cone.
+    - "pyramid": a force (x, y, z), in the point's axes, at each vertex, Ramos (3), in the friction pyramid inscribed in
+      the cone.
     - "unilateral": the paper's reduced form, Ramos (7)-(9): the wrench at the frame and the vertices' normal forces,
       linked by three equalities; pressure must not be negative, friction is not limited.
 
@@ -55,8 +56,8 @@ class Contact:
         centre = vertices.mean(axis=0)
         self.vertices = vertices - inset * np.sign(vertices - centre) * [1.0, 1.0, 0.0]
         self.friction, self.stiffness, self.damping = friction, stiffness, damping
-        self._map = self._empty_map()
-        self._arms = np.hstack([pin.skew(vertex) for vertex in self.vertices])
+        arms = np.hstack([pin.skew(vertex) for vertex in self.vertices])
+        self._map = np.array([np.tile(np.eye(3), len(vertices)), arms])
         self._cone = (
             self._pyramids() if form == "pyramid" else np.hstack([np.zeros((len(vertices), 6)), np.eye(len(vertices))])
         )
@@ -75,16 +76,10 @@ class Contact:
         return {"fixed": (0, 1, 2, 3, 4, 5), "sliding": (2, 3, 4), "off": ()}[self.mode]
 
     def wrench_map(self, tick: Tick) -> Array:
-        """Map from φ to the wrench (force, moment about the point) that the floor exerts, world axes, (6, k).
-
-        The array is the contact's own, valid until the next tick.
-        """
-        G = self._map
-        if self.form == "pyramid":
-            # [R p]× = R [p]× Rᵀ for all vertices at once.
-            R = tick.frame(self.point).rotation
-            G[3:] = ((R @ self._arms).reshape(-1, 3) @ R.T).reshape(3, -1)
-        return G
+        """Map from φ to the wrench (force, moment about the point) that the floor exerts, world axes, (6, k)."""
+        if self.form == "unilateral":
+            return np.hstack([np.eye(6), np.zeros((6, len(self.vertices)))])
+        return (tick.frame(self.point).rotation @ self._map).reshape(6, -1)
 
     def force_equalities(self, tick: Tick) -> Array:
         """Rows E with ``E φ = 0``, shape (e, k): Ramos (7) for the unilateral form, none for pyramids."""
@@ -126,13 +121,6 @@ class Contact:
         wanted[4] -= self.stiffness * normal[0]
         wanted[2] -= self.stiffness * frame.position[2]
         return wanted
-
-    def _empty_map(self) -> Array:
-        """The part of `wrench_map` that no motion changes."""
-        count = len(self.vertices)
-        if self.form == "unilateral":
-            return np.hstack([np.eye(6), np.zeros((6, count))])
-        return np.vstack([np.tile(np.eye(3), count), np.zeros((3, 3 * count))])
 
     def _pyramids(self) -> Array:
         """Friction pyramids of all vertices, with the normal force as every fifth row."""

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 
-from solvers.rows import Block, Level
+from solvers.rows import Block, Equality, Level, Rows
 from sot.contact import Contact
-from sot.forms import Form, Touch, Units, condensed, full
+from sot.forms import Condensed, Form, Full, Units
 from sot.robot import Robot
 from sot.task import Task
 from sot.tick import Tick
@@ -18,6 +19,8 @@ FormName = Literal["condensed", "full"]
 
 FRICTION_GIVES_WAY = 3
 """Place of the friction pyramids in the order in which level 0 is relaxed: the last."""
+
+_FORMS: dict[FormName, type[Form]] = {"condensed": Condensed, "full": Full}
 
 
 @dataclass(slots=True)
@@ -40,15 +43,21 @@ class Decoded:
 class Dynamics:
     """Builds the levels that a solver solves: level 0, then the stack's.
 
+    Level 0's matrices are kept from tick to tick and only what moves is written again: levels are valid until the next
+    `assemble`.
+
     Args:
         robot: The robot.
-        form: "condensed", the one that runs, or "full", the paper's; both give the same answer. Where the contacts
-            cannot bear any wrench (in flight, say) the condensed form does not exist and the full one stands in.
+        form: "condensed", the one that runs, or "full", the paper's; both give the same answer.
     """
 
     def __init__(self, robot: Robot, form: FormName = "condensed") -> None:
         self.robot, self.name = robot, form
         self.units = Units.of(robot)
+        self._form = _FORMS[form](robot, self.units, 0)
+        self._limits = _Limits(0, [])
+        self._parts: list[slice] = []
+        self._maps: list[Array] = []
 
     def assemble(
         self,
@@ -65,128 +74,170 @@ class Dynamics:
             hard: Limits of level 0.
             levels: Names and tasks of the levels below, in order.
         """
-        self._touch = Touch.of(tick, contacts, self.units)
-        form = condensed(tick, self._touch) if self.name == "condensed" else None
-        self._form = form or full(tick, contacts, self._touch, self.units)
-        first = _Rows("hard", self._form)
-        for equality in self._form.equalities:
-            first.equal(equality.block, equality.A, equality.b, self._form.size)
-        for contact, part in zip(contacts, self._touch.parts, strict=True):
-            if part.stop > part.start:
-                self._friction(contact, part, first)
+        self._parts = [slice(a, b) for a, b in pairwise(_ends([contact.force_count for contact in contacts]))]
+        count = self._parts[-1].stop if self._parts else 0
+        if count != self._form.forces:
+            self._form = _FORMS[self.name](self.robot, self.units, count)
+        form, nv = self._form, self.robot.nv
+        form.motion[:, :nv], form.bias = tick.M, tick.h
+        equalities: list[Equality] = []
+        blocks: list[Block] = []
+        limits: list[_Limit] = []
+        self._maps = []
+        for contact, part in zip(contacts, self._parts, strict=True):
+            if contact.mode == "off":
+                self._maps.append(_NO_FORCE)
+                continue
+            frame, axes = tick.frame(contact.point), contact.held
+            wanted = contact.acceleration(tick) - frame.drift
+            J = frame.jacobian
+            if len(axes) < 6:
+                J, wanted = J[list(axes)], wanted[list(axes)]
+            _add(equalities, blocks, Block(f"Contact {contact.point}", "m/s²", 1.0, True, _ANY), Equality(J, wanted))
+            if part.stop == part.start:
+                self._maps.append(_NO_FORCE)
+                continue
+            G = contact.wrench_map(tick)
+            self._maps.append(G)
+            np.matmul(frame.jacobian.T, -self.units.force * G, out=form.motion[:, nv + part.start : nv + part.stop])
+            limits.append(self._friction(contact, nv + part.start))
+            if contact.form == "unilateral":
+                E = contact.force_equalities(tick)
+                block = Block(f"Pressure {contact.point}", "N", 1.0 / self.units.force, True, _ANY)
+                _add(equalities, blocks, block, Equality(E, np.zeros(len(E)), start=nv + part.start))
+        for block, equality in form.equalities():
+            _add(equalities, blocks, block, equality)
         for task in hard:
-            first.task(task, tick, self.units)
-        out = [first.level()]
-        for name, tasks in levels:
-            rows = _Rows(name, self._form)
-            for task in tasks:
-                rows.task(task, tick, self.units)
-            out.append(rows.level())
-        return out
+            rows = task.rows(tick)
+            if task.equality:
+                _add(equalities, blocks, _block(task), self._equality(task, rows))
+            else:
+                limits.append(self._limit(task, rows))
+        if not self._limits.fits(form.size, limits):
+            self._limits = _Limits(form.size, limits)
+        self._limits.write(limits)
+        blocks += self._limits.blocks
+        first = Level("hard", form.size, equalities, self._limits.C, self._limits.lower, self._limits.upper, blocks)
+        return [first, *(self._level(tick, name, tasks) for name, tasks in levels)]
 
     def decode(self, x: Array) -> Decoded:
         """Read a solution of the levels that were assembled last."""
-        form, touch = self._form, self._touch
-        phi = (form.force @ x + form.force_offset) * self.units.force
-        forces = [phi[part] for part in touch.parts]
-        return Decoded(
-            form.acceleration @ x[: form.motion] + form.acceleration_offset,
-            form.torque @ x + form.torque_offset,
-            forces,
-            [G @ f for G, f in zip(touch.wrench_maps, forces, strict=True)],
-        )
+        form = self._form
+        phi = x[form.nv : form.nv + form.forces] * self.units.force
+        forces = [phi[part] for part in self._parts]
+        wrenches = [G @ f for G, f in zip(self._maps, forces, strict=True)]
+        return Decoded(x[: form.nv], form.torque(x), forces, wrenches)
 
-    def _friction(self, contact: Contact, part: slice, rows: "_Rows") -> None:
-        F, low, high = contact.force_inequalities(self.units.weight)
+    def _level(self, tick: Tick, name: str, tasks: Sequence[Task]) -> Level:
+        equalities: list[Equality] = []
+        blocks: list[Block] = []
+        limits = []
+        for task in tasks:
+            rows = task.rows(tick)
+            if task.equality:
+                _add(equalities, blocks, _block(task), self._equality(task, rows))
+            else:
+                limits.append(self._limit(task, rows))
+        if not limits:
+            return Level(name, self._form.size, equalities, _no_rows(self._form.size), _NOTHING, _NOTHING, blocks)
+        own = _Limits(self._form.size, limits)
+        own.write(limits)
+        return Level(name, self._form.size, equalities, own.C, own.lower, own.upper, blocks + own.blocks)
+
+    def _equality(self, task: Task, rows: Rows) -> Equality:
+        seen = self._form.seen(task.on, rows)
+        wanted = rows.lower if rows.weight == 1.0 else rows.weight * rows.lower
+        if task.on == "torque":
+            wanted = wanted - seen.offset
+        return Equality(seen.A, wanted, seen.scale, seen.start, seen.selects)
+
+    def _limit(self, task: Task, rows: Rows) -> "_Limit":
+        seen, weight = self._form.seen(task.on, rows), rows.weight
+        constant = rows.selects is not None and seen.selects is not None
+        lower, upper = weight * rows.lower, weight * rows.upper
+        if task.on == "torque":
+            lower, upper = lower - seen.offset, upper - seen.offset
+        return _Limit(_block(task), seen.A, seen.scale, seen.start, constant, lower, upper)
+
+    def _friction(self, contact: Contact, start: int) -> "_Limit":
+        F, lower, upper = contact.force_inequalities(self.units.weight)
         share = 1.0 / self.units.force
-        shift = F @ self._form.force_offset[part]
-        block = Block(f"Friction {contact.point}", "N", share, False, slice(0), FRICTION_GIVES_WAY)
-        rows.bounded(block, F @ self._form.force[part], share * low - shift, share * high - shift)
+        block = Block(f"Friction {contact.point}", "N", share, False, _ANY, FRICTION_GIVES_WAY)
+        return _Limit(block, F, 1.0, start, True, share * lower, share * upper)
 
 
-class _Rows:
-    """Rows of one level, gathered in the variables of a form."""
+@dataclass(slots=True)
+class _Limit:
+    """Inequalities ``lower <= scale A x[start : ...] <= upper``; `constant` if their matrix is that of the last tick."""
 
-    __slots__ = ("A", "C", "b", "blocks", "columns", "form", "high", "low", "m", "name", "p")
+    block: Block
+    A: Array
+    scale: float
+    start: int
+    constant: bool
+    lower: Array
+    upper: Array
 
-    def __init__(self, name: str, form: Form) -> None:
-        self.name, self.form = name, form
-        self.A: list[tuple[float, Array]] = []
-        self.b: list[Array] = []
-        self.C: list[tuple[float, Array]] = []
-        self.low: list[Array] = []
-        self.high: list[Array] = []
+
+class _Limits:
+    """The inequalities of a level, one below the other."""
+
+    def __init__(self, size: int, limits: Sequence[_Limit]) -> None:
+        self._size, self._layout = size, [_layout(limit) for limit in limits]
+        self._constants = [limit.A for limit in limits]  # kept alive: the layout knows them by their identity
+        self._rows = [slice(a, b) for a, b in pairwise(_ends([len(limit.lower) for limit in limits]))]
+        count = self._rows[-1].stop if self._rows else 0
+        self.C, self.lower, self.upper = np.zeros((count, size)), np.empty(count), np.empty(count)
+        for limit, rows in zip(limits, self._rows, strict=True):
+            if limit.constant:
+                self._write(limit, rows)
         self.blocks: list[Block] = []
-        self.m = self.p = 0
-        self.columns = form.motion
 
-    def task(self, task: Task, tick: Tick, units: Units) -> None:
-        """Add a task's rows, weighted."""
-        rows, form = task.rows(tick), self.form
-        weight, scale, columns = rows.weight, rows.weight, form.size
-        if task.on == "acceleration":
-            maps, offset, columns = form.acceleration, form.acceleration_offset, form.motion
-        elif task.on == "torque":
-            maps, offset = form.torque, form.torque_offset
-        else:
-            maps, offset, scale = form.force, form.force_offset, weight * units.force
-        if rows.selects is None:
-            matrix, shift = rows.A @ maps, rows.A @ offset
-        else:
-            matrix, shift = maps[rows.selects], offset[rows.selects]
-        shift = scale * shift
-        low = weight * rows.lower - shift
-        block = Block(task.name, task.unit, weight, task.equality, slice(0), task.gives_way)
-        if task.equality:
-            self.equal(block, matrix, low, columns, scale)
-        else:
-            self.bounded(block, matrix, low, weight * rows.upper - shift, scale)
+    def fits(self, size: int, limits: Sequence[_Limit]) -> bool:
+        """Whether these are the same rows as last time, with other numbers."""
+        return size == self._size and self._layout == [_layout(limit) for limit in limits]
 
-    def equal(self, block: Block, A: Array, b: Array, columns: int, scale: float = 1.0) -> None:
-        """Add equalities ``scale A x = b`` that involve the leading `columns` variables."""
-        block.rows = slice(self.m, self.m + len(b))
-        self.m += len(b)
-        self.columns = max(self.columns, columns)
-        self.blocks.append(block)
-        self.A.append((scale, A))
-        self.b.append(b)
+    def write(self, limits: Sequence[_Limit]) -> None:
+        """Take over the numbers of a tick."""
+        self.blocks = []
+        for limit, rows in zip(limits, self._rows, strict=True):
+            if not limit.constant:
+                self._write(limit, rows)
+            self.lower[rows], self.upper[rows] = limit.lower, limit.upper
+            limit.block.rows = rows
+            self.blocks.append(limit.block)
 
-    def bounded(self, block: Block, C: Array, low: Array, high: Array, scale: float = 1.0) -> None:
-        """Add inequalities ``low <= scale C x <= high``."""
-        block.rows = slice(self.p, self.p + len(low))
-        self.p += len(low)
-        self.blocks.append(block)
-        self.C.append((scale, C))
-        self.low.append(low)
-        self.high.append(high)
-
-    def level(self) -> Level:
-        """The level."""
-        size = self.form.size
-        return Level(
-            self.name,
-            _stacked(self.A, self.m, size),
-            _joined(self.b),
-            _stacked(self.C, self.p, size),
-            _joined(self.low),
-            _joined(self.high),
-            self.blocks,
-            self.columns,
-        )
+    def _write(self, limit: _Limit, rows: slice) -> None:
+        np.multiply(limit.A, limit.scale, out=self.C[rows, limit.start : limit.start + limit.A.shape[1]])
 
 
-def _stacked(parts: list[tuple[float, Array]], count: int, size: int) -> Array:
-    """Scaled matrices on top of each other, filled up with zero columns."""
-    out = np.zeros((count, size))
-    start = 0
-    for scale, part in parts:
-        end = start + len(part)
-        np.multiply(part, scale, out=out[start:end, : part.shape[1]])
-        start = end
-    return out
+def _layout(limit: _Limit) -> tuple[str, int, int, float, int]:
+    return limit.block.name, len(limit.lower), limit.start, limit.scale, id(limit.A) if limit.constant else 0
 
 
-def _joined(parts: list[Array]) -> Array:
-    if len(parts) == 1:
-        return parts[0]
-    return np.concatenate(parts) if parts else np.empty(0)
+def _block(task: Task) -> Block:
+    return Block(task.name, task.unit, task.weight, task.equality, _ANY, task.gives_way)
+
+
+def _add(equalities: list[Equality], blocks: list[Block], block: Block, equality: Equality) -> None:
+    start = blocks[-1].rows.stop if blocks else 0
+    block.rows = slice(start, start + len(equality.b))
+    blocks.append(block)
+    equalities.append(equality)
+
+
+def _ends(counts: Sequence[int]) -> list[int]:
+    """Where runs of these lengths end, after a 0."""
+    ends = [0]
+    for count in counts:
+        ends.append(ends[-1] + count)
+    return ends
+
+
+def _no_rows(size: int) -> Array:
+    return np.empty((0, size))
+
+
+_ANY = slice(0)
+_NOTHING = np.empty(0)
+_NO_FORCE = np.zeros((6, 0))

@@ -20,10 +20,11 @@ class LeastForces(Task):
 
     def __init__(self, weight: float = 0.01, name: str = "LeastForces") -> None:
         super().__init__(name, "N", "N", weight)
+        self._A, self._nothing = np.eye(0), np.zeros(0)
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``φ = 0``."""
         count = sum(contact.force_count for contact in tick.contacts)
-        nothing = np.zeros(count)
-        self.selects = slice(0, count)
-        return self._rows(np.eye(count), nothing, nothing)
+        if count != len(self._A):
+            self._A, self._nothing, self.selects = np.eye(count), np.zeros(count), slice(0, count)
+        return self._rows(self._A, self._nothing, self._nothing)

@@ -1,0 +1,202 @@
+"""The cascade of a tick on which inequalities bite at its last level only, or not at all.
+
+Most ticks are of that kind, and they need no null-space basis between levels. With variables (x_1, x_2) as in
+`Reduction`, and as long as each level's rows J_k can be met exactly, the lexicographic optimum of
+
+    J_0 x_1 = b_0,  J_1 x_1 = b_1,  ...
+
+is the least-norm solution of all of them together: one factorisation ``[J_0; J_1; ...]ᵀ = Q R``, one triangular solve.
+The first level with more rows than there are variables left takes these by least squares. Then x_2 has to answer what
+level 0 asks of it, ``R x_2 = r − P x_1``, and the last level, which wants ``x_2 = b``, gets the nearest point that does:
+
+    x_2 = b + T⁺ (t − T b),   T the rows R and those inequalities on x_2 that are held.
+
+The result is checked exactly: all inequalities of level 0 hold, and the held ones push the right way. What does not fit,
+because rows contradict each other, a level is of another kind, or an inequality bites higher up, is left to others.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg import lapack
+
+from solvers.nullspace import determined
+from solvers.rows import Array, Equality, Level
+
+INDEPENDENT = 1e-5
+"""Rows are taken to be independent if none is closer to the others' span than this, relative to the farthest."""
+ROUNDS = 8
+"""Changes of the held inequalities before it is given up."""
+_WORK = 64 * 64
+
+
+class Direct:
+    """Solves the ticks that need no null spaces.
+
+    Args:
+        tolerance: Violation that counts as none.
+
+    Attributes:
+        held: Inequalities of level 0 held at the last level: row -> +1 at its upper bound, -1 at its lower one.
+        excess: Largest violation of an inequality in the last answer.
+    """
+
+    def __init__(self, tolerance: float) -> None:
+        self.tolerance = tolerance
+        self.held: dict[int, float] = {}
+        self.excess = 0.0
+        self._shape = (0, 0, 0)
+
+    def expect(self, rows: Array, side: Array) -> None:
+        """Start the next time with these rows held, at the upper bound where `side` is positive."""
+        self.held = dict(zip(rows.tolist(), side.tolist(), strict=True))
+
+    def solve(self, levels: Sequence[Level], leading: int) -> Array | None:
+        """The optimum, shape (n,), or None if this is not a hierarchy of that kind."""
+        hard, size = levels[0], levels[0].size
+        shape = len(hard.lower), size, leading
+        if shape != self._shape:
+            self._shape, self.held = shape, {}
+        if any(len(level.lower) for level in levels[1:]):
+            return None
+        thin, coupled = [], []
+        for e in hard.equalities:
+            (coupled if e.start + e.A.shape[1] > leading else thin).append(e)
+        used = sum(len(e.b) for e in thin)
+        wide: list[Equality] = []
+        last: Equality | None = None
+        for level in levels[1:]:
+            if last is not None or not level.equalities:
+                continue
+            if level.columns > leading:
+                last = level.equalities[0]
+                if used < leading or len(level.equalities) > 1 or last.selects != slice(0, size - leading):
+                    return None
+                if last.start != leading:
+                    return None
+            elif used < leading:
+                rows = sum(len(e.b) for e in level.equalities)
+                if used + rows <= leading:
+                    thin.extend(level.equalities)
+                else:
+                    wide = level.equalities
+                used += rows
+        if used < leading or (last is None and size > leading) or sum(len(e.b) for e in thin) > leading:
+            return None
+        x = np.empty(size)
+        first = _leading(thin, wide, leading)
+        if first is None:
+            return None
+        x[:leading] = first
+        return self._trailing(hard, coupled, last, x, leading)
+
+    def _trailing(
+        self, hard: Level, coupled: Sequence[Equality], last: Equality | None, x: Array, leading: int
+    ) -> Array | None:
+        """Fill in x_2, and hold what has to be."""
+        count = len(x) - leading
+        known = sum(len(e.b) for e in coupled)
+        wish = last.b / last.scale if last is not None else x[leading:]
+        T = np.zeros((count, count), order="F")
+        target = np.empty(count)
+        row = 0
+        for e in coupled:
+            m, before = len(e.b), max(leading - e.start, 0)
+            end = e.start + e.A.shape[1] - leading
+            np.multiply(e.A[:, before:].T, e.scale, out=T[end - e.A.shape[1] + before : end, row : row + m])
+            target[row : row + m] = e.b
+            if before:
+                target[row : row + m] -= e.scale * (e.A[:, :before] @ x[e.start : leading])
+            row += m
+        held = dict(self.held)
+        for _ in range(ROUNDS):
+            rows = list(held)
+            used = known + len(rows)
+            if used > count:
+                return None
+            if rows:
+                T[:, known:used] = hard.C[rows, leading:].T
+                target[known:used] = [hard.upper[r] if side > 0.0 else hard.lower[r] for r, side in held.items()]
+            pushes = np.zeros(0)
+            if count:
+                step = _nearest(T[:, :used], target[:used], wish)
+                if step is None:
+                    return None
+                x[leading:], pushes = step
+            if rows:
+                pulls = [r for r, push in zip(rows, pushes[known:].tolist(), strict=True) if held[r] * push < 0.0]
+                if pulls:
+                    for r in pulls:
+                        del held[r]
+                    continue
+            value = hard.C @ x
+            above, below = value - hard.upper, hard.lower - value
+            excess = np.maximum(above, below)
+            worst = float(excess.max(initial=0.0))
+            if not worst > self.tolerance:  # not a number either way: there is none that far
+                self.held, self.excess = held, worst
+                return x if np.isfinite(x).all() else None
+            excess[hard.C[:, :leading].any(axis=1)] = 0.0
+            r = int(np.argmax(excess))
+            if not excess[r] > self.tolerance or r in held:
+                return None
+            held[r] = 1.0 if above[r] > below[r] else -1.0
+        return None
+
+
+def _leading(thin: Sequence[Equality], wide: Sequence[Equality], count: int) -> Array | None:
+    """x_1: all `thin` rows exactly, in order of priority, and the `wide` ones by least squares in what they leave."""
+    used = sum(len(e.b) for e in thin)
+    J, target = np.empty((count, used), order="F"), np.empty(used)
+    row = 0
+    for e in thin:
+        end = row + len(e.b)
+        if e.A.shape[1] < count or e.start:
+            J[:, row:end] = 0.0
+        J[e.start : e.start + e.A.shape[1], row:end] = e.A.T
+        if e.scale != 1.0:
+            J[:, row:end] *= e.scale
+        target[row:end] = e.b
+        row = end
+    turned = np.zeros((count, 1 + count - used), order="F")
+    if used < count:
+        turned.reshape(-1, order="F")[count + used :: count + 1] = 1.0
+    if used:
+        qr, tau, _, _ = lapack.dgeqrf(J, lwork=_WORK, overwrite_a=1)
+        if not _independent(qr):
+            return None
+        turned[:used, 0], _ = lapack.dtrtrs(qr[:used], target, lower=0, trans=1)
+        turned, _, _ = lapack.dormqr("L", "N", qr, tau, turned, _WORK, overwrite_c=1)
+    x = turned[:, 0]
+    if used < count:
+        Z = turned[:, 1:]
+        parts = [(e.times(Z[e.start : e.start + e.A.shape[1]]), e.residual(x)) for e in wide]
+        B, r = parts[0] if len(parts) == 1 else (np.vstack([B for B, _ in parts]), np.concatenate([r for _, r in parts]))
+        y = determined(B, r, INDEPENDENT)
+        if y is None:
+            return None
+        x = x - Z @ y
+    return x
+
+
+def _nearest(T: Array, target: Array, wish: Array) -> tuple[Array, Array] | None:
+    """The point nearest to `wish` with ``Tᵀ x = target``, and the multipliers: ``wish − x = T λ``."""
+    used = T.shape[1]
+    if not used:
+        return wish, np.zeros(0)
+    missing = target - wish @ T
+    qr, tau, _, _ = lapack.dgeqrf(T, lwork=_WORK)
+    if not _independent(qr):
+        return None
+    R = qr[:used]
+    turned = np.zeros((len(T), 1), order="F")
+    turned[:used, 0], _ = lapack.dtrtrs(R, missing, lower=0, trans=1)
+    multipliers, _ = lapack.dtrtrs(R, -turned[:used, 0], lower=0)
+    turned, _, _ = lapack.dormqr("L", "N", qr, tau, turned, _WORK, overwrite_c=1)
+    return wish + turned[:, 0], multipliers
+
+
+def _independent(qr: Array) -> bool:
+    """Whether the columns that were factorised are independent; what is not a number is not."""
+    size = np.abs(qr.diagonal())
+    return bool(size.min() > INDEPENDENT * size.max())
