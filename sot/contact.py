@@ -56,6 +56,7 @@ class Contact:
         centre = vertices.mean(axis=0)
         self.vertices = vertices - inset * np.sign(vertices - centre) * [1.0, 1.0, 0.0]
         self.friction, self.stiffness, self.damping = friction, stiffness, damping
+        self._bounded = -1.0, 0.0, np.empty(0), np.empty(0)  # at which load, and the bounds of the forces then
         arms = np.hstack([pin.skew(vertex) for vertex in self.vertices])
         self._map = np.array([np.tile(np.eye(3), len(vertices)), arms])
         self._cone = (
@@ -100,13 +101,16 @@ class Contact:
 
     def force_inequalities(self, weight: float) -> tuple[Array, Array, Array]:
         """Rows ``lower <= C φ <= upper``; `weight` is the robot's [N]."""
-        count = len(self.vertices)
-        top = self.largest(weight) / count
-        if self.form == "unilateral":
-            return self._cone, np.zeros(count), np.full(count, top)
-        lower, upper = np.full(5 * count, -np.inf), np.zeros(5 * count)
-        lower[4::5], upper[4::5] = 0.0, top
-        return self._cone, lower, upper
+        if (self.load, weight) != self._bounded[:2]:
+            count = len(self.vertices)
+            top = self.largest(weight) / count
+            if self.form == "unilateral":
+                lower, upper = np.zeros(count), np.full(count, top)
+            else:
+                lower, upper = np.full(5 * count, -np.inf), np.zeros(5 * count)
+                lower[4::5], upper[4::5] = 0.0, top
+            self._bounded = self.load, weight, lower, upper
+        return self._cone, self._bounded[2], self._bounded[3]
 
     def acceleration(self, tick: Tick) -> Array:
         """Acceleration that the held surface is to have, shape (6,): none, but for laying it flat and at rest.

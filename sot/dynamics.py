@@ -146,29 +146,28 @@ class Dynamics:
 
     def _equality(self, task: Task, rows: Rows) -> Equality:
         seen = self._form.seen(task.on, rows)
-        wanted = rows.lower if rows.weight == 1.0 else rows.weight * rows.lower
-        if task.on == "torque":
-            wanted = wanted - seen.offset
+        wanted = rows.lower if task.on != "torque" else rows.lower - seen.offset
+        if rows.weight != 1.0:
+            wanted = rows.weight * wanted
         return Equality(seen.A, wanted, seen.scale, seen.start, seen.selects)
 
     def _limit(self, task: Task, rows: Rows) -> "_Limit":
-        seen, weight = self._form.seen(task.on, rows), rows.weight
+        seen, lower, upper = self._form.seen(task.on, rows), rows.lower, rows.upper
         constant = rows.selects is not None and seen.selects is not None
-        lower, upper = weight * rows.lower, weight * rows.upper
         if task.on == "torque":
             lower, upper = lower - seen.offset, upper - seen.offset
-        return _Limit(_block(task), seen.A, seen.scale, seen.start, constant, lower, upper)
+        return _Limit(_block(task), seen.A, seen.scale, seen.start, constant, lower, upper, rows.weight)
 
     def _friction(self, contact: Contact, start: int) -> "_Limit":
         F, lower, upper = contact.force_inequalities(self.units.weight)
         share = 1.0 / self.units.force
         block = Block(f"Friction {contact.point}", "N", share, False, _ANY, FRICTION_GIVES_WAY)
-        return _Limit(block, F, 1.0, start, True, share * lower, share * upper)
+        return _Limit(block, F, 1.0, start, True, lower, upper, share)
 
 
 @dataclass(slots=True)
 class _Limit:
-    """Inequalities ``lower <= scale A x[start : ...] <= upper``; `constant` if their matrix is that of the last tick."""
+    """Inequalities ``share lower <= scale A x[start : ...] <= share upper``; `constant` if A is that of the last tick."""
 
     block: Block
     A: Array
@@ -177,6 +176,7 @@ class _Limit:
     constant: bool
     lower: Array
     upper: Array
+    share: float = 1.0
 
 
 class _Limits:
@@ -203,7 +203,8 @@ class _Limits:
         for limit, rows in zip(limits, self._rows, strict=True):
             if not limit.constant:
                 self._write(limit, rows)
-            self.lower[rows], self.upper[rows] = limit.lower, limit.upper
+            np.multiply(limit.lower, limit.share, out=self.lower[rows])
+            np.multiply(limit.upper, limit.share, out=self.upper[rows])
             limit.block.rows = rows
             self.blocks.append(limit.block)
 

@@ -46,7 +46,9 @@ class Units:
 
 
 class Linear(NamedTuple):
-    """``scale A x[start : start + k] + offset``; where `selects` is given, A are these rows of the identity."""
+    """``y = (scale / weight) A x[start : start + k] + offset``; where `selects` is given, A is these rows of the identity.
+
+    The weight is that of the task's rows."""
 
     A: Array
     scale: float
@@ -76,7 +78,7 @@ class Form(ABC):
         self.bias = np.empty(robot.nv)
 
     def seen(self, on: On, rows: Rows) -> Linear:
-        """``weight A y`` of a task's rows, y being accelerations, torques or forces, as a function of x."""
+        """What a task's rows are about, ``A y`` with y accelerations, torques or forces, as a function of x."""
         if on == "acceleration":
             return Linear(rows.A, rows.weight, 0, rows.selects)
         if on == "force":
@@ -114,9 +116,9 @@ class Condensed(Form):
 
     def _torques(self, rows: Rows) -> Linear:
         if rows.selects is None:
-            return Linear(rows.A @ self.motion[6:], rows.weight, offset=rows.weight * (rows.A @ self.bias[6:]))
+            return Linear(rows.A @ self.motion[6:], rows.weight, offset=rows.A @ self.bias[6:])
         joints = slice(6 + rows.selects.start, 6 + rows.selects.stop)
-        return Linear(self.motion[joints], rows.weight, offset=rows.weight * self.bias[joints])
+        return Linear(self.motion[joints], rows.weight, offset=self.bias[joints])
 
 
 class Full(Form):

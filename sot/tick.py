@@ -61,6 +61,9 @@ class Tick:
         self._momentum_data = robot.model.createData()
         self._rest = np.zeros(robot.nv)
         self._frames: dict[str, FrameState] = {}
+        # Live views of where Pinocchio writes: to ask it for them anew takes longer than to compute what is in them.
+        self._places: dict[str, tuple[int, Array, Array]] = {}
+        self._com = tuple(part[0] for part in (self.data.com, self.data.vcom, self.data.acom))
         self._com_jacobian: Array | None = None
         self._centroidal: tuple[Array, Array, Array] | None = None
         self.update(0.0, robot.rest, self._rest)
@@ -75,7 +78,7 @@ class Tick:
         self.M = pin.crba(model, data, q)
         # With v̇ = 0 accelerations are drifts; this also leaves data.v and data.a for the frames below.
         pin.centerOfMass(model, data, q, v, self._rest, False)
-        self.com, self.com_velocity, self.com_drift = data.com[0].copy(), data.vcom[0].copy(), data.acom[0].copy()
+        self.com, self.com_velocity, self.com_drift = self._com
         pin.computeJointJacobians(model, data)
         pin.updateFramePlacements(model, data)
         self._frames.clear()
@@ -98,16 +101,15 @@ class Tick:
         """
         state = self._frames.get(point)
         if state is None:
-            model, data, frame = self.robot.model, self.data, self.robot.point(point)
-            place = data.oMf[frame]
-            axes = pin.LOCAL_WORLD_ALIGNED
-            state = FrameState(
-                place.translation,
-                place.rotation,
-                pin.getFrameVelocity(model, data, frame, axes).vector,
-                pin.getFrameJacobian(model, data, frame, axes),
-                pin.getFrameClassicalAcceleration(model, data, frame, axes).vector,
-            )
+            model, data = self.robot.model, self.data
+            if point not in self._places:
+                frame = self.robot.point(point)
+                place = data.oMf[frame]
+                self._places[point] = frame, place.translation, place.rotation
+            frame, position, rotation = self._places[point]
+            jacobian = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
+            drift = pin.getFrameClassicalAcceleration(model, data, frame, pin.LOCAL_WORLD_ALIGNED).vector
+            state = FrameState(position, rotation, jacobian @ self.v, jacobian, drift)
             self._frames[point] = state
         return state
 

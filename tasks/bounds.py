@@ -47,33 +47,25 @@ class JointBounds(Task):
 
     def __init__(self, robot: Robot, range_margin: float = 0.002, velocity_fraction: float = 0.99) -> None:
         super().__init__("JointBounds", "rad/s²", "rad", weight=1.0 / 100.0)
-        self._lower, self._upper = robot.lower + range_margin, robot.upper - range_margin
-        self._velocity = velocity_fraction * robot.velocity
-        self._brake, self._hard = robot.acceleration, robot.acceleration_hard
+        self._bounds = AccelerationBounds(
+            robot.lower + range_margin,
+            robot.upper - range_margin,
+            velocity_fraction * robot.velocity,
+            robot.acceleration,
+            robot.acceleration_hard,
+        )
         self._A = np.hstack([np.zeros((robot.na, 6)), np.eye(robot.na)])
         self.selects = slice(6, robot.nv)
 
     def rows(self, tick: Tick) -> Rows:
         """Rows on the joint accelerations; `error` is how far each joint is outside its range."""
-        q, v = tick.q[7:], tick.v[6:]
-        self.error = np.maximum(q - self._upper, 0.0) + np.minimum(q - self._lower, 0.0)
-        lower, upper = acceleration_bounds(
-            q, v, self._lower, self._upper, self._velocity, self._brake, self._hard, tick.period
-        )
+        lower, upper = self._bounds(tick.q[7:], tick.v[6:], tick.period)
+        self.error = self._bounds.outside
         return self._rows(self._A, lower, upper)
 
 
-def acceleration_bounds(
-    q: Array,
-    v: Array,
-    lower: Array,
-    upper: Array,
-    velocity: Array,
-    brake: Array,
-    hard: Array,
-    period: float,
-) -> tuple[Array, Array]:
-    """Accelerations for the next period after which every limit can still be kept, shapes (n,).
+class AccelerationBounds:
+    """Accelerations for the next period after which every limit can still be kept.
 
     Kim (14) bounds the speed *now* by what can be braked before the end of the range, ``v² <= 2 a (q_max − q)``; over a
     finite period a state that obeys it may leave it, and no acceleration then satisfies all three terms. Here the state
@@ -82,34 +74,41 @@ def acceleration_bounds(
     of made infeasible: the bounds always admit something.
 
     Args:
-        q, v: Positions and velocities.
-        lower, upper: Range.
-        velocity: Velocity limits, symmetric.
-        brake: Deceleration that is relied upon to stop before the end of the range.
-        hard: Acceleration limits, symmetric, not below `brake`.
-        period: Time for which the acceleration stays [s].
+        lower, upper: Range, shapes (n,).
+        velocity: Velocity limits, symmetric, shape (n,).
+        brake: Deceleration that is relied upon to stop before the end of the range, shape (n,).
+        hard: Acceleration limits, symmetric, not below `brake`, shape (n,).
+
+    Attributes:
+        outside: How far the last positions were outside the range, shape (n,).
     """
-    # Both ends at once: towards the upper one, and mirrored, towards the lower one.
-    distance, speed = np.array([upper - q, q - lower]), np.array([v, -v])
-    most = np.minimum((velocity - speed) / period, _approach(distance, speed, brake, period))
-    up, down = np.minimum(np.maximum(most, -hard), hard)
-    return np.minimum(-down, up), up
 
+    def __init__(self, lower: Array, upper: Array, velocity: Array, brake: Array, hard: Array) -> None:
+        # Both ends at once: towards the upper one, and mirrored, towards the lower one.
+        self._ends = np.array([upper, -lower])
+        self._velocity, self._brake, self._most, self._least = velocity, brake, hard, -hard
+        self._inside = self.outside = np.zeros(len(lower))
 
-def _approach(distance: Array, v: Array, brake: Array, period: float) -> Array:
-    """Largest acceleration towards a limit at `distance`, after which it can still be kept; v > 0 is towards it."""
-    # With w = v + a T: w² + brake T w = 2 brake (distance − (v + w) T / 2), the larger root. The second term is what
-    # braking for whole periods takes beyond w² = 2 brake distance; without it the last of them ends in a kick.
-    reach = brake * period
-    room = 2.0 * distance - v * period
-    wanted = (np.sqrt(np.maximum(reach**2 + brake * room, 0.0)) - reach - v) / period
-    if min(room.min(), distance.min()) < 0.0:
-        # Nearer than one period's travel: to be no further than the limit after it.
-        wanted = np.where(room >= 0.0, wanted, 2.0 * (distance - v * period) / period**2)
-        # Beyond the limit: back at a rate that dies out, not harder than one brakes.
-        returning = np.maximum((RETURN_RATE * distance - v) / period, -brake)
-        wanted = np.where(distance >= 0.0, wanted, returning)
-    return wanted
+    def __call__(self, q: Array, v: Array, period: float) -> tuple[Array, Array]:
+        """Smallest and largest acceleration of joints at q, moving with v, for a period [s]; shapes (n,)."""
+        v = np.array((v, -v))
+        distance = self._ends - np.array((q, -q))
+        # With w = v + a T: w² + brake T w = 2 brake (distance − (v + w) T / 2), the larger root. The second term is what
+        # braking for whole periods takes beyond w² = 2 brake distance; without it the last of them ends in a kick.
+        reach = self._brake * period
+        room = 2.0 * distance - period * v
+        stopping = np.sqrt(np.maximum(self._brake * room + reach**2, 0.0)) - reach
+        most = (np.minimum(stopping, self._velocity) - v) / period
+        self.outside = self._inside
+        if min(room.min(), distance.min()) < 0.0:
+            self.outside = np.maximum(-distance[0], 0.0) - np.maximum(-distance[1], 0.0)
+            # Nearer than one period's travel: to be no further than the limit after it.
+            near = np.where(room >= 0.0, most, 2.0 * (distance - period * v) / period**2)
+            # Beyond the limit: back at a rate that dies out, not harder than one brakes.
+            returning = np.maximum((RETURN_RATE * distance - v) / period, -self._brake)
+            most = np.minimum(np.where(distance >= 0.0, near, returning), (self._velocity - v) / period)
+        up, down = np.maximum(np.minimum(most, self._most), self._least)
+        return np.minimum(-down, up), up
 
 
 RETURN_RATE = 10.0

@@ -19,6 +19,8 @@ from sot.task import Pose
 
 Array = NDArray[np.float64]
 
+ON_SAMPLE = 1e-6
+"""A time nearer to a sample than this share of the time between two is that sample's: times are sums of periods."""
 FIELDS = ("q", "v", "a", "com", "com_velocity", "com_acceleration", "zmp", "momentum")
 
 
@@ -92,22 +94,29 @@ class Motion:
 
     def sample(self, t: float) -> MotionSample:
         """The motion at a time [s], linear between samples, at rest before the first and after the last."""
-        x = min(max(t * self.rate, 0.0), len(self._table) - 1.0)
-        k = int(x)
-        row = self._table[k]
-        if x > k:
-            row = row + (x - k) * (self._table[k + 1] - row)
+        row = self._row(t)
         return MotionSample._make([row[part] for part in self._slices])
+
+    def _row(self, t: float) -> Array:
+        k, rest = self._place(t)
+        row = self._table[k]
+        return row + rest * (self._table[k + 1] - row) if rest else row
+
+    def _place(self, t: float) -> tuple[int, float]:
+        """The sample at or before a time [s], and which share of the way to the next has passed."""
+        x = min(max(t * self.rate, 0.0), len(self.q) - 1.0)
+        k = int(x + ON_SAMPLE)
+        return (k, x - k) if x - k > ON_SAMPLE else (k, 0.0)
 
     def joints(self, t: float) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration of the joints at a time [s], (na,) each: a posture's reference."""
-        now = self.sample(t)
-        return now.q[7:], now.v[6:], now.a[6:]
+        row, (q, v, a, *_) = self._row(t), self._slices
+        return row[q.start + 7 : q.stop], row[v.start + 6 : v.stop], row[a.start + 6 : a.stop]
 
     def balance(self, t: float) -> tuple[Array, Array, Array, Array]:
         """CoM (3,), its velocity and acceleration, and the ZMP (2,) at a time [s]: a balance task's reference."""
-        now = self.sample(t)
-        return now.com, now.com_velocity, now.com_acceleration, now.zmp
+        row, (_, _, _, com, velocity, acceleration, zmp) = self._row(t), self._slices
+        return row[com], row[velocity], row[acceleration], row[zmp]
 
     @property
     def feet(self) -> dict[str, Callable[[float], Array]]:
@@ -129,12 +138,11 @@ class Motion:
         Raises:
             InputError: the robot has no such point.
         """
-        track, last = self.track(point), len(self.q) - 1
+        track = self.track(point)
 
         def at(t: float) -> Pose:
-            x = min(max(t * self.rate, 0.0), float(last))
-            k = int(x)
-            dt = (x - k) / self.rate
+            k, rest = self._place(t)
+            dt = rest / self.rate
             pose = Pose(track.position[k], track.rotation[k], track.velocity[k], track.acceleration[k])
             if not dt:
                 return pose

@@ -7,7 +7,7 @@ import pytest
 
 from sot.robot import Robot, robots
 from sot.tick import Tick
-from tasks.bounds import JointBounds, TorqueBounds, acceleration_bounds
+from tasks.bounds import JointBounds, TorqueBounds, AccelerationBounds
 from tests.sot.states import random_state
 
 STARTS = 1000
@@ -59,7 +59,7 @@ def test_whatever_is_chosen_between_the_bounds_keeps_range_and_velocity(period, 
     lower, upper, velocity, brake, hard = joints(rng)
     q, v = keepable_starts(rng, lower, upper, velocity, brake, period)
     for _ in range(150):
-        low, high = acceleration_bounds(q, v, lower, upper, velocity, brake, hard, period)
+        low, high = AccelerationBounds(lower, upper, velocity, brake, hard)(q, v, period)
         assert np.all(low <= high) and np.all(low >= -hard) and np.all(high <= hard)
         q, v, highest, lowest = step(q, v, choose(rng, choice, low, high), period)
         assert np.max(highest - upper) < 1e-9 and np.max(lower - lowest) < 1e-9
@@ -72,7 +72,7 @@ def test_the_upper_bound_reaches_the_end_of_the_range_and_stays_there(period):
     lower, upper, velocity, brake, hard = joints(rng)
     q, v = keepable_starts(rng, lower, upper, velocity, brake, period)
     for k in range(round(6.0 / period)):
-        _, high = acceleration_bounds(q, v, lower, upper, velocity, brake, hard, period)
+        _, high = AccelerationBounds(lower, upper, velocity, brake, hard)(q, v, period)
         if k * period > 5.9:
             assert np.max(np.abs(high)) < 1e-3  # at rest at the end, without chatter
         q, v, *_ = step(q, v, high, period)
@@ -87,7 +87,7 @@ def test_bounds_admit_something_from_any_state(period):
         q = np.where(rng.random(STARTS) < 0.5, lower, upper) + spread * rng.uniform(-1, 1, STARTS)
         for speed in (0.0, 1e-12, 1.0, 20.0):
             v = speed * rng.uniform(-1, 1, STARTS)
-            low, high = acceleration_bounds(q, v, lower, upper, velocity, brake, hard, period)
+            low, high = AccelerationBounds(lower, upper, velocity, brake, hard)(q, v, period)
             assert np.all(np.isfinite(low)) and np.all(np.isfinite(high))
             assert np.all(low <= high) and np.all(low >= -hard) and np.all(high <= hard)
 
@@ -101,7 +101,7 @@ def test_a_joint_that_starts_outside_comes_back_without_overshoot(period, side):
     q, v = end + side * rng.uniform(0.0, 0.2, STARTS), np.zeros(STARTS)
     beyond = side * (q - end)
     for _ in range(round(0.8 / period)):
-        low, high = acceleration_bounds(q, v, lower, upper, velocity, brake, hard, period)
+        low, high = AccelerationBounds(lower, upper, velocity, brake, hard)(q, v, period)
         q, v, highest, lowest = step(q, v, high if side > 0 else low, period)  # what resists the return most
         furthest = np.maximum(side * (highest - end), side * (lowest - end))
         assert np.all(furthest <= np.maximum(beyond, 0.0) + 1e-9)
@@ -114,7 +114,7 @@ def test_at_the_end_of_the_range_rounding_does_not_kick_the_joint():
     limits = [np.array([limit]) for limit in (-1.0, 1.0, 5.0, 60.0, 400.0)]
     for distance in (0.0, 1e-18, 1e-12, 1e-9):
         for speed in (0.0, 1e-12, 1e-9, 1e-7):
-            _, high = acceleration_bounds(np.array([1.0 - distance]), np.array([speed]), *limits, 0.001)
+            _, high = AccelerationBounds(*limits)(np.array([1.0 - distance]), np.array([speed]), 0.001)
             assert np.abs(high[0]) < 0.01
 
 
@@ -145,7 +145,7 @@ def test_kim_s_bounds_as_printed_leave_the_range_or_admit_nothing(period):
     empty, excess = outcome(lambda q, v: kim(q, v, lower, upper, velocity, brake, period))
     assert np.mean(empty) > 0.05
     assert np.mean(excess > 1e-9) > 0.05
-    mine = partial(acceleration_bounds, lower=lower, upper=upper, velocity=velocity, brake=brake, hard=brake)
+    mine = AccelerationBounds(lower, upper, velocity, brake, brake)
     empty, excess = outcome(partial(mine, period=period))
     assert not empty.any() and excess.max() < 1e-9
 
@@ -158,7 +158,7 @@ def test_joint_bounds_are_rows_on_the_joint_accelerations(name):
     rows = task.rows(tick)
     np.testing.assert_array_equal(rows.A @ np.arange(robot.nv), np.arange(6, robot.nv))
     limits = robot.lower + 0.01, robot.upper - 0.01, 0.9 * robot.velocity, robot.acceleration, robot.acceleration_hard
-    low, high = acceleration_bounds(q[7:], v[6:], *limits, 0.002)
+    low, high = AccelerationBounds(*limits)(q[7:], v[6:], 0.002)
     np.testing.assert_array_equal(rows.lower, low)
     np.testing.assert_array_equal(rows.upper, high)
     assert not task.equality and task.on == "acceleration" and task.gives_way == 1
