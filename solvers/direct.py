@@ -6,13 +6,13 @@ Most ticks are of that kind, and they need no null-space basis between levels. W
     J_0 x_1 = b_0,  J_1 x_1 = b_1,  ...
 
 is the least-norm solution of all of them together: one factorisation ``[J_0; J_1; ...]ᵀ = Q R``, one triangular solve.
-The first level with more rows than there are variables left takes these by least squares. Then x_2 has to answer what
-level 0 asks of it, ``R x_2 = r − P x_1``, and the last level, which wants ``x_2 = b``, gets the nearest point that does:
+The first level with more rows than there are variables left takes these by least squares. Then x_2 has to answer
+what level 0 asks of it, ``R x_2 = r − P x_1``, and the last level, which wants ``x_2 = b``, gets the nearest point:
 
     x_2 = b + T⁺ (t − T b),   T the rows R and those inequalities on x_2 that are held.
 
-The result is checked exactly: all inequalities of level 0 hold, and the held ones push the right way. What does not fit,
-because rows contradict each other, a level is of another kind, or an inequality bites higher up, is left to others.
+The result is checked exactly: all inequalities of level 0 hold, and the held ones push the right way. What does not
+fit is left to others: rows that contradict each other, a level of another kind, an inequality that bites higher up.
 """
 
 from collections.abc import Sequence
@@ -59,7 +59,8 @@ class Direct:
             self._shape, self.held = shape, {}
         if any(len(level.lower) for level in levels[1:]):
             return None
-        thin, coupled = [], []
+        thin: list[Equality] = []
+        coupled: list[Equality] = []
         for e in hard.equalities:
             (coupled if e.start + e.A.shape[1] > leading else thin).append(e)
         used = sum(len(e.b) for e in thin)
@@ -171,7 +172,9 @@ def _leading(thin: Sequence[Equality], wide: Sequence[Equality], count: int) -> 
     if used < count:
         Z = turned[:, 1:]
         parts = [(e.times(Z[e.start : e.start + e.A.shape[1]]), e.residual(x)) for e in wide]
-        B, r = parts[0] if len(parts) == 1 else (np.vstack([B for B, _ in parts]), np.concatenate([r for _, r in parts]))
+        B, r = (
+            parts[0] if len(parts) == 1 else (np.vstack([B for B, _ in parts]), np.concatenate([r for _, r in parts]))
+        )
         y = determined(B, r, INDEPENDENT)
         if y is None:
             return None

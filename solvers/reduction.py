@@ -5,7 +5,8 @@ and the trailing ones x_2 (contact forces) can answer whatever the coupled rows 
 
     x_1 = N u + s,    x_2 = Φ u + K w + φ,
 
-with N and K orthonormal bases of the null spaces of J and R, satisfies them for every z = (u, w), and nothing else does.
+with N and K orthonormal bases of the null spaces of J and R, satisfies them for every z = (u, w), and nothing else
+does.
 """
 
 from collections.abc import Sequence

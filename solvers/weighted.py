@@ -30,7 +30,11 @@ class Weighted:
         merged = Level(
             "weighted",
             levels[0].size,
-            [replace(e, scale=w * e.scale, b=w * e.b) for w, level in zip(weights, soft, strict=True) for e in level.equalities],
+            [
+                replace(e, scale=w * e.scale, b=w * e.b)
+                for w, level in zip(weights, soft, strict=True)
+                for e in level.equalities
+            ],
             np.vstack([w * level.C for w, level in zip(weights, soft, strict=True)]),
             np.concatenate([w * level.lower for w, level in zip(weights, soft, strict=True)]),
             np.concatenate([w * level.upper for w, level in zip(weights, soft, strict=True)]),

@@ -167,7 +167,7 @@ class Dynamics:
 
 @dataclass(slots=True)
 class _Limit:
-    """Inequalities ``share lower <= scale A x[start : ...] <= share upper``; `constant` if A is that of the last tick."""
+    """Inequalities ``share lower <= scale A x[start : ...] <= share upper``; `constant` if A never changes."""
 
     block: Block
     A: Array

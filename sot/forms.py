@@ -1,10 +1,10 @@
 """The variables x of a tick, and the rows of tasks and limits in them.
 
-The *full* form is the paper's, x = (v̇, φ, τ): the equation of motion ``M v̇ + h = Sᵀ τ + Jᵀ φ``, Ramos (10) with forces
-on the robot, is level 0's business altogether.
+The *full* form is the paper's, x = (v̇, φ, τ): the equation of motion ``M v̇ + h = Sᵀ τ + Jᵀ φ``, Ramos (10) with
+forces on the robot, is level 0's business altogether.
 
-The *condensed* form drops the torques, which the joints' rows of that equation give: x = (v̇, φ). The base's six rows are
-left as equalities.
+The *condensed* form drops the torques, which the joints' rows of that equation give: x = (v̇, φ). The base's six rows
+are left as equalities.
 
 Either way they come after the contacts' ``J_c v̇ = a_c`` and can be answered by the variables that come after v̇: the
 structure that `solvers.reduction` asks for.
@@ -46,9 +46,9 @@ class Units:
 
 
 class Linear(NamedTuple):
-    """``y = (scale / weight) A x[start : start + k] + offset``; where `selects` is given, A is these rows of the identity.
+    """``y = (scale / weight) A x[start : start + k] + offset``, with the weight of the task's rows.
 
-    The weight is that of the task's rows."""
+    Where `selects` is given, A is these rows of the identity."""
 
     A: Array
     scale: float
@@ -144,4 +144,3 @@ class Full(Form):
 def _dynamics(rows: Array, bias: Array, units: Units) -> tuple[Block, Equality]:
     share = 1.0 / units.weight
     return Block("Dynamics", "N", share, True, slice(0, len(bias))), Equality(rows, -share * bias, share)
-

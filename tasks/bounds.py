@@ -93,8 +93,8 @@ class AccelerationBounds:
         """Smallest and largest acceleration of joints at q, moving with v, for a period [s]; shapes (n,)."""
         v = np.array((v, -v))
         distance = self._ends - np.array((q, -q))
-        # With w = v + a T: w² + brake T w = 2 brake (distance − (v + w) T / 2), the larger root. The second term is what
-        # braking for whole periods takes beyond w² = 2 brake distance; without it the last of them ends in a kick.
+        # With w = v + a T: w² + brake T w = 2 brake (distance − (v + w) T / 2), the larger root. The second term is
+        # what braking for whole periods takes beyond w² = 2 brake distance; without it the last of them is a kick.
         reach = self._brake * period
         room = 2.0 * distance - period * v
         stopping = np.sqrt(np.maximum(self._brake * room + reach**2, 0.0)) - reach

@@ -7,7 +7,7 @@ import pytest
 
 from sot.robot import Robot, robots
 from sot.tick import Tick
-from tasks.bounds import JointBounds, TorqueBounds, AccelerationBounds
+from tasks.bounds import AccelerationBounds, JointBounds, TorqueBounds
 from tests.sot.states import random_state
 
 STARTS = 1000

@@ -1,0 +1,110 @@
+"""The usual tick's short way and the change of variables, against each other and against the whole cascade."""
+
+import numpy as np
+import pytest
+
+from solvers.cascade import Cascade
+from solvers.direct import Direct
+from solvers.reduction import Reduction, leading_of
+from solvers.rows import Equality, Level
+
+LEADING, TRAILING = 14, 10
+SIZE = LEADING + TRAILING
+NONE = np.zeros((0, SIZE)), np.zeros(0), np.zeros(0)
+
+
+def hierarchy(rng, reach):
+    """Levels like a tick's: contacts, a coupled equation, bounds; small tasks, a posture, least forces.
+
+    Args:
+        rng: random numbers.
+        reach: half width of the bounds on the trailing variables: the smaller, the more of them bite.
+    """
+    centre = rng.normal(size=TRAILING)
+    coupled = rng.normal(size=(4, SIZE))
+    b = coupled[:, LEADING:] @ centre
+    equalities = [Equality(rng.normal(size=(5, LEADING)), rng.normal(size=5)), Equality(coupled, 0.5 * b, 0.5)]
+    box = np.eye(SIZE)
+    width = np.append(np.full(LEADING, 1e3), np.full(TRAILING, reach))
+    hard = Level("hard", SIZE, equalities, box, -width, width)
+    levels = [hard]
+    for k in range(2):
+        task = Equality(rng.normal(size=(2, LEADING)), rng.normal(size=2), 1.0 + k)
+        levels.append(Level(f"task {k}", SIZE, [task], *NONE))
+    posture = Equality(np.eye(LEADING), rng.normal(size=LEADING), 2.0, 0, slice(0, LEADING))
+    levels.append(Level("posture", SIZE, [posture], *NONE))
+    least = Equality(np.eye(TRAILING), 0.1 * rng.normal(size=TRAILING), 0.1, LEADING, slice(0, TRAILING))
+    levels.append(Level("forces", SIZE, [least], *NONE))
+    return levels
+
+
+class Roundabout(Cascade):
+    """A cascade that knows no short way."""
+
+    def __init__(self):
+        super().__init__()
+        self._direct.solve = lambda levels, leading: None
+
+
+@pytest.mark.parametrize("reach", [1e3, 2.5, 1.5])
+def test_the_short_way_leads_where_the_cascade_does(reach):
+    rng = np.random.default_rng(0)
+    bitten = taken = 0
+    for _ in range(40):
+        levels = hierarchy(rng, reach)
+        direct = Direct(1e-7)
+        x = direct.solve(levels, leading_of(levels))
+        if x is None:
+            continue
+        taken += 1
+        bitten += bool(direct.held)
+        expected = Roundabout().solve(levels)
+        np.testing.assert_allclose(x, expected.x, atol=1e-5 * np.abs(expected.x).max())
+    assert taken > 20
+    assert bool(bitten) == (reach < 1e3)
+
+
+def test_what_was_held_is_let_go_when_it_pulls():
+    levels = hierarchy(np.random.default_rng(1), 1e3)
+    direct = Direct(1e-7)
+    free = direct.solve(levels, LEADING)
+    direct.expect(np.array([LEADING]), np.array([1.0]))
+    np.testing.assert_allclose(direct.solve(levels, LEADING), free, atol=1e-9)
+    assert not direct.held
+
+
+def test_hierarchies_of_another_kind_are_left_to_others():
+    rng = np.random.default_rng(2)
+    levels, direct = hierarchy(rng, 1e3), Direct(1e-7)
+    assert direct.solve(levels, LEADING) is not None
+    contradicting = [*levels]
+    contradicting[2] = levels[1]
+    own_bounds = [*levels]
+    own_bounds[1] = Level("bounds", SIZE, [], np.eye(SIZE), -np.ones(SIZE), np.ones(SIZE))
+    tight = [*levels]
+    tight[0] = Level("tight", SIZE, levels[0].equalities, np.eye(SIZE)[:1], np.full(1, 7.0), np.full(1, 8.0))
+    broken = [*levels]
+    broken[1] = Level("broken", SIZE, [Equality(np.full((1, LEADING), np.nan), np.zeros(1))], *NONE)
+    for other in (contradicting, own_bounds, tight, broken, levels[:-1], levels[:2]):
+        assert direct.solve(other, LEADING) is None
+
+
+def test_the_change_of_variables_reaches_what_level_0_admits_and_nothing_else():
+    rng = np.random.default_rng(3)
+    levels = hierarchy(rng, 1e3)
+    reduction = Reduction.of(levels[0], LEADING, 1e-7)
+    assert reduction.T.shape == (SIZE, SIZE - 9) and np.linalg.matrix_rank(reduction.T) == SIZE - 9
+    z = rng.normal(size=SIZE - 9)
+    x = reduction.back(z)
+    np.testing.assert_allclose(levels[0].A @ x, levels[0].b, atol=1e-10)
+    for mine, level in zip(reduction.levels(levels)[1:], levels[1:], strict=True):
+        np.testing.assert_allclose(mine.violation(z), level.violation(x), atol=1e-10)
+
+
+def test_equalities_that_contradict_each_other_have_no_change_of_variables():
+    J = np.ones((2, LEADING))
+    hard = Level("hard", SIZE, [Equality(J, np.array([0.0, 1.0]))], *NONE)
+    assert Reduction.of(hard, LEADING, 1e-7) is None
+    starved = Level("hard", SIZE, [Equality(np.eye(SIZE)[:1], np.zeros(1))], *NONE)
+    assert Reduction.of(starved, 0, 1e-7) is not None
+    assert Reduction.of(starved, 1, 1e-7) is None
