@@ -45,6 +45,7 @@ class Robot:
             `acceleration` is for references and braking, `acceleration_hard` bounds a control tick.
         damping, friction, armature: viscous [N m s/rad] and Coulomb [N m] losses and reflected rotor inertia
             [kg m²] (na,); the armature is part of the model's mass matrix too, the losses of nothing.
+        shapes: collision shapes, fixed to the model's joints; the model file's.
         points: operational point -> Pinocchio frame. `<side>_foot` lies on the sole, parallel to the world at rest.
         soles: foot -> contact vertices (nc, 3) in the foot frame [m].
         groups: joint group -> indices into the joints.
@@ -65,6 +66,7 @@ class Robot:
     damping: np.ndarray = field(repr=False)
     friction: np.ndarray = field(repr=False)
     armature: np.ndarray = field(repr=False)
+    shapes: pin.GeometryModel = field(repr=False)
     points: Mapping[str, int] = field(repr=False)
     soles: Mapping[str, np.ndarray] = field(repr=False)
     groups: Mapping[str, tuple[int, ...]] = field(repr=False)
@@ -161,6 +163,7 @@ def _load(path: Path) -> Robot:
         model=model,
         joints=names,
         rest=_frozen(rest),
+        shapes=_read_shapes(model, model_path),
         points=MappingProxyType(points),
         soles=MappingProxyType({foot: _frozen(corners) for foot, corners in soles.items()}),
         groups=MappingProxyType(groups),
@@ -246,6 +249,11 @@ def _read_model(path: Path, robot_file: Path) -> pin.Model:
         return pin.buildModelFromMJCF(str(path))
     except (ValueError, RuntimeError, IndexError) as error:
         raise InputError(f"{path}: Pinocchio cannot read it: {str(error).splitlines()[0]}") from None
+
+
+def _read_shapes(model: pin.Model, path: Path) -> pin.GeometryModel:
+    build = pin.buildGeomFromUrdf if path.suffix == ".urdf" else pin.buildGeomFromMJCF
+    return build(model, str(path), pin.GeometryType.COLLISION)
 
 
 def _points(model: pin.Model, file: _RobotFile) -> dict[str, int]:

@@ -81,7 +81,7 @@ class Kinematics:
         place, J = self._origin(frame)
         if offset is not None:
             place = place + self._rotation(frame) @ offset
-            J = self._moved(self._model.frames[frame].parentJoint, place)
+            J = self.moved(self._model.frames[frame].parentJoint, place)
         return place - wanted, J
 
     def orientation(self, frame: int, wanted: Array) -> tuple[Array, Array]:
@@ -119,6 +119,13 @@ class Kinematics:
                 J[:, :, self._slots[column]] = _cross(axis, lever)
         return moments[BASE] / total, J
 
+    def moved(self, joint: int, place: Array) -> Array:
+        """Jacobian of places (n, 3) that move with a joint."""
+        J = self._translations()
+        for slot, axis, origin in self._turns(joint):
+            J[:, :, slot] = _cross(axis, place - origin)
+        return J
+
     def _rotation(self, frame: int) -> Array:
         about = self._model.frames[frame]
         return self._pose(about.parentJoint)[0] @ about.placement.rotation
@@ -129,15 +136,8 @@ class Kinematics:
             about = self._model.frames[frame]
             rotation, position = self._pose(about.parentJoint)
             place = position + rotation @ about.placement.translation
-            self._origins[frame] = place, self._moved(about.parentJoint, place)
+            self._origins[frame] = place, self.moved(about.parentJoint, place)
         return self._origins[frame]
-
-    def _moved(self, joint: int, place: Array) -> Array:
-        """Jacobian of places (n, 3) that move with a joint."""
-        J = self._translations()
-        for slot, axis, origin in self._turns(joint):
-            J[:, :, slot] = _cross(axis, place - origin)
-        return J
 
     def _pose(self, joint: int) -> tuple[Array, Array]:
         """Rotation (n, 3, 3) and position (n, 3) of a joint in the world, behind its own turn."""

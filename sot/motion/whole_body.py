@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sot.motion.balance import plan_balance
 from sot.motion.branches import choose
 from sot.motion.centroidal import Centroidal
+from sot.motion.clearance import ClearArm
 from sot.motion.contacts import Phase
 from sot.motion.coordinates import from_configuration, to_pinocchio
 from sot.motion.height import lowered, reachable
@@ -52,7 +53,7 @@ def retarget(
 def limbs_fitted(robot: Robot, wanted: Targets, limits: Limits, whole: Spline, steps: int) -> Spline:
     """The same motion with head and arms fitted, under their limits, to the chest as it moves."""
     y, control = whole.knots, whole.control.copy()
-    limbs: list[Part] = [Head(robot, wanted), *(Arm(robot, side, wanted) for side in SIDES)]
+    limbs: list[Part] = [Head(robot, wanted), *(ClearArm(robot, side, wanted) for side in SIDES)]
     for limb in limbs:
         fit = PartFit(limb.columns, wanted.length, whole.period, limits)
         spline = Spline(control[:, limb.columns], whole.period)

@@ -15,6 +15,7 @@ DANCES = {
     "groove, 200 Hz": Replay("groove", rate=200.0),
     "groove, weighted": Replay("groove", solver="weighted"),
     "perfume_A": Replay(str(MOCAP / "perfume_A.bvh")),
+    "perfume_A, modified robot": Replay(str(MOCAP / "perfume_A.bvh"), robot="hrp2_modified"),
 }
 
 LIMITS = {  # place in the report: least, greatest
