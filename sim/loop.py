@@ -4,6 +4,7 @@ import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from math import isfinite, sqrt
 from time import perf_counter
 
 import numpy as np
@@ -69,9 +70,9 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
         for k in range(ticks):
             t = k * world.timestep
             q, v = world.state()
-            if not (np.isfinite(q).all() and np.isfinite(v).all()):
+            if not isfinite(q @ q + v @ v):
                 return Run(log, perf_counter() - start, t, "the simulation diverged")
-            sensed = world.measured()
+            sensed = world.measured(q, v)
             loads = {foot: float(wrench[2]) for foot, wrench in wrenches.items()}
             begin = perf_counter()
             command = controller(t, *sensed, loads)
@@ -138,7 +139,7 @@ def _write(
     log.time[k], log.q[k], log.v[k] = t, q, v
     log.torque[k], log.acceleration[k] = command.torque, command.acceleration
     log.zmp_control[k], log.zmp_measured[k] = command.zmp, world.zmp()
-    log.zmp_planned[k], log.com[k] = motion.sample(t).zmp, controller.tick.com
+    log.zmp_planned[k], log.com[k] = motion.balance(t)[3], controller.tick.com
     for i, foot in enumerate(world.robot.feet):
         log.foot_wrench[k, i] = wrenches[foot]
     for contact in controller.stack.contacts:
@@ -152,7 +153,7 @@ def _write(
         for task in tasks:
             column = columns.get(task.name)
             if column is not None:
-                log.level_error[k, column] = np.sqrt(task.error @ task.error)
+                log.level_error[k, column] = sqrt(task.error @ task.error)
                 log.level_slack[k, column] = level.error
                 if len(level.level.lower):
                     log.level_active[k, column] = np.count_nonzero(level.active)

@@ -79,10 +79,10 @@ class World:
         qpos, qvel = self.data.qpos[: self.robot.nq], self.data.qvel[: self.robot.nv]
         return state_from_mujoco(qpos, qvel, self._order)
 
-    def measured(self) -> tuple[np.ndarray, np.ndarray]:
-        """The state as the controller is told: `state` with the mismatch's noise on angular velocities."""
-        q, v = self.state()
+    def measured(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """A state as the controller is told: with the mismatch's noise on angular velocities."""
         if self.mismatch.noise:
+            v = v.copy()
             v[3:] += self.mismatch.noise * self._random.standard_normal(self.robot.nv - 3)
         return q, v
 

@@ -118,25 +118,23 @@ class Direct:
             if rows:
                 T[:, known:used] = hard.C[rows, leading:].T
                 target[known:used] = [hard.upper[r] if side > 0.0 else hard.lower[r] for r, side in held.items()]
-            pushes = np.zeros(0)
-            if count:
-                step = _nearest(T[:, :used], target[:used], wish)
-                if step is None:
+            x[leading:] = wish
+            if used:
+                nearest = _nearest(T[:, :used], target[:used], wish, len(rows))
+                if nearest is None:
                     return None
-                x[leading:], pushes = step
-            if rows:
-                pulls = [r for r, push in zip(rows, pushes[known:].tolist(), strict=True) if held[r] * push < 0.0]
-                if pulls:
+                x[leading:], pushes = nearest
+                if pulls := [r for r, push in zip(rows, pushes.tolist(), strict=True) if held[r] * push < 0.0]:
                     for r in pulls:
                         del held[r]
                     continue
             value = hard.C @ x
             above, below = value - hard.upper, hard.lower - value
             excess = np.maximum(above, below)
-            worst = float(excess.max(initial=0.0))
-            if not worst > self.tolerance:  # not a number either way: there is none that far
-                self.held, self.excess = held, worst
-                return x if np.isfinite(x).all() else None
+            worst = float(excess.max()) if len(excess) else 0.0
+            if worst <= self.tolerance:
+                self.held, self.excess = held, max(worst, 0.0)
+                return x if x @ x < np.inf else None
             excess[hard.C[:, :leading].any(axis=1)] = 0.0
             r = int(np.argmax(excess))
             if not excess[r] > self.tolerance or r in held:
@@ -171,35 +169,33 @@ def _leading(thin: Sequence[Equality], wide: Sequence[Equality], count: int) -> 
     x = turned[:, 0]
     if used < count:
         Z = turned[:, 1:]
-        parts = [(e.times(Z[e.start : e.start + e.A.shape[1]]), e.residual(x)) for e in wide]
-        B, r = (
-            parts[0] if len(parts) == 1 else (np.vstack([B for B, _ in parts]), np.concatenate([r for _, r in parts]))
+        B, r = [e.times(Z[e.start : e.start + e.A.shape[1]]) for e in wide], [e.residual(x) for e in wide]
+        y = (
+            determined(B[0], r[0], INDEPENDENT)
+            if len(wide) == 1
+            else determined(np.vstack(B), np.hstack(r), INDEPENDENT)
         )
-        y = determined(B, r, INDEPENDENT)
         if y is None:
             return None
         x = x - Z @ y
     return x
 
 
-def _nearest(T: Array, target: Array, wish: Array) -> tuple[Array, Array] | None:
-    """The point nearest to `wish` with ``Tᵀ x = target``, and the multipliers: ``wish − x = T λ``."""
-    used = T.shape[1]
-    if not used:
-        return wish, np.zeros(0)
-    missing = target - wish @ T
+def _nearest(T: Array, target: Array, wish: Array, held: int) -> tuple[Array, Array] | None:
+    """The point nearest to `wish` with ``Tᵀ x = target``, and the last `held` of λ, ``wish − x = T λ``."""
+    missing, used = target - wish @ T, len(target)
     qr, tau, _, _ = lapack.dgeqrf(T, lwork=_WORK)
     if not _independent(qr):
         return None
     R = qr[:used]
     turned = np.zeros((len(T), 1), order="F")
     turned[:used, 0], _ = lapack.dtrtrs(R, missing, lower=0, trans=1)
-    multipliers, _ = lapack.dtrtrs(R, -turned[:used, 0], lower=0)
+    multipliers = -lapack.dtrtrs(R, turned[:used, 0], lower=0)[0][used - held :] if held else missing[:0]
     turned, _, _ = lapack.dormqr("L", "N", qr, tau, turned, _WORK, overwrite_c=1)
     return wish + turned[:, 0], multipliers
 
 
 def _independent(qr: Array) -> bool:
     """Whether the columns that were factorised are independent; what is not a number is not."""
-    size = np.abs(qr.diagonal())
-    return bool(size.min() > INDEPENDENT * size.max())
+    size = [abs(r) for r in qr.diagonal().tolist()]
+    return min(size) > INDEPENDENT * max(size)

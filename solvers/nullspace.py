@@ -14,6 +14,8 @@ from solvers.rows import Array
 _WORK = 64  # LAPACK's block size: workspace per row or column
 CONDITION = 1e-5
 """Normal equations are trusted while the shortest direction is longer than this, relative to the first."""
+WELL = 1e-3
+"""With directions no shorter than this their first answer is as good as it gets."""
 _UPPER = np.triu(np.ones((256, 256)))
 
 
@@ -86,7 +88,8 @@ def project(B: Array, tolerance: float) -> Projection:
 def determined(B: Array, r: Array, tolerance: float, damping: float = 0.0) -> Array | None:
     """Least squares of rows that leave nothing free; None if they do, or nearly.
 
-    Normal equations with one step of refinement: as accurate as a factorisation of B, at a fraction of its cost.
+    Normal equations, with a step of refinement where rounding would show: as accurate as a factorisation of B, at a
+    fraction of its cost.
     """
     m, n = B.shape
     if m < n or not n:
@@ -95,9 +98,13 @@ def determined(B: Array, r: Array, tolerance: float, damping: float = 0.0) -> Ar
     if damping:
         normal.flat[:: n + 1] += damping**2
     factor, failed = lapack.dpotrf(normal, lower=0)
-    if failed or factor.diagonal().min() <= max(tolerance, CONDITION * factor[0, 0]):
+    diagonal = factor.diagonal().tolist()
+    shortest, longest = min(diagonal), max(diagonal)
+    if failed or not shortest > max(tolerance, CONDITION * longest):
         return None
     y, _ = lapack.dpotrs(factor, B.T @ r)
+    if shortest > WELL * longest:
+        return y
     rest, _ = lapack.dpotrs(factor, B.T @ (r - B @ y) - damping**2 * y)
     return y + rest
 

@@ -7,6 +7,7 @@ and a unit so that whoever reads a result knows what was asked for.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
+from math import sqrt
 
 import numpy as np
 
@@ -193,11 +194,15 @@ class Level:
 
     def violation(self, x: Array) -> Array:
         """Signed violation of every row at ``x``, equalities first, shape (m + p,); 0 where a row holds."""
+        return np.concatenate([np.zeros(0), *self.violations(x)])
+
+    def violations(self, x: Array) -> list[Array]:
+        """The same in parts: one an equality, and one for all inequalities if there are any."""
         parts = [e.residual(x) for e in self.equalities]
         if len(self.lower):
             value = self.C @ x
             parts.append(np.maximum(value - self.upper, 0.0) + np.minimum(value - self.lower, 0.0))
-        return parts[0] if len(parts) == 1 else np.concatenate(parts) if parts else np.zeros(0)
+        return parts
 
 
 @dataclass(slots=True)
@@ -237,8 +242,10 @@ class LevelResult:
     @property
     def error(self) -> float:
         """Norm of the level's weighted violation, the quantity that the level minimises."""
-        violation = self.violation
-        return float(np.sqrt(violation @ violation))
+        squares = 0.0
+        for part in self.level.violations(self.x):
+            squares += float(part @ part)
+        return sqrt(squares)
 
 
 @dataclass(slots=True)

@@ -109,6 +109,7 @@ class Contact:
             else:
                 lower, upper = np.full(5 * count, -np.inf), np.zeros(5 * count)
                 lower[4::5], upper[4::5] = 0.0, top
+            upper.flags.writeable = False  # the same until the load changes, and known to be
             self._bounded = self.load, weight, lower, upper
         return self._cone, self._bounded[2], self._bounded[3]
 
@@ -118,13 +119,12 @@ class Contact:
         Velocity damping alone would hold a foot in whatever tilt it has landed.
         """
         frame = tick.frame(self.point)
-        wanted = -self.damping * frame.velocity
-        normal = frame.rotation[:, 2]
+        k, d = self.stiffness, self.damping
+        nx, ny, _ = frame.rotation[:, 2].tolist()
+        vx, vy, vz, wx, wy, wz = frame.velocity.tolist()
         # The floor's normal seen from the sole's: n × e_z is the rotation that brings the sole flat.
-        wanted[3] += self.stiffness * normal[1]
-        wanted[4] -= self.stiffness * normal[0]
-        wanted[2] -= self.stiffness * frame.position[2]
-        return wanted
+        height = float(frame.position[2])
+        return np.array((-d * vx, -d * vy, -d * vz - k * height, k * ny - d * wx, -k * nx - d * wy, -d * wz))
 
     def _pyramids(self) -> Array:
         """Friction pyramids of all vertices, with the normal force as every fifth row."""

@@ -100,7 +100,7 @@ class Controller:
         if usable:
             decoded = self.dynamics.decode(solution.x)
             # Only rounding is left to clip: the bounds are rows of level 0.
-            torque = np.clip(decoded.torque, -robot.effort, robot.effort)
+            torque = np.minimum(np.maximum(decoded.torque, -robot.effort), robot.effort)
             self._held = torque
             acceleration, wrenches = decoded.acceleration, np.array(decoded.wrenches).reshape(-1, 6)
             zmp = self._zmp(decoded.wrenches)

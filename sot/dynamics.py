@@ -192,6 +192,7 @@ class _Limits:
             if limit.constant:
                 self._write(limit, rows)
         self.blocks: list[Block] = []
+        self._bounds: list[Array | None] = [None] * len(limits)  # whose numbers stand there
 
     def fits(self, size: int, limits: Sequence[_Limit]) -> bool:
         """Whether these are the same rows as last time, with other numbers."""
@@ -200,11 +201,13 @@ class _Limits:
     def write(self, limits: Sequence[_Limit]) -> None:
         """Take over the numbers of a tick."""
         self.blocks = []
-        for limit, rows in zip(limits, self._rows, strict=True):
+        for k, (limit, rows) in enumerate(zip(limits, self._rows, strict=True)):
             if not limit.constant:
                 self._write(limit, rows)
-            np.multiply(limit.lower, limit.share, out=self.lower[rows])
-            np.multiply(limit.upper, limit.share, out=self.upper[rows])
+            if limit.upper is not self._bounds[k] or limit.upper.flags.writeable:
+                np.multiply(limit.lower, limit.share, out=self.lower[rows])
+                np.multiply(limit.upper, limit.share, out=self.upper[rows])
+                self._bounds[k] = limit.upper
             limit.block.rows = rows
             self.blocks.append(limit.block)
 

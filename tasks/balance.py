@@ -57,31 +57,40 @@ class Balance(Task):
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
         c, velocity, acceleration, z = self._reference(tick.t)
         crept = self._crept(tick)
-        if crept is not None:
-            c, z = c + np.append(crept, 0.0), z + crept
-        self.error = c - tick.com
+        self.error = error = c - tick.com
         rate = velocity - tick.com_velocity
-        omega = sqrt(GRAVITY / max(tick.com[2], 0.1))
+        wanted = acceleration - tick.com_drift
+        x, y, height = error.tolist()
+        rate_x, rate_y, rise = rate.tolist()
+        if crept is not None:
+            x, y = x + crept[0], y + crept[1]
+            error[0], error[1] = x, y
+            z = z + crept
+        omega = sqrt(GRAVITY / max(float(tick.com[2]), 0.1))
         # The deviation from the plan, and the ZMP that leads the divergent component back.
-        lag = (-(1.0 + self.k / omega)) * (self.error[:2] + rate[:2] / omega)
+        gain = 1.0 + self.k / omega
+        lag = np.array((-gain * (x + rate_x / omega), -gain * (y + rate_y / omega)))
         polygon = self._support(tick)
         if polygon is not None:
             lag = polygon.nearest(z + lag) - z
-        wanted = acceleration - tick.com_drift
-        wanted[:2] -= omega**2 * (self.error[:2] + lag)
-        wanted[2] += self.kp * self.error[2] + 2.0 * sqrt(self.kp) * rate[2]
+        wanted -= (
+            omega**2 * (x + float(lag[0])),
+            omega**2 * (y + float(lag[1])),
+            -self.kp * height - 2.0 * sqrt(self.kp) * rise,
+        )
         return self._rows(tick.com_jacobian, wanted, wanted)
 
-    def _crept(self, tick: Tick) -> Array | None:
+    def _crept(self, tick: Tick) -> tuple[float, float] | None:
         """How far the contacts that stand are from where the plan has them [m], on average, by the load they may take:
         where a foot comes down beside its place, the plan is to move over as gradually as it takes its load."""
-        shift, weight = np.zeros(2), 0.0
+        x = y = weight = 0.0
         for contact in tick.contacts:
             if contact.mode == "fixed" and contact.point in self._feet:
-                at, place = tick.frame(contact.point).position, self._feet[contact.point](tick.t)
-                shift += contact.load * (at[:2] - place[:2])
+                at_x, at_y, _ = tick.frame(contact.point).position.tolist()
+                place_x, place_y, _ = self._feet[contact.point](tick.t).tolist()
+                x, y = x + contact.load * (at_x - place_x), y + contact.load * (at_y - place_y)
                 weight += contact.load
-        return shift / weight if weight else None
+        return (x / weight, y / weight) if weight else None
 
     def _support(self, tick: Tick) -> Polygon | None:
         """Where the contacts let the zero-moment point be, drawn in by the margin; none if nothing carries.

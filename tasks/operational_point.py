@@ -12,6 +12,7 @@ from sot.tick import Tick
 
 Array = np.ndarray
 AXES = "xyzRPY"
+NOUGHT = np.zeros(3)
 
 
 PoseReference = Callable[[float], Pose]
@@ -58,18 +59,18 @@ class OperationalPoint(MotionTask):
         self._of: slice | Array = self.selected
         if np.array_equal(self.selected, np.arange(self.selected[0], self.selected[-1] + 1)):
             self._of = slice(int(self.selected[0]), int(self.selected[-1]) + 1)
-        self._turns = bool(turns)
+        self._turns, self._shifts = bool(turns), bool(shifts)
         self._reference: PoseReference = reference if callable(reference) else _still(reference)
 
     def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
         """Error, its rate, J, J̇ v and feed-forward in the selected axes; orientation errors as rotation vectors."""
         of = self._of
         frame, target = tick.frame(self.point), self._reference(tick.t)
-        error = np.empty(6)
-        error[:3] = target.position - frame.position
-        error[3:] = pin.log3(target.rotation @ frame.rotation.T) if self._turns else 0.0
-        rate = target.velocity - frame.velocity
-        return error[of], rate[of], frame.jacobian[of], frame.drift[of], target.acceleration[of]
+        error = target.position - frame.position if self._shifts else NOUGHT
+        if self._turns:
+            error = np.concatenate((error, pin.log3(target.rotation @ frame.rotation.T)))
+        rate = target.velocity[of] - frame.velocity[of]
+        return error[of], rate, frame.jacobian[of], frame.drift[of], target.acceleration[of]
 
 
 def _still(target: Array | pin.SE3) -> PoseReference:

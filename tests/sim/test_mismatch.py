@@ -41,9 +41,9 @@ def test_torque_acts_after_the_delay(robot, rate):
 def test_noise_is_that_of_the_seed_and_leaves_the_world_alone(robot):
     def readings(seed: int) -> np.ndarray:
         world = World(robot, mismatch=Mismatch(noise=0.05, seed=seed))
-        read = np.array([world.measured()[1] for _ in range(200)])
+        read = np.array([world.measured(*world.state())[1] for _ in range(200)])
         assert not world.state()[1].any()
-        np.testing.assert_array_equal(world.measured()[0], robot.rest)
+        np.testing.assert_array_equal(world.measured(*world.state())[0], robot.rest)
         return read
 
     once = readings(3)
