@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -21,6 +21,7 @@ from scenarios.bench import bench, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.disturbances import parse_mismatch, parse_push
 from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, replay, retarget
+from scenarios.studies import SCENARIOS, run_scenario
 from sim.report import show
 from sot.errors import InputError
 from sot.robot import Robot, robots
@@ -63,6 +64,7 @@ class Kind(StrEnum):
 
     CLIPS = "clips"
     ROBOTS = "robots"
+    SCENARIOS = "scenarios"
     SOLVERS = "solvers"
     TASKS = "tasks"
 
@@ -89,11 +91,31 @@ def replay_command(
     request = Replay(clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, parse_mismatch(mismatch))
     with _progress() as tell:
         report = replay(request, folder, tell)
-    show([report], output)
-    output.print(f"\nWritten: {folder / RECORDING}, {folder / REPORT}", soft_wrap=True)
+    status = _reported(report, folder)
     if view:
         view_command(folder)
-    return FELL if report["fell"] else DONE
+    return status
+
+
+@app.command("run")
+def run_command(
+    scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`.")],
+    robot: RobotName = "hrp2",
+    solver: SolverName = "cascade",
+    rate: Rate = 1000.0,
+    push: Pushes = None,
+    mismatch: Differs = "",
+    out: Annotated[Path | None, typer.Option(help="Folder for run.rrd and report.json; runs/NAME by default.")] = None,
+) -> int:
+    """Run a scenario that needs no clip; record it and report on it."""
+    pushes = tuple(parse_push(text) for text in push or ())
+    request = Replay(
+        scenario, robot, solver=solver, rate=rate, pushes=pushes, mismatch=parse_mismatch(mismatch), feet="scenario"
+    )
+    folder = out or Path("runs") / scenario
+    with _progress() as tell:
+        report = run_scenario(request, folder, tell)
+    return _reported(report, folder)
 
 
 @app.command("retarget")
@@ -188,6 +210,13 @@ def _without_command(context: typer.Context) -> None:
         print(context.get_help())
 
 
+def _reported(report: dict[str, Any], folder: Path) -> int:
+    """Show a report, and say by which status a run ended."""
+    show([report], output)
+    output.print(f"\nWritten: {folder / RECORDING}, {folder / REPORT}", soft_wrap=True)
+    return FELL if report["fell"] else DONE
+
+
 def _message(error: Exception) -> str:
     return str(getattr(error, "format_message", lambda: error)()).rstrip(".")
 
@@ -217,6 +246,9 @@ def _listed(kind: Kind) -> Iterator[tuple[str, ...]]:
             for name in robots():
                 robot = Robot.load(name)
                 yield name, robot.label, f"{robot.na} joints, {robot.mass:.1f} kg"
+        case Kind.SCENARIOS:
+            for name, scenario in SCENARIOS.items():
+                yield name, _first_line(scenario)
         case Kind.SOLVERS:
             for name, solver in SOLVERS.items():
                 yield name, _first_line(solver)

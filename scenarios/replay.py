@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import Any
 
 from scenarios import clips, stacks
-from scenarios.stack_file import Composition, blamed, load_stack
+from scenarios.stack_file import Composer, Composition, blamed, load_stack
 from sim import recorder, report
 from sim.log import RunInfo
 from sim.loop import Run, run
@@ -94,7 +94,11 @@ def replay(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
         InputError: anything in the request that does not fit; nothing is written then.
     """
     check_writable(out)
-    danced = dance(request, tell)
+    return keep(dance(request, tell), out, tell)
+
+
+def keep(danced: Dance, out: Path, tell: Tell) -> dict[str, Any]:
+    """Write the recording and the report of a dance to the folder `out`; returns the report."""
     tell("recording", None)
     out.mkdir(parents=True, exist_ok=True)
     wall = danced.run.wall_s + danced.record(out / RECORDING)
@@ -109,10 +113,19 @@ def dance(request: Replay, tell: Tell) -> Dance:
     Raises:
         InputError: anything in the request that does not fit.
     """
-    solver = make_solver(request.solver)
+    make_solver(request.solver)  # before any work
     robot = Robot.load(request.robot)
     compose = load_stack(request.stack) if request.stack else _shipped
-    motion, planned = _motion(request, robot, tell)
+    return perform(request, compose, *_motion(request, robot, tell), tell)
+
+
+def perform(request: Replay, compose: Composer, motion: Motion, planned: Plan | None, tell: Tell) -> Dance:
+    """Run a stack on a motion that is planned.
+
+    Raises:
+        InputError: anything in the request that does not fit.
+    """
+    robot, solver = motion.robot, make_solver(request.solver)
     stack, schedule = compose(robot, motion)
     controller = Controller(robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
     world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes)

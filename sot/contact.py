@@ -1,18 +1,26 @@
 """A foot on the floor: the forces it can give and the motion it may not make."""
 
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
 import pinocchio as pin
 
+from sot.task import Pose
 from sot.tick import Tick
 
 Array = np.ndarray
+PoseReference = Callable[[float], Pose]
 Mode = Literal["fixed", "sliding", "off"]
 Form = Literal["pyramid", "unilateral"]
 
 LARGEST_LOAD = 2.0
 """Normal force of a contact whose ramp is almost over, in weights of the robot."""
+
+SLIDING_LOAD = 0.04, 0.10
+"""Least and greatest normal force of a sliding contact, in weights of the robot."""
+STILL = 0.02
+"""Speed [m/s] below which a sliding vertex meets less than the whole friction."""
 
 
 class Contact:
@@ -25,8 +33,13 @@ class Contact:
     - "unilateral": the paper's reduced form, Ramos (7)-(9): the wrench at the frame and the vertices' normal forces,
       linked by three equalities; pressure must not be negative, friction is not limited.
 
-    Modes: "fixed" holds all six axes and gives forces; "sliding" holds height, roll and pitch and gives none
-    (Ramos IV-C); "off" does neither.
+    Modes:
+
+    - "fixed" holds all six axes and gives forces.
+    - "sliding" holds height, roll and pitch, Ramos IV-C, while a task moves the rest. The paper has no forces then, and
+      the foot hovers. Here it bears a light load, bounded from both sides: the variables are the vertices' normal
+      forces n, and with each goes the floor's friction ``-mu n u / |u|`` against the velocity u that `way` has there.
+    - "off" does neither.
 
     Args:
         point: Operational point of the robot on the surface.
@@ -36,6 +49,8 @@ class Contact:
         form: See above.
         stiffness: Of the drive that lays the surface flat on the floor [1/s²].
         damping: Of any motion that the contact should not make [1/s].
+        way: How the point is to move while it slides.
+        sliding_friction: Coulomb coefficient that is expected of the floor then.
     """
 
     def __init__(
@@ -47,6 +62,8 @@ class Contact:
         form: Form = "pyramid",
         stiffness: float = 100.0,
         damping: float = 20.0,
+        way: PoseReference | None = None,
+        sliding_friction: float = 0.7,
     ) -> None:
         self.point, self.form = point, form
         self.mode: Mode = "fixed"
@@ -56,7 +73,9 @@ class Contact:
         centre = vertices.mean(axis=0)
         self.vertices = vertices - inset * np.sign(vertices - centre) * [1.0, 1.0, 0.0]
         self.friction, self.stiffness, self.damping = friction, stiffness, damping
+        self.way, self.sliding_friction = way, sliding_friction
         self._bounded = -1.0, 0.0, np.empty(0), np.empty(0)  # at which load, and the bounds of the forces then
+        self._normals = np.eye(len(vertices))
         arms = np.hstack([pin.skew(vertex) for vertex in self.vertices])
         self._map = np.array([np.tile(np.eye(3), len(vertices)), arms])
         self._cone = (
@@ -66,9 +85,9 @@ class Contact:
     @property
     def force_count(self) -> int:
         """Number of force variables in the present mode."""
-        if self.mode != "fixed":
-            return 0
         count = len(self.vertices)
+        if self.mode != "fixed":
+            return count if self.mode == "sliding" else 0
         return 3 * count if self.form == "pyramid" else 6 + count
 
     @property
@@ -78,13 +97,15 @@ class Contact:
 
     def wrench_map(self, tick: Tick) -> Array:
         """Map from φ to the wrench (force, moment about the point) that the floor exerts, world axes, (6, k)."""
+        if self.mode == "sliding":
+            return self._sliding_map(tick)
         if self.form == "unilateral":
             return np.hstack([np.eye(6), np.zeros((6, len(self.vertices)))])
         return (tick.frame(self.point).rotation @ self._map).reshape(6, -1)
 
     def force_equalities(self, tick: Tick) -> Array:
-        """Rows E with ``E φ = 0``, shape (e, k): Ramos (7) for the unilateral form, none for pyramids."""
-        if self.form == "pyramid":
+        """Rows E with ``E φ = 0``, shape (e, k): Ramos (7) for the unilateral form when fixed, else none."""
+        if self.form == "pyramid" or self.mode == "sliding":
             return np.zeros((0, self.force_count))
         arms = self.vertices @ tick.frame(self.point).rotation.T
         E = np.zeros((3, self.force_count))
@@ -101,6 +122,10 @@ class Contact:
 
     def force_inequalities(self, weight: float) -> tuple[Array, Array, Array]:
         """Rows ``lower <= C φ <= upper``; `weight` is the robot's [N]."""
+        if self.mode == "sliding":
+            count = len(self.vertices)
+            least, most = (share * weight / count for share in SLIDING_LOAD)
+            return self._normals, np.full(count, least), np.full(count, most)
         if (self.load, weight) != self._bounded[:2]:
             count = len(self.vertices)
             top = self.largest(weight) / count
@@ -125,6 +150,16 @@ class Contact:
         # The floor's normal seen from the sole's: n × e_z is the rotation that brings the sole flat.
         height = float(frame.position[2])
         return np.array((-d * vx, -d * vy, -d * vz - k * height, k * ny - d * wx, -k * nx - d * wy, -d * wz))
+
+    def _sliding_map(self, tick: Tick) -> Array:
+        """Normal forces, and the friction that goes with them, as wrenches (6, nc)."""
+        arms = self.vertices @ tick.frame(self.point).rotation.T
+        twist = self.way(tick.t).velocity if self.way else tick.frame(self.point).velocity
+        along = twist[:2] + twist[5] * np.column_stack([-arms[:, 1], arms[:, 0]])
+        # At rest friction has no direction: it fades with the speed.
+        along /= np.maximum(np.linalg.norm(along, axis=1), STILL)[:, None]
+        forces = np.column_stack([-self.sliding_friction * along, np.ones(len(arms))])
+        return np.vstack([forces.T, np.cross(arms, forces).T])
 
     def _pyramids(self) -> Array:
         """Friction pyramids of all vertices, with the normal force as every fifth row."""

@@ -101,8 +101,8 @@ class Dynamics:
             self._maps.append(G)
             np.matmul(frame.jacobian.T, -self.units.force * G, out=form.motion[:, nv + part.start : nv + part.stop])
             limits.append(self._friction(contact, nv + part.start))
-            if contact.form == "unilateral":
-                E = contact.force_equalities(tick)
+            E = contact.force_equalities(tick)
+            if len(E):
                 block = Block(f"Pressure {contact.point}", "N", 1.0 / self.units.force, True, _ANY)
                 _add(equalities, blocks, block, Equality(E, np.zeros(len(E)), start=nv + part.start))
         for block, equality in form.equalities():

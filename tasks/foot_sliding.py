@@ -1,15 +1,20 @@
 """A foot that slides on the floor, Ramos IV-C."""
 
+import numpy as np
+
 from sot.robot import Robot
+from sot.tick import Tick
 from tasks.operational_point import OperationalPoint, PoseReference
+
+Array = np.ndarray
 
 
 class FootSliding(OperationalPoint):
-    """Moves a foot in x, y and yaw while its contact, in mode "sliding", holds its height, roll and pitch.
+    """Moves a foot in x, y and yaw for as long as its contact is "sliding", which holds its height, roll and pitch.
 
     Args:
         robot: The robot.
-        foot: One of its feet; set its contact to "sliding" for as long as this task is in the stack.
+        foot: One of its feet; its contact's `way` should be the reference, for the friction that is met on it.
         reference: Trajectory ``t -> Pose`` of the foot's point; its x, y and yaw count.
         kp, kd, weight: As for `MotionTask`.
     """
@@ -19,8 +24,14 @@ class FootSliding(OperationalPoint):
         robot: Robot,
         foot: str,
         reference: PoseReference,
-        kp: float = 100.0,
+        kp: float = 200.0,
         kd: float | None = None,
         weight: float = 1.0,
     ) -> None:
         super().__init__(robot, foot, reference, "xyY", kp, kd, weight, name=f"FootSliding {foot}")
+        self._none = np.zeros(0), np.zeros(0), np.zeros((0, robot.nv)), np.zeros(0), np.zeros(0)
+
+    def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
+        """As an `OperationalPoint` while the contact slides; no rows otherwise."""
+        slides = any(contact.point == self.point and contact.mode == "sliding" for contact in tick.contacts)
+        return super().observe(tick) if slides else self._none

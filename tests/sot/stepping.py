@@ -3,15 +3,11 @@
 import numpy as np
 import pinocchio as pin
 
-from sot.motion.balance import plan_balance
-from sot.motion.centroidal import Centroidal
 from sot.motion.contacts import Phase, planted
-from sot.motion.coordinates import from_configuration, to_pinocchio
-from sot.motion.spline import Spline
-from sot.motion.support import supports
+from sot.motion.feet_led import feet_led
+from sot.motion.swing import FootPath, standing
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
-from sot.tick import Tick
 
 Array = np.ndarray
 
@@ -32,18 +28,11 @@ def stepping_motion(robot: Robot, stride: float = 0.05, height: float = 0.04, ra
     """
     phases = _phases(robot, stride)
     times = np.arange(round(phases[-1].end / PERIOD) + 1) * PERIOD
-    rest = Tick(robot)
-    count = len(times)
-    still = Centroidal(np.tile(rest.com, (count, 1)), np.zeros((count, 6)), np.zeros((count, 6)), robot.mass)
-    wanted = np.linspace(0.0, stride, count)[:, None] * (1.0, 0.0) + rest.com[:2]
-    com = plan_balance(still, wanted, supports(robot, phases), PERIOD).com.knots
-    q = _follow(robot, np.column_stack([com, still.com[:, 2]]), [_feet(phases, t, height) for t in times])
-    spline = Spline.through(from_configuration(q), PERIOD)
-    fine = np.arange(round(spline.duration * rate) + 1) / rate
-    sampled = to_pinocchio(*(spline(fine, order) for order in range(3)))
-    state = Centroidal.along(robot, *sampled)
-    centre = state.com, state.velocity, state.acceleration, state.zmp(), state.momentum[:, 3:]
-    return Motion(robot, rate, *sampled, *centre, phases)
+    paths = standing(phases[0], len(times))
+    for swing, after in zip(phases[1::2], phases[2::2], strict=True):
+        foot = next(foot for foot in robot.feet if foot not in swing.feet)
+        _step(paths[foot], np.clip((times - swing.start) / SWING, 0.0, 1.0), after.feet[foot], height)
+    return feet_led(robot, phases, paths, PERIOD, rate)
 
 
 def _phases(robot: Robot, stride: float) -> tuple[Phase, ...]:
@@ -58,34 +47,8 @@ def _phases(robot: Robot, stride: float) -> tuple[Phase, ...]:
     return (*phases[:-1], Phase(phases[-1].start, end - STAND + LAST, dict(here)))
 
 
-def _feet(phases: tuple[Phase, ...], t: float, height: float) -> dict[str, Array]:
-    """Position of each foot at a time [m]; a foot leaves and lands at rest, without acceleration."""
-    index = max(k for k, phase in enumerate(phases) if phase.start <= t + 1e-9)
-    places = {foot: pose.translation for foot, pose in phases[index].feet.items()}
-    if 0 < index < len(phases) - 1:
-        for foot in phases[index - 1].feet.keys() - phases[index].feet.keys():
-            x = (t - phases[index].start) / (phases[index].end - phases[index].start)
-            before, after = (phases[k].feet[foot].translation for k in (index - 1, index + 1))
-            share = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
-            places[foot] = before + share * (after - before) + [0.0, 0.0, height * 64.0 * (x * (1.0 - x)) ** 3]
-    return places
-
-
-def _follow(robot: Robot, com: Array, feet: list[dict[str, Array]]) -> Array:
-    """Configurations (T, nq) with the CoM and the feet there, waist and feet level, joints near rest."""
-    tick, q, out = Tick(robot), robot.rest.copy(), []
-    for centre, places in zip(com, feet, strict=True):
-        for _ in range(4):
-            tick.update(0.0, q, np.zeros(robot.nv))
-            jacobians = [tick.com_jacobian, tick.frame("waist").jacobian[3:]]
-            errors = [centre - tick.com, pin.log3(tick.frame("waist").rotation.T)]
-            for foot, place in places.items():
-                frame = tick.frame(foot)
-                jacobians.append(frame.jacobian)
-                errors.append(np.concatenate([place - frame.position, pin.log3(frame.rotation.T)]))
-            J, e = np.vstack(jacobians), np.concatenate(errors)
-            inverse = np.linalg.pinv(J, rcond=1e-6)
-            home = np.concatenate([np.zeros(6), robot.rest[7:] - q[7:]])
-            q = pin.integrate(robot.model, q, inverse @ e + 0.1 * (home - inverse @ (J @ home)))
-        out.append(q)
-    return np.array(out)
+def _step(path: FootPath, x: Array, there: pin.SE3, height: float) -> None:
+    """From where the foot stands to another place over the share x (T,), at rest and unaccelerated at both ends."""
+    share = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+    path.position[:] += share[:, None] * (there.translation - path.position[0])
+    path.position[:, 2] += height * 64.0 * (x * (1.0 - x)) ** 3

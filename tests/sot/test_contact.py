@@ -9,6 +9,7 @@ from scipy.optimize import linprog
 
 from sot.contact import Contact
 from sot.robot import Robot, robots
+from sot.task import Pose
 from sot.tick import FrameState, Tick
 from tests.sot.states import random_state
 
@@ -141,7 +142,7 @@ def test_full_load_is_not_limited(robot):
         assert np.isinf(Contact(FOOT, robot.sole(FOOT), form=form).force_inequalities(1000.0)[2]).any()
 
 
-@pytest.mark.parametrize(("mode", "axes", "forces"), [("fixed", 6, True), ("sliding", 3, False), ("off", 0, False)])
+@pytest.mark.parametrize(("mode", "axes", "forces"), [("fixed", 6, True), ("sliding", 3, True), ("off", 0, False)])
 def test_modes_hold_what_they_say(robot, mode, axes, forces):
     for form in ("pyramid", "unilateral"):
         contact = Contact(FOOT, robot.sole(FOOT), form=form)
@@ -149,6 +150,35 @@ def test_modes_hold_what_they_say(robot, mode, axes, forces):
         assert len(contact.held) == axes
         assert bool(contact.force_count) == forces
     assert set(contact.held) <= {2, 3, 4} or mode == "fixed"
+
+
+@pytest.mark.parametrize("form", ["pyramid", "unilateral"])
+def test_a_sliding_foot_meets_friction_against_its_way(robot, form):
+    """Each vertex on its own: the foot goes forward and turns."""
+    twist = np.array([0.1, 0.02, 0.0, 0.0, 0.0, 0.5])
+    way = Pose(np.zeros(3), np.eye(3), twist, np.zeros(6))
+    contact = Contact(FOOT, robot.sole(FOOT), form=form, way=lambda t: way, sliding_friction=0.6)
+    contact.mode = "sliding"
+    tick = Tick(robot)
+    G, normals = contact.wrench_map(tick), np.array([3.0, 4.0, 5.0, 6.0])
+    force, moment = np.zeros(3), np.zeros(3)
+    for vertex, normal in zip(contact.vertices, normals, strict=True):
+        arm = tick.frame(FOOT).rotation @ vertex
+        speed = twist[:3] + np.cross(twist[3:], arm)
+        at = normal * np.array([0.0, 0.0, 1.0]) - 0.6 * normal * speed / np.linalg.norm(speed)
+        force, moment = force + at, moment + np.cross(arm, at)
+    np.testing.assert_allclose(G @ normals, np.concatenate([force, moment]), atol=1e-9)
+    assert twist[:3] @ (G @ normals)[:3] < 0.0
+    assert contact.force_equalities(tick).shape == (0, 4)
+
+
+def test_a_sliding_load_is_light_and_bounded_and_friction_fades_at_rest(robot):
+    contact = Contact(FOOT, robot.sole(FOOT))
+    contact.mode = "sliding"
+    C, lower, upper = contact.force_inequalities(1000.0)
+    np.testing.assert_array_equal(C, np.eye(4))
+    assert 0.0 < lower.sum() < upper.sum() <= 100.0
+    np.testing.assert_allclose(contact.wrench_map(Tick(robot))[:2], 0.0, atol=1e-12)
 
 
 def test_the_drive_lays_a_tilted_foot_flat_and_at_rest(robot):

@@ -31,6 +31,9 @@ def test_jacobian_and_drift(robot):
     tick, (q, v) = Tick(robot), random_state(robot, np.random.default_rng(0))
     frame = tick.update(0.0, q, v).frame("left_foot")
     task = FootSliding(robot, "left_foot", still(frame.position + np.array([0.1, 0.2, 0.3]), frame.rotation.copy()))
+    tick.contacts = [Contact("left_foot", robot.sole("left_foot"))]
+    assert task.rows(tick).lower.shape == (0,)  # it stands
+    tick.contacts[0].mode = "sliding"
     assert_jacobian_and_drift(task, tick, q, v)
 
 
