@@ -27,18 +27,31 @@ SERIES: tuple[Color, ...] = (
 
 
 class Columns:
-    """A rerun recording that takes arrays over time."""
+    """A rerun recording that takes arrays over time.
+
+    A viewer takes in a few messages a picture, in the order of the file: what holds for the whole recording goes first,
+    then the columns in the order in which they came, each as one message.
+    """
 
     def __init__(self, stream: rr.RecordingStream) -> None:
-        self.stream = stream
+        self._stream = stream
+        self._waiting: list[tuple[str, np.ndarray, list[rr.ComponentColumn]]] = []
 
     def static(self, entity: Entity, *archetypes: rr.AsComponents) -> None:
         """What holds for the whole recording."""
-        self.stream.log(_path(entity), *archetypes, static=True)
+        self._stream.log(_path(entity), *archetypes, static=True)
 
-    def over_time(self, entity: Entity, times: np.ndarray, columns: rr.ComponentColumnList) -> None:
+    def over_time(self, entity: Entity, times: np.ndarray, *columns: rr.ComponentColumnList) -> None:
         """Component columns with one row per time [s]."""
-        self.stream.send_columns(_path(entity), [rr.TimeColumn(TIMELINE, duration=times)], columns)
+        self._waiting.append((_path(entity), times, [column for columns_ in columns for column in columns_]))
+
+    def send(self) -> None:
+        """Write what is still waiting."""
+        self._stream.flush()
+        for path, times, columns in self._waiting:
+            self._stream.send_columns(path, [rr.TimeColumn(TIMELINE, duration=times)], columns)
+        self._waiting.clear()
+        self._stream.flush()
 
     def curves(
         self,

@@ -39,7 +39,7 @@ def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, human: Human 
     _send_balance(columns, log, motion)
     _send_joints(columns, log, motion)
     _send_ticks(columns, log)
-    stream.flush()
+    columns.send()
     stream.disconnect()
     os.replace(partial, path)
 

@@ -86,36 +86,55 @@ def _send_robot(
     q: np.ndarray,
     ghost: Color | None = None,
 ) -> None:
-    """A robot's shapes on its moving bodies; a ghost has one colour."""
+    """A robot's shapes where its bodies are; a ghost has one colour.
+
+    All shapes are instances of one entity: a viewer takes longer over an entity than over what is in it.
+    """
     bodies = sorted({shape.body for shape in shapes})
     positions, rotations = body_poses(robot, bodies, q)
-    for body, position, rotation in zip(bodies, positions, rotations, strict=True):
-        quaternion = Rotation.from_matrix(rotation).as_quat()
-        columns.over_time(
-            f"{entity}/{body}", times, rr.Transform3D.columns(translation=position, quaternion=quaternion)
-        )
-        columns.static(f"{entity}/{body}", *_archetypes([shape for shape in shapes if shape.body == body], ghost))
-
-
-def _archetypes(shapes: list[Shape], ghost: Color | None) -> Iterator[rr.AsComponents]:
-    """A body's shapes, those of a kind together: few entities make a recording that opens fast."""
+    moving = []
     for kind in sorted({shape.kind for shape in shapes}):
         alike = [shape for shape in shapes if shape.kind == kind]
-        sizes = np.array([shape.half_sizes for shape in alike])
-        centers = np.array([shape.position for shape in alike])
-        quaternions = np.array([shape.quaternion for shape in alike])
-        colors = [ghost or shape.color for shape in alike]
-        look: dict[str, Any] = {"quaternions": quaternions, "colors": colors, "fill_mode": "solid"}
-        if kind == "box":
-            yield rr.Boxes3D(half_sizes=sizes, centers=centers, **look)
-        elif kind == "ellipsoid":
-            yield rr.Ellipsoids3D(half_sizes=sizes, centers=centers, **look)
-        elif kind == "cylinder":
-            yield rr.Cylinders3D(lengths=2 * sizes[:, 2], radii=sizes[:, 0], centers=centers, **look)
-        else:
-            axes = Rotation.from_quat(quaternions).as_matrix()[:, :, 2]
-            ends = centers - sizes[:, 2:] * axes  # rerun's capsule starts at one end
-            yield rr.Capsules3D(lengths=2 * sizes[:, 2], radii=sizes[:, 0], translations=ends, **look)
+        on = [bodies.index(shape.body) for shape in alike]
+        places = np.array([shape.position for shape in alike])[:, None, :, None]
+        turns = Rotation.from_quat([shape.quaternion for shape in alike]).as_matrix()[:, None]
+        centers = positions[on] + (rotations[on] @ places)[..., 0]
+        columns.static(entity, _look(alike, ghost))
+        moving.append(_placed(alike, centers.swapaxes(0, 1), (rotations[on] @ turns).swapaxes(0, 1)))
+    columns.over_time(entity, times, *moving)
+
+
+def _look(alike: list[Shape], ghost: Color | None) -> rr.AsComponents:
+    """Sizes and colours of shapes of one kind."""
+    sizes = np.array([shape.half_sizes for shape in alike])
+    look: dict[str, Any] = {"colors": [ghost or shape.color for shape in alike], "fill_mode": "solid"}
+    match alike[0].kind:
+        case "box":
+            return rr.Boxes3D.from_fields(half_sizes=sizes, **look)
+        case "ellipsoid":
+            return rr.Ellipsoids3D.from_fields(half_sizes=sizes, **look)
+        case "cylinder":
+            return rr.Cylinders3D.from_fields(lengths=2 * sizes[:, 2], radii=sizes[:, 0], **look)
+        case _:
+            return rr.Capsules3D.from_fields(lengths=2 * sizes[:, 2], radii=sizes[:, 0], **look)
+
+
+def _placed(alike: list[Shape], centers: np.ndarray, rotations: np.ndarray) -> rr.ComponentColumnList:
+    """Columns of the poses of n shapes of one kind over time: centers (T, n, 3), rotations (T, n, 3, 3)."""
+    count, size = centers.shape[:2]
+    quaternions = Rotation.from_matrix(rotations.reshape(-1, 3, 3)).as_quat().astype(np.float32)
+    match alike[0].kind:
+        case "box":
+            pose = rr.Boxes3D.columns(centers=centers.reshape(-1, 3), quaternions=quaternions)
+        case "ellipsoid":
+            pose = rr.Ellipsoids3D.columns(centers=centers.reshape(-1, 3), quaternions=quaternions)
+        case "cylinder":
+            pose = rr.Cylinders3D.columns(centers=centers.reshape(-1, 3), quaternions=quaternions)
+        case _:  # rerun's capsule starts at one end
+            half = np.array([shape.half_sizes[2] for shape in alike])
+            ends = centers - half[:, None] * rotations[..., 2]
+            pose = rr.Capsules3D.columns(translations=ends.reshape(-1, 3), quaternions=quaternions)
+    return pose.partition([size] * count)
 
 
 def _send_human(columns: Columns, human: Human, times: np.ndarray) -> None:
