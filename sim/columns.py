@@ -1,4 +1,4 @@
-"""Whole columns of a run, sent to a rerun recording at once."""
+"""A rerun recording as messages in an order that opens fast."""
 
 from collections.abc import Sequence
 
@@ -14,6 +14,13 @@ COLORS: dict[str, Color] = {
     "planned": (110, 210, 110),
     "limit": (215, 60, 60),
     "com": (250, 220, 60),
+    "com_planned": (150, 135, 60),
+    "dcm": (190, 130, 255),
+    "dcm_planned": (120, 90, 160),
+    "foothold": (150, 155, 165),
+    "fixed": (60, 190, 180),
+    "sliding": (255, 190, 70),
+    "off": (130, 130, 135),
     "human": (235, 200, 120),
     "ghost": (120, 165, 130, 150),
     "floor": (58, 62, 70, 110),
@@ -39,46 +46,11 @@ class Columns:
 
     def static(self, entity: Entity, *archetypes: rr.AsComponents) -> None:
         """What holds for the whole recording."""
-        self._stream.log(_path(entity), *archetypes, static=True)
+        self._stream.log(path(entity), *archetypes, static=True)
 
     def over_time(self, entity: Entity, times: np.ndarray, *columns: rr.ComponentColumnList) -> None:
         """Component columns with one row per time [s]."""
-        self._waiting.append((_path(entity), times, [column for columns_ in columns for column in columns_]))
-
-    def send(self) -> None:
-        """Write what is still waiting."""
-        self._stream.flush()
-        for path, times, columns in self._waiting:
-            self._stream.send_columns(path, [rr.TimeColumn(TIMELINE, duration=times)], columns)
-        self._waiting.clear()
-        self._stream.flush()
-
-    def curves(
-        self,
-        entity: Entity,
-        times: np.ndarray,
-        values: np.ndarray,
-        names: Sequence[str],
-        colors: str | Sequence[str] = (),
-    ) -> None:
-        """Curves (T, n), or (T,) for a single one, with their names.
-
-        Args:
-            entity: where they go.
-            times: (T,) [s].
-            values: the curves; nan where there is nothing to show.
-            names: one a curve.
-            colors: names of `COLORS`, one a curve or one for all; otherwise each gets a colour of its own.
-        """
-        values = values.reshape(len(times), -1)
-        if isinstance(colors, str):
-            colors = [colors] * len(names)
-        shades = [COLORS[color] for color in colors] or [SERIES[k % len(SERIES)] for k in range(len(names))]
-        self.static(entity, rr.SeriesLines(names=list(names), colors=shades, widths=[1.5] * len(names)))
-        # Seven digits are enough to look at, and the zeros behind them make the file smaller.
-        rounded = values.astype(np.float32).astype(np.float64)
-        columns = rr.Scalars.columns(scalars=rounded.ravel())
-        self.over_time(entity, times, columns.partition([values.shape[1]] * len(times)))
+        self._waiting.append((path(entity), times, [column for part in columns for column in part]))
 
     def points(self, entity: Entity, times: np.ndarray, positions: np.ndarray, color: str, radius: float) -> None:
         """A point (T, 3) that moves, not shown where it is nan."""
@@ -87,6 +59,15 @@ class Columns:
         columns = rr.Points3D.columns(positions=positions[seen].astype(np.float32))
         self.over_time(entity, times, columns.partition(seen.astype(int)))
 
+    def send(self) -> None:
+        """Write what is still waiting."""
+        self._stream.flush()
+        for entity, times, columns in self._waiting:
+            self._stream.send_columns(entity, [rr.TimeColumn(TIMELINE, duration=times)], columns)
+        self._waiting.clear()
+        self._stream.flush()
 
-def _path(entity: Entity) -> str:
+
+def path(entity: Entity) -> str:
+    """The path of an entity, its parts escaped."""
     return entity if isinstance(entity, str) else rr.new_entity_path(list(entity))

@@ -7,16 +7,19 @@ import pyarrow as pa
 import pytest
 from rerun.chunk import Chunk, RrdReader
 
-from sim.log import RunInfo, RunLog
+from sim.bodies import body_poses
+from sim.log import FOOT_OFF, RunInfo, RunLog
+from sim.panels import FRAME_RATE, dcm, divergent
+from sim.push import Push
 from sim.recorder import record
 from sim.shapes import read_shapes
-from sim.visuals import FRAME_RATE, body_poses
 from sot.errors import InputError
 from sot.robot import Robot, robots
 
 from .runs import PERIOD, perfect_log, same_human, still_motion
 
-INFO = RunInfo(clip="made-up", robot="hrp2", solver="cascade", feet="planted", rate_hz=1.0 / PERIOD)
+PUSH = Push(t=1.0, force=(80.0, 0.0, 0.0), duration=0.2)
+INFO = RunInfo(clip="made-up", robot="hrp2", solver="cascade", feet="planted", rate_hz=1.0 / PERIOD, pushes=(PUSH,))
 SECONDS = 2.0
 ROBOT = Robot.load("hrp2")
 
@@ -27,6 +30,7 @@ def log() -> RunLog:
     knee = 7 + ROBOT.joints.index("LLEG3")
     log.q[: log.ticks, knee] += np.linspace(0.0, 0.5, log.ticks)
     log.zmp_measured[:50] = np.nan
+    log.foot_mode[100:200, 0] = FOOT_OFF
     return log
 
 
@@ -48,19 +52,28 @@ def column(chunks: list[Chunk], entity: str, component: str) -> tuple[np.ndarray
 
 
 def test_curves_keep_the_control_rate(chunks, log):
-    times, values = column(chunks, "/joints/left_leg/angle", "Scalars:scalars")
+    times, values = column(chunks, "/joints/left_leg/angle/joints", "Scalars:scalars")
     np.testing.assert_allclose(times, log.time[: log.ticks], atol=1e-9)
     angles = np.array(values.to_pylist())
     joints = list(ROBOT.groups["left_leg"])
     np.testing.assert_allclose(angles, np.rad2deg(log.q[: log.ticks, 7:][:, joints]), atol=1e-4)
 
 
-def test_bodies_move_at_the_frame_rate(chunks):
-    times, values = column(chunks, "/world/robot/LLEG4_LINK", "Transform3D:translation")
+def shape_centers(chunks: list[Chunk], entity: str, body: str) -> tuple[np.ndarray, np.ndarray]:
+    """Times (T,) and places (T, 3) of the first cylinder on a body."""
+    times, values = column(chunks, entity, "Cylinders3D:centers")
+    cylinders = [shape.body for shape in read_shapes(ROBOT.path) if shape.kind == "cylinder"]
+    return times, np.array(values.to_pylist())[:, cylinders.index(body)]
+
+
+def test_bodies_move_at_the_frame_rate(chunks, log):
+    times, places = shape_centers(chunks, "/world/robot", "LLEG4_LINK")
     assert len(times) == pytest.approx(SECONDS * FRAME_RATE, abs=1)
-    places = np.array(values.to_pylist())[:, 0]
+    shape = next(s for s in read_shapes(ROBOT.path) if (s.body, s.kind) == ("LLEG4_LINK", "cylinder"))
+    position, rotation = body_poses(ROBOT, ["LLEG4_LINK"], log.q[log.rows_at(FRAME_RATE)][-1:])
+    np.testing.assert_allclose(places[-1], position[0, 0] + rotation[0, 0] @ shape.position, atol=1e-6)
     assert np.linalg.norm(places[-1] - places[0]) > 0.1
-    still = np.array(column(chunks, "/world/reference/LLEG4_LINK", "Transform3D:translation")[1].to_pylist())
+    _, still = shape_centers(chunks, "/world/reference", "LLEG4_LINK")
     np.testing.assert_allclose(still, still[:1].repeat(len(still), axis=0), atol=1e-6)
 
 
@@ -71,14 +84,63 @@ def test_what_was_not_measured_is_not_shown(chunks):
     assert shown[round(50 * PERIOD * FRAME_RATE) + 1 :].all()
 
 
+def test_a_contact_changes_its_state_and_its_sole_the_colour(chunks, log):
+    times, states = column(chunks, "/contacts/left_foot", "StateChange:state")
+    assert states.to_pylist() == [["fixed"], ["off"], ["fixed"]]
+    np.testing.assert_allclose(times, log.time[[0, 100, 200]], atol=1e-9)
+    times, colors = column(chunks, "/world/contact/left_foot/sole", "LineStrips3D:colors")
+    shown = np.array(colors.to_pylist())[:, 0]
+    off = (times >= log.time[100]) & (times < log.time[200])
+    assert len(set(shown[off])) == len(set(shown[~off])) == 1
+    assert shown[off][0] != shown[~off][0]
+
+
+def test_a_push_is_shown_while_it_acts(chunks):
+    times, arrows = column(chunks, "/world/push/0", "Arrows3D:vectors")
+    shown = np.array([bool(row) for row in arrows.to_pylist()])
+    assert PUSH.t <= times[0]
+    assert shown[:-1].all()
+    assert not shown[-1]
+    assert times[-1] == pytest.approx(PUSH.end)
+
+
+def test_measured_and_planned_divergent_components_agree_in_a_perfect_run():
+    motion = still_motion(ROBOT, SECONDS)
+    measured, planned = dcm(perfect_log(motion).trimmed(), motion)
+    np.testing.assert_allclose(measured, planned, atol=1e-9)
+    np.testing.assert_allclose(planned, motion.com[:-1, :2], atol=1e-9)
+
+
+def test_the_divergent_component_runs_away_at_the_rate_of_the_pendulum():
+    com, velocity, height, step = np.array([[0.1, 0.0, 0.8]]), np.array([[0.2, -0.1, 0.0]]), np.array([0.8]), 1e-6
+    omega = np.sqrt(9.81 / 0.8)
+    faster = velocity + step * omega**2 * com * [1.0, 1.0, 0.0]  # the ZMP at the origin
+    before, after = divergent(com, velocity, height), divergent(com + step * velocity, faster, height)
+    np.testing.assert_allclose((after - before) / step, omega * before, rtol=1e-4)
+
+
+def test_what_holds_throughout_comes_first_and_the_robot_before_the_curves(chunks):
+    static = [chunk.is_static for chunk in chunks]
+    assert static == sorted(static, reverse=True)
+    moving = [chunk.entity_path for chunk in chunks if not chunk.is_static]
+    assert moving.index("/world/robot") == 0
+    assert max(k for k, entity in enumerate(moving) if entity.startswith("/world")) < min(
+        k for k, entity in enumerate(moving) if not entity.startswith("/world")
+    )
+
+
 def test_everything_a_user_wants_to_see_is_there(chunks):
     entities = {chunk.entity_path for chunk in chunks}
     limbs = [f"/joints/{limb}" for limb in ("left_leg", "right_leg", "trunk", "left_arm", "right_arm")]
+    parts = ("angle/joints", "range/joints", "error/joints", "torque/joints", "torque/limits")
+    balance = ("com", "zmp_measured", "zmp_controller", "zmp_planned", "dcm_measured", "dcm_planned")
     assert entities >= {
-        *("/world/human/bones", "/world/contact/left_foot", "/world/contact/support", "/world/balance/com"),
-        *("/balance/x/zmp", "/balance/y/support", "/balance/load", "/balance/com_error", "/tick/time", "/tick/status"),
-        *(f"{limb}/{part}" for limb in limbs for part in ("angle", "error", "room/limit", "torque/limits")),
-        *("/tasks/balance\\:\\ com", "/tasks/posture\\:\\ joints", "/about"),
+        *("/world/human/bones", "/world/contact/left_foot", "/world/contact/support"),
+        *("/world/plan/footholds", "/world/plan/com", *(f"/world/balance/{name}" for name in balance)),
+        *("/balance/x/zmp", "/balance/y/support", "/balance/force/load", "/com/x/way", "/com/divergent/dcm_error"),
+        *(f"{limb}/{part}" for limb in limbs for part in parts),
+        *("/tasks/balance\\:\\ com/error", "/tasks/posture\\:\\ joints/error"),
+        *("/tick/time/time", "/tick/status/status", "/about"),
     }
 
 
@@ -89,7 +151,7 @@ def test_a_fallen_run_without_a_human_is_recorded_too(tmp_path: Path):
     fallen = RunInfo("made-up", "hrp2", "cascade", "planted", 200.0, fell_at_s=0.01, reason="the waist sank")
     record(tmp_path / "run.rrd", log, fallen, motion, None)
     entities = {chunk.entity_path for chunk in RrdReader(tmp_path / "run.rrd").stream().to_chunks()}
-    assert "/world/robot/BODY" in entities
+    assert "/world/robot" in entities
     assert not any(entity.startswith("/world/human") for entity in entities)
 
 
