@@ -20,8 +20,10 @@ from scenarios import clips
 from scenarios.bench import bench, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.disturbances import parse_mismatch, parse_push
-from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, replay, retarget
+from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, check_writable, make_solver, replay, retarget
 from scenarios.studies import SCENARIOS, run_scenario
+from scenarios.suite import SUITES, bench_suite, pieces
+from scenarios.suite import show as show_suite
 from sim.report import show
 from sot.errors import InputError
 from sot.robot import Robot, robots
@@ -175,8 +177,14 @@ def bench_command(
     rate: Rate = 1000.0,
     against: Annotated[Path | None, typer.Option(help="Figures to compare with, of `sot bench --json`.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="The figures as JSON instead of a table.")] = False,
+    suite: Annotated[str | None, typer.Option(help="dance: many clips, and a row of figures each.")] = None,
+    feet: Annotated[str, typer.Option(help="With --suite: what `sot replay --feet` takes.")] = "steps",
+    mocap: Annotated[Path | None, typer.Option(help="With --suite: a folder of more clips (.bvh).")] = None,
+    out: Annotated[Path | None, typer.Option(help="With --suite: folder to keep recordings and reports in.")] = None,
 ) -> int:
-    """Dance a clip and say what a tick costs, phase by phase."""
+    """Dance a clip and say what a tick costs, phase by phase; or dance a suite of clips and say how they went."""
+    if suite is not None:
+        return _bench_suite(Replay("", robot, solver=solver, rate=rate, feet=feet), suite, mocap, out, as_json)
     others = read_figures(against) if against else None
     request = Replay(clip, robot, solver=solver, start=start, duration=duration, rate=rate)
     with _progress() as tell:
@@ -215,6 +223,22 @@ def _reported(report: dict[str, Any], folder: Path) -> int:
     show([report], output)
     output.print(f"\nWritten: {folder / RECORDING}, {folder / REPORT}", soft_wrap=True)
     return FELL if report["fell"] else DONE
+
+
+def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | None, as_json: bool) -> int:
+    if suite not in SUITES:
+        raise InputError(f"unknown suite '{suite}': choose one of {', '.join(SUITES)}")
+    check_writable(out or Path())
+    make_solver(request.solver)
+    Robot.load(request.robot)
+    chosen = pieces(mocap)
+    with _progress() as tell:
+        table = bench_suite(request, chosen, out, tell)
+    if as_json:
+        print(json.dumps(table, indent=2))
+    else:
+        show_suite(table, output)
+    return DONE if table["summary"]["successes"] == len(chosen) else FELL
 
 
 def _message(error: Exception) -> str:

@@ -119,6 +119,8 @@ BAD_ARGUMENTS = {
     "push of no body": (["replay", "groove", "--push", "t=1 force=8,0,0 body=tail", "--duration", "0.2"], "tail"),
     "mismatch": (["replay", "groove", "--mismatch", "mass=heavy"], "mass is no number: 'heavy'"),
     "mismatch out of range": (["replay", "groove", "--mismatch", "friction=2"], "friction=2: must be between"),
+    "suite": (["bench", "--suite", "songs"], "choose one of dance"),
+    "folder of the suite": (["bench", "--suite", "dance", "--mocap", "nowhere"], "nowhere: no clips"),
     "scenario": (["run", "flying"], "choose one of sliding"),
     "option": (["replay", "groove", "--frobnicate"], "--frobnicate"),
     "command": (["dance"], "dance"),

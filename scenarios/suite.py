@@ -1,0 +1,136 @@
+"""A table of dances: each clip danced under physics, a row of figures each, and what they come to."""
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from statistics import fmean, median
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from scenarios import clips
+from scenarios.replay import Replay, Tell, dance, keep
+from sot.errors import InputError
+
+MPJPE_MM = 100.0  # a dance whose key bodies are farther off, on average, is no success
+PIECE_S = 20.0  # length of the pieces that a long named clip is danced in
+LONG = "lafan1_dance1_subject2"
+SUITES = ("dance",)
+
+# Figures of a row: place in the report, head, factor to the unit shown, digits after the point.
+FIGURES: tuple[tuple[str, str, float, int], ...] = (
+    ("speed", "speed", 1.0, 2),
+    ("zmp.inside", "zmp in %", 100.0, 1),
+    ("contacts.slip_max_m", "slip mm", 1e3, 1),
+    ("contacts.sole_tilt_max_deg", "tilt deg", 1.0, 1),
+    ("tracking.mpjpe_mm", "mpjpe mm", 1.0, 1),
+    ("likeness.segment_deg", "segm deg", 1.0, 1),
+    ("likeness.hand_path_ratio", "hands", 1.0, 2),
+    ("limits.self_collision_min_m", "self mm", 1e3, 1),
+    ("contacts.switches", "switches", 1.0, 0),
+    ("solver.infeasible_ticks", "infeas", 1.0, 0),
+    ("solver.fallback_ticks", "fallb", 1.0, 0),
+    ("real_time_factor", "RTF", 1.0, 2),
+    ("planning_ratio", "plan s/s", 1.0, 2),
+)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A clip, or a part of one, under the name of its row."""
+
+    name: str
+    clip: str
+    start: float = 0.0
+    duration: float | None = None
+
+
+def pieces(mocap: Path | None) -> list[Piece]:
+    """What the suite "dance" is made of: the long named dance in pieces, and the clips (.bvh) of a folder.
+
+    Raises:
+        InputError: no such folder, or no clip in it.
+    """
+    found: list[Piece] = []
+    if mocap is not None:
+        found = [Piece(path.stem, str(path)) for path in sorted(mocap.glob("*.bvh"))]
+        if not found:
+            raise InputError(f"{mocap}: no clips (.bvh) there")
+    seconds = next(clip.seconds for clip in clips.clips() if clip.name == LONG)
+    starts = [k * PIECE_S for k in range(int(seconds // PIECE_S) + 1) if seconds - k * PIECE_S > 0.5 * PIECE_S]
+    return found + [Piece(f"{LONG} {start:.0f} s", LONG, start, min(PIECE_S, seconds - start)) for start in starts]
+
+
+def bench_suite(request: Replay, pieces: Sequence[Piece], out: Path | None, tell: Tell) -> dict[str, Any]:
+    """Dance all pieces.
+
+    Args:
+        request: what holds for all of them.
+        pieces: the clips.
+        out: folder that keeps a recording and a report a piece; nothing is kept unless given.
+        tell: told the piece and what is being done with it.
+
+    Returns:
+        "rows", one a piece: "name", "success", "ending" in words, and `FIGURES`, None where there are none; "summary":
+        how many succeeded, and over those that could be danced the mean speed and the medians of the other figures.
+    """
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for piece in pieces:
+            said = f"{piece.name}: "
+            own = replace(request, clip=piece.clip, start=piece.start, duration=piece.duration)
+
+            def told(what: str, share: float | None, said: str = said) -> None:
+                tell(said + what, share)
+
+            rows.append({"name": piece.name} | _row(own, (out or Path(folder)) / piece.name.replace(" ", "_"), told))
+    return {"rows": rows, "summary": _summary(rows)}
+
+
+def show(table: Mapping[str, Any], console: Console) -> None:
+    """Print the rows, and what they come to."""
+    shown = Table(box=None, padding=(0, 1, 0, 0))
+    shown.add_column("clip", no_wrap=True)
+    shown.add_column("")
+    for _, head, _, _ in FIGURES:
+        shown.add_column(head, justify="right")
+    summary = {"name": "", "ending": f"{table['summary']['successes']} of {table['summary']['clips']}"}
+    for row in (*table["rows"], summary | table["summary"]):
+        values = ((row.get(place), factor, digits) for place, _, factor, digits in FIGURES)
+        cells = ("-" if value is None else f"{factor * value:.{digits}f}" for value, factor, digits in values)
+        shown.add_row(row["name"], row["ending"], *cells)
+    console.print(shown)
+
+
+def _row(request: Replay, folder: Path, tell: Tell) -> dict[str, Any]:
+    nothing: dict[str, Any] = dict.fromkeys(place for place, *_ in FIGURES)
+    try:
+        danced = dance(request, tell)
+    except InputError as refusal:
+        return {"success": False, "ending": f"refused: {refusal}"} | nothing
+    report = keep(danced, folder, tell)
+    row = nothing | {place: _at(report, place) for place, *_ in FIGURES if place != "planning_ratio"}
+    row["speed"] = report["speed"] * (1.0 - report["stretched_s"] / report["duration_s"])
+    if danced.plan is not None:
+        row["planning_ratio"] = danced.plan.seconds["total"] / danced.motion.duration
+    off = report["tracking"]["mpjpe_mm"]
+    success = not report["fell"] and off is not None and off <= MPJPE_MM
+    ending = "upright" if not report["fell"] else f"fell at {report['fell_at_s']:.1f} s"
+    return {"success": success, "ending": ending} | row
+
+
+def _summary(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    summary: dict[str, Any] = {"clips": len(rows), "successes": sum(row["success"] for row in rows)}
+    for place, *_ in FIGURES:
+        values = [row[place] for row in rows if row[place] is not None]
+        summary[place] = (fmean if place == "speed" else median)(values) if values else None
+    return summary
+
+
+def _at(report: Mapping[str, Any], place: str) -> float | None:
+    value: Any = report
+    for key in place.split("."):
+        value = value[key]
+    return value
