@@ -41,9 +41,7 @@ output, messages = Console(), Console(stderr=True)
 Clip = Annotated[str, typer.Argument(help="A file (.bvh, or .npz of `sot retarget`) or a name of `sot list clips`.")]
 RobotName = Annotated[str, typer.Option("--robot", help="A name of `sot list robots`, or a robot file (.toml).")]
 SolverName = Annotated[str, typer.Option("--solver", help="A name of `sot list solvers`.")]
-Feet = Annotated[
-    str, typer.Option(help="planted: both feet stay where they stand; steps: they step when the dancer's do.")
-]
+Feet = Annotated[str, typer.Option(help="auto: they step if the dancer's do; steps; planted: they stay.")]
 Start = Annotated[float, typer.Option(help="Where in the clip to start [s].", min=0.0)]
 Duration = Annotated[float | None, typer.Option(help="How much of the clip to play [s]; to its end by default.")]
 Rate = Annotated[float, typer.Option(help="Control ticks per second.", min=100.0, max=2000.0)]
@@ -58,6 +56,7 @@ Differs = Annotated[
         help='What the controller is not told, like "mass=1.1 damping=2 delay=0.002 noise=0.05 friction=0.5 seed=1".',
     ),
 ]
+Contacts = Annotated[Path | None, typer.Option(help="File (.toml) of the steps, as `sot retarget -o` writes it.")]
 Mapping = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
 
 
@@ -77,11 +76,12 @@ def replay_command(
     robot: RobotName = "hrp2",
     stack: Annotated[Path | None, typer.Option(help="Python file that defines stack(robot, motion).")] = None,
     solver: SolverName = "cascade",
-    feet: Feet = "planted",
+    feet: Feet = "auto",
     start: Start = 0.0,
     duration: Duration = None,
     rate: Rate = 1000.0,
     mapping: Mapping = None,
+    contacts: Contacts = None,
     push: Pushes = None,
     mismatch: Differs = "",
     out: Annotated[Path | None, typer.Option(help="Folder for run.rrd and report.json; runs/CLIP by default.")] = None,
@@ -90,7 +90,10 @@ def replay_command(
     """Let a robot dance a clip under physics; record it and report on it."""
     folder = out or Path("runs") / Path(clip).stem
     pushes = tuple(parse_push(text) for text in push or ())
-    request = Replay(clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, parse_mismatch(mismatch))
+    changed = parse_mismatch(mismatch)
+    request = Replay(
+        clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts=contacts
+    )
     with _progress() as tell:
         report = replay(request, folder, tell)
     status = _reported(report, folder)
@@ -124,17 +127,24 @@ def run_command(
 def retarget_command(
     clip: Clip,
     robot: RobotName = "hrp2",
-    feet: Feet = "planted",
+    feet: Feet = "auto",
     start: Start = 0.0,
     duration: Duration = None,
     rate: Rate = 1000.0,
     mapping: Mapping = None,
+    contacts: Contacts = None,
     out: Annotated[Path, typer.Option("--out", "-o", help="File to write.")] = Path("motion.npz"),
 ) -> int:
-    """Plan a robot's motion for a clip, without physics, and write it to a file that `sot replay` takes."""
-    request = Replay(clip, robot, feet=feet, start=start, duration=duration, rate=rate, mapping=mapping)
+    """Plan a robot's motion for a clip, without physics, and write it (.npz), or the dancer's steps (.toml), to a file
+    that `sot replay` takes."""
+    request = Replay(
+        clip, robot, feet=feet, start=start, duration=duration, rate=rate, mapping=mapping, contacts=contacts
+    )
     with _progress() as tell:
         planned = retarget(request, out, tell)
+    if out.suffix == ".toml":
+        output.print(f"{out}: {len(planned.travel.dancer) if planned.travel else 0} steps", soft_wrap=True)
+        return DONE
     figures = planned.retarget
     output.print(
         f"{out}: {planned.motion.duration:.2f} s for {planned.motion.robot.label}, key points "

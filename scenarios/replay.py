@@ -19,7 +19,7 @@ from sim.world import World
 from solvers import Cascade, Weighted
 from sot.controller import Controller, Solver
 from sot.errors import InputError
-from sot.motion import Human, read, recognise
+from sot.motion import Human, contact_file, read, recognise
 from sot.motion.plan import Plan, plan
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
@@ -44,6 +44,7 @@ class Replay:
         start, duration: part of the clip [s], to its end by default.
         rate: of the control [Hz].
         mapping: file that names the joints of an unknown skeleton.
+        contacts: file of the steps to make, instead of those found in the clip.
         pushes: forces on the robot while it dances.
         mismatch: how the simulated robot and floor differ from what the controller knows.
     """
@@ -59,6 +60,7 @@ class Replay:
     mapping: Path | None = None
     pushes: tuple[Push, ...] = ()
     mismatch: Mismatch = AS_MODELLED
+    contacts: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -138,6 +140,8 @@ def perform(request: Replay, compose: Composer, motion: Motion, planned: Plan | 
         feet=request.feet,
         rate_hz=request.rate,
         fell_at_s=done.fell_at_s,
+        speed_min=planned.speed_min if planned else 1.0,
+        stretched_s=planned.stretched if planned else 0.0,
         reason=done.reason,
         mismatch=request.mismatch,
         pushes=request.pushes,
@@ -146,17 +150,22 @@ def perform(request: Replay, compose: Composer, motion: Motion, planned: Plan | 
 
 
 def retarget(request: Replay, out: Path, tell: Tell) -> Plan:
-    """Plan the robot's motion for a clip and write it to the file `out` (`.npz`).
+    """Plan the robot's motion for a clip and write it to the file `out` (`.npz`), or the dancer's steps (`.toml`).
 
     Raises:
         InputError: anything in the request that does not fit; nothing is written then.
     """
-    if out.suffix != ".npz":
-        raise InputError(f"{out}: a motion is written to a file that ends in .npz")
+    if out.suffix not in (".npz", ".toml"):
+        raise InputError(f"{out}: a motion is written to a file that ends in .npz, and its steps to one in .toml")
+    if out.suffix == ".toml" and request.feet == "planted":
+        raise InputError(f"{out}: planted feet make no steps to write: choose --feet steps, or a file in .npz")
     check_writable(out.parent)
     robot = Robot.load(request.robot)
     planned = _plan(request, robot, tell)
     out.parent.mkdir(parents=True, exist_ok=True)
+    if out.suffix == ".toml":
+        contact_file.write(out, planned.travel.dancer if planned.travel else ())
+        return planned
     partial = out.with_name(f".{out.stem}.part.npz")
     planned.motion.save(partial)
     os.replace(partial, out)
@@ -210,7 +219,8 @@ def _plan(request: Replay, robot: Robot, tell: Tell) -> Plan:
     tell("reading", None)
     human = _human(request)
     tell("planning", None)
-    return plan(human, robot, request.feet, request.rate)
+    contacts = contact_file.read(request.contacts) if request.contacts else None
+    return plan(human, robot, request.feet, request.rate, contacts)
 
 
 def _human(request: Replay) -> Human:

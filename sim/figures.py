@@ -12,6 +12,7 @@ from solvers.rows import Status
 from sot.motion.likeness import hand_path_ratio, segment_deg
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
+from sot.motion.travel import path_length
 from sot.robot import Robot
 
 Figures = dict[str, float | int | None]
@@ -19,6 +20,8 @@ Figures = dict[str, float | int | None]
 POSE_RATE = 100.0  # Hz, at which the places of bodies are compared
 INSET = 0.010  # m that the ZMP has to stay inside the support polygon
 LOADED = 1.0  # N, of a foot that the floor carries
+MADE = 0.15  # m from its place, a footfall that counts as made
+LANDED = 0.1  # s after a planned landing: the foot stands
 SATURATED = 0.99  # of a torque limit
 RECOVERY = 3.0  # s after a push: a robot that still stands then has survived it
 KEY_POINTS = (
@@ -104,6 +107,28 @@ def likeness(log: RunLog, plan: Plan | None) -> Figures:
         "segment_deg": segment_deg(person, robot),
         "upper_segment_deg": segment_deg(person, robot, upper=True),
         "hand_path_ratio": hand_path_ratio(person, robot, human.rate),
+    }
+
+
+def steps(log: RunLog, plan: Plan | None) -> Figures:
+    """Footfalls of the dancer longer than 10 cm; how many the robot made, within MADE of their place on the scaled
+    path; and the root's path through the room, robot over human in the robot's size."""
+    nothing: Figures = dict.fromkeys(("footfalls", "made", "path_ratio", "path_scale"))
+    if plan is None or plan.travel is None or not log.ticks:
+        return nothing
+    robot, made = plan.motion.robot, 0
+    for fall in plan.travel.footfalls:
+        tick = 0 if fall.landed is None else round((fall.landed + LANDED) / log.period)
+        if fall.landed is None or tick >= log.ticks:
+            continue
+        ankle = fall.foot.replace("foot", "ankle")
+        place = Points.of(robot, log.q[tick : tick + 1], (ankle,)).positions[ankle][0, :2]
+        made += bool(np.linalg.norm(place - fall.place) <= MADE)
+    return {
+        "footfalls": len(plan.travel.footfalls),
+        "made": made,
+        "path_ratio": path_length(log.q[:, :2], 1.0 / log.period) / plan.travel.path if plan.travel.path else None,
+        "path_scale": plan.travel.scale,
     }
 
 

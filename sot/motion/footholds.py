@@ -18,7 +18,8 @@ LOWERED = 0.90  # of a stretched leg's length, the lowest hips that a stride may
 EXTENDED = 0.97  # of its length, how far a stride may stretch a leg
 CLEARANCE = 0.02  # m between the soles
 ROOM = 0.8  # of the range in which a foot can turn against the pelvis, for both feet at once
-HURRY = 0.45  # mean speed of a swinging leg's joints over their limit: a swing starts and ends at rest
+HURRY = 0.5  # mean speed of a swinging leg's joints over their limit: a swing starts and ends at rest
+SPINNING = 0.75  # mean speed of a turning foot over its hip's limit: the pelvis turns as well
 EDGES = 12  # of the polygon inside the circle of strides
 
 
@@ -27,6 +28,7 @@ class Reach:
     """What a robot's legs can do with its feet flat.
 
     Attributes:
+        leg: its length, stretched [m].
         hips: distance of the legs' roots [m].
         stride: farthest of one ankle from the other beyond that distance [m].
         turn: least and most that the left foot may be turned out from the right one, together [rad].
@@ -34,6 +36,7 @@ class Reach:
         soles: foot -> (nc, 2) corners about the point below the ankle [m].
     """
 
+    leg: float
     hips: float
     stride: float
     turn: tuple[float, float]
@@ -70,11 +73,12 @@ class Reach:
             pose = data.oMf[robot.point(foot)]
             soles[foot] = np.array([(pose.act(corner) - place(f"{side}_ankle"))[:2] for corner in robot.sole(foot)])
         return Reach(
+            leg=leg,
             hips=float(abs(place("left_hip")[1] - place("right_hip")[1])),
             stride=float(2.0 * leg * np.sqrt(EXTENDED**2 - LOWERED**2)),
             turn=(ROOM * sum(lower), ROOM * sum(upper)),
             speed=HURRY * float(np.median(rates)) * leg,
-            turning=HURRY * min(float(robot.velocity[yaw(side)]) for side in SIDES),
+            turning=SPINNING * min(float(robot.velocity[yaw(side)]) for side in SIDES),
             soles=soles,
         )
 

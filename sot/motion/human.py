@@ -112,7 +112,10 @@ class Human:
     def resampled(self, rate: float) -> "Human":
         """At another rate [Hz], from the first frame to the last: cubic positions, spherically linear rotations."""
         times = np.arange(int(self.duration * rate + 1e-6) + 1) / rate
-        times = np.minimum(times, self.duration)
+        return self.at(np.minimum(times, self.duration), rate)
+
+    def at(self, times: np.ndarray, rate: float) -> "Human":
+        """As it is at times (T,) within its duration [s], taken for frames at a rate [Hz]: the same, or slower."""
         points = CubicSpline(self.times, np.stack(list(self.points.values()), axis=1))(times)
         frames = {body: Slerp(self.times, Rotation.from_matrix(r))(times) for body, r in self.frames.items()}
         return replace(

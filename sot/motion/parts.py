@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sot.motion.human import SEGMENTS
 from sot.motion.kinematics import Chains, Kinematics
 from sot.motion.stance import Build
-from sot.motion.swing import FootPath
+from sot.motion.swing import FootPath, moving
 from sot.motion.targets import Targets
 from sot.robot import Robot
 
@@ -57,7 +57,7 @@ class Body:
         self._chains = Chains(robot)
         self._targets, self._com, self._hips = targets, com, build.hips
         self._waist, self._chest, self._neck = (robot.point(point) for point in ("waist", "chest", "neck"))
-        self._steps = any(bool(np.ptp(path.position, axis=0).any()) for path in feet.values())
+        self._steps = moving(feet)
         self._feet = [(robot.point(foot), path) for foot, path in feet.items()]
 
     def evaluate(self, knots: Indices, y: Array) -> tuple[Array, Array]:

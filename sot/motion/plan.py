@@ -1,6 +1,7 @@
 """From a human's motion to a robot's that it can do: retarget, balance, sample."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,25 +9,29 @@ from numpy.typing import NDArray
 
 from sot.errors import InputError
 from sot.motion.centroidal import Centroidal
-from sot.motion.contacts import Phase, planted
+from sot.motion.contacts import Phase
 from sot.motion.coordinates import to_pinocchio
-from sot.motion.footholds import Reach
+from sot.motion.course import Course, go, stay
+from sot.motion.footwork import Step
 from sot.motion.human import Human
 from sot.motion.kinematics import Chains, Kinematics
 from sot.motion.limits import Limits
 from sot.motion.spline import Spline
 from sot.motion.stance import LEAD, TAIL, Build, on_time_line, over_feet
-from sot.motion.swing import foot_paths, phases_of, standing
+from sot.motion.swing import moving
 from sot.motion.targets import Targets, key_points, targets
+from sot.motion.tempo import slowed
 from sot.motion.trajectory import Motion
-from sot.motion.travel import travel
-from sot.motion.whole_body import balanced, limbs_fitted, retarget
+from sot.motion.travel import Travel
+from sot.motion.whole_body import balanced, limbs_fitted, retarget, strained
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
 
-FEET = ("planted", "steps")
+FEET = ("auto", "steps", "planted")
 PLAN_RATE = 50.0  # knots per second
+MENDS = 3  # most plans made anew, with more time where the body could not follow
+MEND, SLOWEST = 1.3, 3.0  # how much more time, and how many times slower than the dancer at most
 REFIT_STEPS = 2  # Gauss-Newton steps of head and arms once the body is balanced
 NOISE_HZ = 6.0  # faster than this, a capture is noise
 
@@ -41,6 +46,9 @@ class Plan:
         start, end: the part of the motion that shows the clip [s]; before, the lead-in from rest; after, rest.
         retarget: figures of the report: "key_point_rms_m", the reference's key points against those of the human in
             the robot's size, limb by limb, over the clip; "frames_per_s", clip frames retargeted per second.
+        clock: (n,) the motion's time at the clip's frames at PLAN_RATE [s]: it runs slower than the dancer's where the
+            robot needs more time.
+        travel: steps and footholds, of feet that may step.
         seconds: time that planning took, by step.
     """
 
@@ -48,57 +56,109 @@ class Plan:
     human: Human
     start: float
     end: float
+    clock: Array
+    travel: Travel | None
     retarget: dict[str, float]
     seconds: dict[str, float]
 
+    @property
+    def speed_min(self) -> float:
+        """The slowest that the clip is played at, over the dancer's own speed."""
+        return float(1.0 / max(1.0, PLAN_RATE * np.diff(self.clock).max()))
 
-def plan(human: Human, robot: Robot, feet: str = "planted", rate: float = 1000.0) -> Plan:
+    @property
+    def stretched(self) -> float:
+        """Time that slowing down adds [s]."""
+        return self.end - self.start - (len(self.clock) - 1) / PLAN_RATE
+
+
+def plan(
+    human: Human, robot: Robot, feet: str = "planted", rate: float = 1000.0, contacts: Sequence[Step] | None = None
+) -> Plan:
     """The motion with which a robot dances like a human.
 
     Args:
         human: a clip, or the part of one to dance.
         robot: who dances.
-        feet: "planted", both soles where the rest posture puts them; "steps", where and when the dancer steps.
+        feet: "planted", both soles where the rest posture puts them; "steps", where and when the dancer steps;
+            "auto", planted if the dancer's feet never really move.
+        contacts: the steps to make, in the clip's time, instead of those found in it; none may be planted.
         rate: samples per second of the motion [Hz].
 
     Raises:
-        InputError: another kind of `feet`.
+        InputError: another kind of `feet`, or contacts for planted ones.
     """
     if feet not in FEET:
         raise InputError(f"feet '{feet}' are not known: choose one of {', '.join(FEET)}")
+    if contacts is not None and feet == "planted":
+        raise InputError("planted feet make no steps: leave the contacts out, or choose steps")
     begun = time.perf_counter()
-    build, limits, period = Build.of(robot), Limits.of(robot), 1.0 / PLAN_RATE
+    fit = _Fit(robot, Build.of(robot), Limits.of(robot))
     smooth = human.low_passed(NOISE_HZ)
-    if feet == "planted":
-        person = on_time_line(over_feet(smooth, build), PLAN_RATE)
-        phases = planted(robot, person.duration)
-        paths = standing(phases[0], person.count)
-    else:
-        reach = Reach.of(robot)
-        going = travel(on_time_line(smooth, PLAN_RATE), build, reach)
-        person = going.human
-        phases = phases_of(robot, going.stands, going.steps, person.duration)
-        paths = foot_paths(robot, going.stands, going.steps, going.lifts, reach, person.times)
-    wanted = targets(person, robot, build)
-    whole = retarget(robot, build, wanted, paths, limits, period)
+    course = None if feet == "planted" else fit.go(smooth, contacts)
+    if course is None or (feet == "auto" and contacts is None and len(course.phases) == 1):
+        course = stay(on_time_line(over_feet(smooth, fit.build), PLAN_RATE), robot)
+    wanted, whole = fit.looks(course)
     retargeted = time.perf_counter()
-    whole = balanced(robot, build, wanted, paths, phases, limits, whole)
-    whole = limbs_fitted(robot, wanted, limits, whole, REFIT_STEPS)  # the chest has moved
-    whole = balanced(robot, build, wanted, paths, phases, limits, whole)
-    motion = sampled(robot, whole, phases, rate)
+    whole = fit.balanced(course, wanted, whole)
+    for _ in range(MENDS if moving(course.feet) else 0):
+        slow = fit.slower(course, whole)
+        if slow is None:
+            break
+        course = fit.go(smooth, contacts, slow)
+        wanted, whole = fit.looks(course)
+        whole = fit.balanced(course, wanted, whole)
+    whole = limbs_fitted(robot, wanted, fit.limits, whole, REFIT_STEPS)  # the chest has moved
+    whole = fit.balanced(course, wanted, whole)
+    motion = sampled(robot, whole, course.phases, rate)
+    start, end = round(LEAD * PLAN_RATE), len(course.clock) - 1 - round(TAIL * PLAN_RATE)
+    span = slice(round(course.clock[start] * PLAN_RATE), round(course.clock[end] * PLAN_RATE) + 1)
     figures = {
-        "key_point_rms_m": _key_point_rms(robot, wanted, whole),
+        "key_point_rms_m": _key_point_rms(robot, wanted, whole, span),
         "frames_per_s": human.count / (retargeted - begun),
     }
     ended = time.perf_counter()
     return Plan(
         motion=motion,
-        human=person,
-        start=LEAD,
-        end=motion.duration - TAIL,
+        human=course.human,
+        start=float(course.clock[start]),
+        end=float(course.clock[end]),
+        clock=course.clock[start : end + 1],
+        travel=course.travel,
         retarget=figures,
         seconds={"retarget": retargeted - begun, "balance": ended - retargeted, "total": ended - begun},
     )
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """What a course of feet and human is fitted with."""
+
+    robot: Robot
+    build: Build
+    limits: Limits
+
+    def go(self, human: Human, contacts: Sequence[Step] | None, slow: Array | None = None) -> Course:
+        """A course that steps; contacts: the steps to make, on the clip's time, instead of those found."""
+        person = on_time_line(human, PLAN_RATE)
+        return go(person, self.robot, self.build, contacts, np.ones(person.count) if slow is None else slow)
+
+    def looks(self, course: Course) -> tuple[Targets, Spline]:
+        """The body's targets, and a body that meets them, nothing of it balanced yet."""
+        wanted = targets(course.human, self.robot, self.build)
+        return wanted, retarget(self.robot, self.build, wanted, course.feet, self.limits, 1.0 / PLAN_RATE)
+
+    def balanced(self, course: Course, wanted: Targets, whole: Spline) -> Spline:
+        return balanced(self.robot, self.build, wanted, course.feet, course.phases, self.limits, whole)
+
+    def slower(self, course: Course, whole: Spline) -> Array | None:
+        """A slowness (n,) of the dancer's frames that gives time where the body cannot follow; None if it can."""
+        hasty = strained(self.robot, course.feet, course.phases, whole)
+        if not len(hasty):
+            return None
+        times = np.arange(len(course.clock)) / PLAN_RATE
+        now = np.gradient(course.clock, times)
+        return slowed(np.maximum(now, 1.0), times, np.interp(hasty, course.clock, times).tolist(), MEND, SLOWEST)
 
 
 def sampled(robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate: float) -> Motion:
@@ -121,10 +181,9 @@ def sampled(robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate: float
     )
 
 
-def _key_point_rms(robot: Robot, wanted: Targets, reference: Spline) -> float:
+def _key_point_rms(robot: Robot, wanted: Targets, reference: Spline, clip: slice) -> float:
     """Root mean square distance, over the clip, from the reference's key points to those of the human in the robot's
     size (see `key_points`), both relative to the waist [m]."""
-    clip = slice(round(LEAD * PLAN_RATE), wanted.length - round(TAIL * PLAN_RATE))
     kinematics = Kinematics(Chains(robot), reference.knots[clip])
     _, waist = kinematics.frame(robot.point("waist"))
     offsets = [

@@ -15,7 +15,9 @@ from sot.robot import Robot
 
 Array = NDArray[np.float64]
 
-CLEAR = 0.07, 0.25  # leg lengths, the least and the greatest height of a swing
+CLEAR = 0.07, 0.30  # leg lengths, the least and the greatest height of a swing
+PULL = 12.0  # m/s², greatest that a foot is lifted or lowered with, unless it has to clear the floor
+BEND = 24.0  # of `_bump` at its top, over the share of a step's time
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,11 @@ def standing(phase: Phase, length: int) -> dict[str, FootPath]:
         )
         for foot, pose in phase.feet.items()
     }
+
+
+def moving(feet: Mapping[str, FootPath]) -> bool:
+    """Whether any foot ever leaves its place."""
+    return any(bool(np.ptp(path.position, axis=0).any()) for path in feet.values())
 
 
 def phases_of(
@@ -79,7 +86,8 @@ def foot_paths(
         track[times >= step.land] = (there.x, there.y, 0.0, there.heading)
         inside = (times > step.lift) & (times < step.land)
         share = (times[inside] - step.lift) / (step.land - step.lift)
-        track[inside] = _swing(here, there, share, lift)
+        most = min(CLEAR[1] * reach.leg, PULL / BEND * (step.land - step.lift) ** 2)
+        track[inside] = _swing(here, there, share, max(min(lift, most), CLEAR[0] * reach.leg))
         track[inside, :2] += _around(track[inside], anchor, share, step.foot, reach)
     return {
         foot: FootPath(

@@ -8,18 +8,32 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
 from sot.motion.footholds import Reach, headings, places
-from sot.motion.footwork import Stand, Step, ground, stands, steps
+from sot.motion.footwork import Ground, Stand, Step, ground, stands, steps
 from sot.motion.human import SIDES, Human
-from sot.motion.stance import STANDING, Build
-from sot.motion.timetable import timetable
+from sot.motion.stance import LEAD, STANDING, Build
+from sot.motion.tempo import Move, Tempo, at_clock, tempo
 
 Array = NDArray[np.float64]
 
 PATH_HZ = 0.5  # slower than this, the way of the waist is a path through the room; faster, dancing on the spot
 SHIFT_HZ = 1.0  # how fast the body follows where its feet had to be put elsewhere
-OFF = 0.10  # m that a foothold may be off its place
+OFF = 0.12  # m that a foothold may be off its place
 KEPT = 0.9  # of the footholds, not farther off than that
+FOOTFALL = 0.10  # m, a step of the dancer that counts
+SMALL = 0.115  # leg lengths, a shorter step may be left out where there is no time for it
+TURNED, LIFTED = 1.0, 0.15  # rad and leg lengths, unless it turns or lifts the foot by more
+LONGEST = 0.4  # s, that a step may be drawn out to turn the foot
+BETTER = 0.01  # m, by which that has to shrink for a shorter path to be worth it
 SCALES = np.linspace(1.0, 0.3, 15)  # of the path, from the longest
+
+
+@dataclass(frozen=True)
+class Footfall:
+    """Where a foot of the dancer lands along the scaled path (x, y) [m], and when the robot's does [s], if it does."""
+
+    foot: str
+    place: tuple[float, float]
+    landed: float | None
 
 
 @dataclass(frozen=True)
@@ -32,7 +46,11 @@ class Travel:
         stands: foot -> where it stands before, between and after its steps.
         places: foot -> where the dancer's does, in the robot's size along the scaled path.
         lifts: how high the dancer's foot gets in each step [m], in the robot's size.
+        clock: (T,) the robot's time at the frames of the dancer that were given [s].
         scale: of the path beyond the ratio of leg lengths, 1 if its strides are in reach.
+        path: length of the dancer's way through the room, in the robot's size but not scaled otherwise [m].
+        dancer: all steps of the dancer, in the clip's time.
+        footfalls: of the dancer's steps longer than FOOTFALL.
     """
 
     human: Human
@@ -40,41 +58,137 @@ class Travel:
     stands: Mapping[str, Sequence[Stand]]
     places: Mapping[str, Sequence[Stand]]
     lifts: tuple[float, ...]
+    clock: Array
     scale: float
+    path: float
+    dancer: tuple[Step, ...]
+    footfalls: tuple[Footfall, ...]
 
 
-def travel(human: Human, build: Build, reach: Reach) -> Travel:
-    """Steps and footholds for a human on the motion's time line.
+def travel(human: Human, build: Build, reach: Reach, slow: Array, contacts: Sequence[Step] | None) -> Travel:
+    """Steps and footholds for a human on the motion's time line, at least so many times slower (T,) than its own.
 
     The path is scaled down, as a whole, until nearly all footholds are near their place; the others are moved by the
     least, and the body with them.
     """
-    human = human.scaled(build.leg / human.leg)
-    feet = {f"{side}_foot": ground(human, side) for side in SIDES}
-    moves = steps(feet, human.rate, human.leg)
-    human = _from_start(human, stands(feet, moves, human.rate), build)
-    feet = {f"{side}_foot": ground(human, side) for side in SIDES}
+    ratio = build.leg / human.leg
+    human = human.scaled(ratio)
+    feet = _grounds(human)
+    dancer = steps(feet, human.rate, human.leg) if contacts is None else _on_time_line(contacts)
+    asked = _moves(feet, dancer, human, reach, given=contacts is not None)
+    pace = tempo(asked, human.times, slow)
+    human = _from_start(human, stands(feet, dancer, human.rate), build)
+    path = path_length(human.points["waist"][:, :2], human.rate)
+    human, timed = _warped(human, pace), pace.steps
+    moves = [at_clock(move.step, pace.clock, human.rate) for move in pace.moves]
+    feet = _grounds(human)
+    lifts = tuple(_lift(feet[move.foot], move, human.rate) for move in moves)
     own = stands(feet, moves, human.rate)
-    timed = timetable(moves, (human.count - 1) / human.rate)
     turned = headings(own, timed, reach)
-    off = {foot: turned[foot] - np.array([stand.heading for stand in own[foot]]) for foot in own}
-    human = _turned(human, _between({foot: off[foot][:, None] for foot in off}, timed, human)[:, 0])
-    for scale in SCALES:
-        scaled = _path_scaled(human, float(scale))
-        own = stands({f"{side}_foot": ground(scaled, side) for side in SIDES}, moves, human.rate)
-        found = places(own, turned, timed, reach)
-        moved = {
-            foot: np.array([(a.x - b.x, a.y - b.y) for a, b in zip(found[foot], own[foot], strict=True)])
-            for foot in own
-        }
-        far = np.linalg.norm(np.vstack(list(moved.values())), axis=1)
-        if np.quantile(far, KEPT) <= OFF:
-            break
-    lifts = tuple(
-        float(feet[move.foot].lift[round(move.lift * human.rate) : round(move.land * human.rate) + 1].max())
-        for move in moves
+    human = _faced(human, own, turned, timed, build)
+    scale, own, found = _scale(human, turned, moves, timed, reach)
+    moved = {
+        foot: np.array([(a.x - b.x, a.y - b.y) for a, b in zip(found[foot], own[foot], strict=True)]) for foot in own
+    }
+    scaled = _shifted(human, _scaling(human, scale))
+    made = {move.step: step for move, step in zip(pace.moves, timed, strict=True)}
+    long = [move.step for move in asked if move.length > FOOTFALL * ratio]
+    return Travel(
+        human=_shifted(scaled, _between(moved, timed, human)),
+        steps=timed,
+        stands=found,
+        places=own,
+        lifts=lifts,
+        clock=pace.clock,
+        scale=scale,
+        path=path,
+        dancer=tuple(Step(step.foot, step.lift - LEAD, step.land - LEAD) for step in dancer),
+        footfalls=_footfalls(scaled, dancer, long, made, pace.clock),
     )
-    return Travel(_shifted(scaled, _between(moved, timed, human)), timed, found, own, lifts, float(scale))
+
+
+def _grounds(human: Human) -> dict[str, Ground]:
+    return {f"{side}_foot": ground(human, side) for side in SIDES}
+
+
+def _lift(track: Ground, move: Step, rate: float) -> float:
+    return float(track.lift[round(move.lift * rate) : round(move.land * rate) + 1].max())
+
+
+def _faced(
+    human: Human,
+    own: Mapping[str, Sequence[Stand]],
+    turned: Mapping[str, Array],
+    timed: Sequence[Step],
+    build: Build,
+) -> Human:
+    """Turned as its feet had to be, and so that the pelvis is within the range of the hips over them."""
+    off = {foot: turned[foot] - np.array([stand.heading for stand in own[foot]]) for foot in own}
+    human = _turned(human, _between({foot: by[:, None] for foot, by in off.items()}, timed, human)[:, 0])
+    feet = _between({foot: yaws[:, None] for foot, yaws in turned.items()}, timed, human)[:, 0]
+    twist = np.unwrap(np.arctan2(human.frames["pelvis"][:, 1, 0], human.frames["pelvis"][:, 0, 0])) - feet
+    twist -= 2.0 * np.pi * np.round(np.median(twist) / (2.0 * np.pi))
+    return _turned(human, np.clip(twist, -build.turn, build.turn) - twist)
+
+
+def _footfalls(
+    scaled: Human, dancer: Sequence[Step], long: Sequence[Step], made: Mapping[Step, Step], clock: Array
+) -> tuple[Footfall, ...]:
+    """Where the dancer's long steps land along the scaled path, and which of them the robot makes."""
+    places = stands(_grounds(scaled), [at_clock(step, clock, scaled.rate) for step in dancer], scaled.rate)
+    now, found = dict.fromkeys(places, 0), []
+    for step in dancer:
+        now[step.foot] += 1
+        place = places[step.foot][now[step.foot]]
+        if step in long:
+            found.append(Footfall(step.foot, (place.x, place.y), made[step].land if step in made else None))
+    return tuple(found)
+
+
+def _on_time_line(contacts: Sequence[Step]) -> tuple[Step, ...]:
+    """Steps in the clip's time in that of the motion, in order of their middles."""
+    late = [Step(step.foot, step.lift + LEAD, step.land + LEAD) for step in contacts]
+    return tuple(sorted(late, key=lambda step: step.lift + step.land))
+
+
+def _moves(feet: Mapping[str, Ground], found: Sequence[Step], human: Human, reach: Reach, given: bool) -> list[Move]:
+    """What each of the dancer's steps asks of the robot; none may be left out if they were given."""
+    own, now, moves = stands(feet, found, human.rate), dict.fromkeys(feet, 0), []
+    for step in found:
+        here, there = own[step.foot][now[step.foot] : now[step.foot] + 2]
+        now[step.foot] += 1
+        moved, turned = float(np.hypot(there.x - here.x, there.y - here.y)), abs(there.heading - here.heading)
+        lift = _lift(feet[step.foot], step, human.rate)
+        least = max(min(moved, reach.stride) / reach.speed, min(turned / reach.turning, LONGEST))
+        small = not given and moved < SMALL * human.leg and turned < TURNED and lift < LIFTED * human.leg
+        moves.append(Move(step, moved, least, small))
+    return moves
+
+
+def _warped(human: Human, pace: Tempo) -> Human:
+    """The human at the robot's times."""
+    times = np.arange(round(pace.clock[-1] * human.rate) + 1) / human.rate
+    return human.at(np.interp(times, pace.clock, human.times), human.rate)
+
+
+def _scale(
+    human: Human, turned: Mapping[str, Array], moves: Sequence[Step], timed: Sequence[Step], reach: Reach
+) -> tuple[float, dict[str, list[Stand]], dict[str, list[Stand]]]:
+    """The scale of the path, the dancer's stands along it, and the robot's."""
+    tried, feet = [], _grounds(human)
+    for scale in SCALES:
+        shift = _scaling(human, float(scale))
+        own = stands(
+            {foot: replace(track, place=track.place + shift) for foot, track in feet.items()}, moves, human.rate
+        )
+        found = places(own, turned, timed, reach)
+        off = [np.hypot(a.x - b.x, a.y - b.y) for foot in own for a, b in zip(found[foot], own[foot], strict=True)]
+        far = float(np.quantile(off, KEPT))
+        tried.append((far, float(scale), own, found))
+        if far <= OFF:
+            break
+    enough = max(OFF, min(far for far, *_ in tried) + BETTER)
+    return next((scale, own, found) for far, scale, own, found in tried if far <= enough)
 
 
 def _from_start(human: Human, own: Mapping[str, Sequence[Stand]], build: Build) -> Human:
@@ -106,10 +220,20 @@ def _turned(human: Human, angle: Array) -> Human:
     )
 
 
-def _path_scaled(human: Human, scale: float) -> Human:
-    """With its way through the room scaled from where it begins, what it does on the spot left as it is."""
-    path = _slow(human.points["waist"][:, :2], human.rate, PATH_HZ)
-    return _shifted(human, (scale - 1.0) * (path - path[0]))
+def path_length(places: Array, rate: float) -> float:
+    """Length of the way through the room of places (T, 2) at a rate [Hz], swaying on the spot left out [m]."""
+    return float(np.linalg.norm(np.diff(_slow(places, rate, PATH_HZ), axis=0), axis=1).sum())
+
+
+def _scaling(human: Human, scale: float) -> Array:
+    """By how much (T, 2) to move it so that its way through the room is scaled from where it begins [m]."""
+    path = _path(human)
+    return (scale - 1.0) * (path - path[0])
+
+
+def _path(human: Human) -> Array:
+    """Its way through the room (T, 2) [m]."""
+    return _slow(human.points["waist"][:, :2], human.rate, PATH_HZ)
 
 
 def _shifted(human: Human, by: Array) -> Human:

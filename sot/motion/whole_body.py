@@ -15,13 +15,14 @@ from sot.motion.contacts import Phase
 from sot.motion.coordinates import from_configuration, to_pinocchio
 from sot.motion.height import lowered, reachable
 from sot.motion.human import SIDES
+from sot.motion.kinematics import Chains, Kinematics
 from sot.motion.limits import Limits
 from sot.motion.parts import Arm, Body, Head, Part
 from sot.motion.retarget import PartFit, solve
 from sot.motion.spline import Spline
 from sot.motion.stance import Build
 from sot.motion.support import supports
-from sot.motion.swing import FootPath
+from sot.motion.swing import FootPath, moving
 from sot.motion.targets import Targets
 from sot.robot import Robot
 
@@ -29,6 +30,8 @@ Array = NDArray[np.float64]
 
 LIMB_STEPS = 2  # Gauss-Newton steps of head and arms over the whole clip
 ROUNDS = 6  # most rounds of balance and body, each taking the other's result
+MARGIN = 0.01  # m, least of the ZMP to the edge of what carries
+OFF = 0.002  # m, greatest of a foot off its way
 SETTLED = 0.005  # m, a change of the whole body's ZMP from one round to the next that ends them
 
 
@@ -40,6 +43,9 @@ def retarget(
     The legs follow without regard to their speed, and nothing yet to balance: `balanced` sees to both.
     """
     y, knots = _at_rest_over(feet, robot, wanted.length), np.arange(wanted.length)
+    if moving(feet):
+        y[:, :2] = wanted.hips[:, :2]
+        wanted = _in_reach(robot, wanted, feet, y, period)
     parts: list[Part] = [Body(robot, build, wanted, feet), Head(robot, wanted)]
     for part in parts:
         y[:, part.columns], _ = solve(part, knots, y, limits)
@@ -80,8 +86,8 @@ def balanced(
     state = _centroidal(whole, robot)
     wanted_com = state.com[:, :2]
     for _ in range(ROUNDS):
-        if len(phases) > 1:
-            wanted = _in_reach(robot, human, feet, whole)
+        if moving(feet):
+            wanted = _in_reach(robot, human, feet, whole.knots, whole.period)
         plan = plan_balance(state, wanted_com, where, whole.period)
         body = Body(robot, build, wanted, feet, plan.com.knots)
         control = whole.control.copy()
@@ -94,9 +100,27 @@ def balanced(
     return whole
 
 
-def _in_reach(robot: Robot, wanted: Targets, feet: Mapping[str, FootPath], whole: Spline) -> Targets:
-    """The targets with hips from which the legs reach their feet, where the body now is."""
-    height = lowered(wanted.hips[:, 2], reachable(robot, whole.knots, feet), whole.period)
+def strained(robot: Robot, feet: Mapping[str, FootPath], phases: Sequence[Phase], whole: Spline) -> Array:
+    """Times (n,) of the knots at which a body cannot do what its feet are to do [s].
+
+    Its ZMP leaves where the feet carry, or a foot is off its way.
+    """
+    y = whole.knots
+    times = whole.period * np.arange(len(y), dtype=float)
+    zmp, bad = _centroidal(whole, robot).zmp(), np.zeros(len(y), bool)
+    where = supports(robot, phases)
+    for support, stop in zip(where, [*(support.start for support in where[1:]), np.inf], strict=True):
+        rows = (times >= support.start) & (times < stop)
+        bad[rows] |= support.polygon.margin(zmp[rows]) < MARGIN
+    kinematics = Kinematics(Chains(robot), y)
+    for foot, path in feet.items():
+        bad |= np.linalg.norm(kinematics.frame(robot.point(foot))[1] - path.position, axis=1) > OFF
+    return times[bad]
+
+
+def _in_reach(robot: Robot, wanted: Targets, feet: Mapping[str, FootPath], y: Array, period: float) -> Targets:
+    """The targets with hips from which the legs reach their feet, at coordinates (T, nv) of the body."""
+    height = lowered(wanted.hips[:, 2], reachable(robot, y, feet), period)
     return replace(wanted, hips=np.column_stack([wanted.hips[:, :2], height]))
 
 

@@ -109,7 +109,7 @@ BAD_ARGUMENTS = {
     "no such clip": (["replay", "grove"], "did you mean groove"),
     "robot": (["replay", "groove", "--robot", "asimo"], "asimo"),
     "solver": (["replay", "groove", "--solver", "magic"], "choose one of cascade, weighted"),
-    "feet": (["replay", "groove", "--feet", "flying"], "choose one of planted, steps"),
+    "feet": (["replay", "groove", "--feet", "flying"], "choose one of auto, steps, planted"),
     "stack file": (["replay", "groove", "--stack", "none.py"], "none.py: no such stack file"),
     "start": (["replay", "groove", "--start", "500"], "the clip lasts"),
     "rate": (["replay", "groove", "--rate", "3"], "--rate"),

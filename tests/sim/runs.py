@@ -68,4 +68,13 @@ def same_human(motion: Motion) -> Human:
 
 
 def same_plan(motion: Motion) -> Plan:
-    return Plan(motion, same_human(motion), 0.0, motion.duration, {"key_point_rms_m": 0.01, "frames_per_s": 600.0}, {})
+    return Plan(
+        motion,
+        same_human(motion),
+        0.0,
+        motion.duration,
+        motion.times,
+        None,
+        {"key_point_rms_m": 0.01, "frames_per_s": 600.0},
+        {},
+    )

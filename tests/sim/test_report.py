@@ -53,7 +53,7 @@ def test_has_the_agreed_keys(motion, log):
     made = report(log, INFO, 0.5, motion, same_plan(motion))
     assert set(made) >= {
         *("clip", "robot", "solver", "feet", "rate_hz", "speed", "speed_min", "stretched_s", "duration_s", "fell"),
-        *("fell_at_s", "real_time_factor", "tick_us", "tracking", "likeness", "retarget", "zmp", "contacts"),
+        *("fell_at_s", "real_time_factor", "tick_us", "tracking", "likeness", "retarget", "steps", "zmp", "contacts"),
         *("limits", "solver", "torque_rms_nm", "torque_saturated", "power_w", "reference_us"),
     }
     assert set(made["tick_us"]) == {"p50", "p99", "max", "model", "assemble", "solve"}

@@ -103,7 +103,7 @@ def test_too_fast_a_human_costs_likeness_but_no_limit(robot):
 
 
 def test_unknown_feet(robot):
-    with pytest.raises(InputError, match="choose one of planted, steps"):
+    with pytest.raises(InputError, match="choose one of auto, steps, planted"):
         plan(dancer(), robot, feet="flying")
 
 

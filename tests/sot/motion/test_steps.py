@@ -5,14 +5,16 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from sot.errors import InputError
 from sot.motion import plan, read, recognise
 from sot.motion.contacts import phase_at
 from sot.motion.footholds import Reach, headings, places, separation
 from sot.motion.footwork import Stand, Step
 from sot.motion.support import RAMP, supports
+from sot.motion.tempo import Move, tempo
 from sot.motion.timetable import DOUBLE, STANCE, SWING, timetable
 from sot.robot import Robot
-from tests.sot.motion.humans import walker
+from tests.sot.motion.humans import dancer, walker
 
 MOCAP = Path(__file__).parents[4] / "shared" / "mocap"
 
@@ -89,7 +91,7 @@ def test_one_foot_at_a_time():
         Step("left_foot", 3.45, 3.9),
         Step("right_foot", 5.0, 5.1),
     )
-    timed = timetable(moves, 8.0)
+    timed = timetable(moves, [0.0] * len(moves))
     assert [step.foot for step in timed] == [step.foot for step in moves]
     for step in timed:
         assert step.land - step.lift > SWING - 1e-9
@@ -100,7 +102,35 @@ def test_one_foot_at_a_time():
 
 def test_steps_with_room_keep_their_times():
     moves = (Step("left_foot", 1.5, 2.1), Step("right_foot", 2.5, 3.2))
-    assert timetable(moves, 6.0) == tuple(Step(m.foot, pytest.approx(m.lift), pytest.approx(m.land)) for m in moves)
+    assert timetable(moves, [0.3, 0.3]) == tuple(
+        Step(m.foot, pytest.approx(m.lift), pytest.approx(m.land)) for m in moves
+    )
+
+
+def test_time_is_stretched_only_where_steps_need_it():
+    """Ten steps in the time of five, after three seconds of none and before three more."""
+    moves = [
+        Move(Step(f"{'left' if k % 2 else 'right'}_foot", 3.0 + 0.2 * k, 3.18 + 0.2 * k), 0.3, 0.3, small=False)
+        for k in range(10)
+    ]
+    times = np.arange(401) * 0.02
+    found = tempo(moves, times, np.ones(401))
+    speed = np.diff(times) / np.diff(found.clock)
+    assert len(found.steps) == 10
+    assert speed.max() < 1.001 and 0.5 < speed.min() < 0.9
+    assert (speed[:75] > 0.99).all() and (speed[-75:] > 0.99).all()
+    assert np.abs(np.diff(speed)).max() < 0.1
+
+
+def test_small_steps_are_left_out_before_time_is_stretched():
+    moves = [
+        Move(Step(f"{'left' if k % 2 else 'right'}_foot", 3.0 + 0.2 * k, 3.18 + 0.2 * k), 0.05, 0.3, small=True)
+        for k in range(10)
+    ]
+    times = np.arange(401) * 0.02
+    found = tempo(moves, times, np.ones(401))
+    assert 3 <= len(found.steps) < 10
+    np.testing.assert_allclose(found.clock, times, atol=1e-9)
 
 
 def test_footholds_out_of_reach_are_moved_into_it(robot):
@@ -133,6 +163,38 @@ def test_footholds_in_reach_stay(robot):
     for foot, stands in wanted.items():
         for stand, own in zip(stands, found[foot], strict=True):
             assert (own.x, own.y, own.heading) == pytest.approx((stand.x, stand.y, stand.heading), abs=1e-9)
+
+
+def test_the_dancers_footfalls_are_made(walk):
+    falls = walk.travel.footfalls
+    assert len(falls) == 6 and all(fall.landed is not None for fall in falls)
+    assert walk.travel.scale == 1.0
+    for fall in falls:
+        row = round((fall.landed + 0.1) * walk.motion.rate)
+        place = walk.motion.track(fall.foot.replace("foot", "ankle")).position[row, :2]
+        assert np.linalg.norm(place - fall.place) < 0.05
+
+
+def test_auto_plants_feet_that_never_move(robot, walk):
+    still = plan(dancer(), robot, "auto", rate=500.0)
+    assert still.travel is None and len(still.motion.phases) == 1
+    np.testing.assert_allclose(still.motion.q[0], robot.rest, atol=1e-4)
+
+
+def test_given_contacts_are_made(robot):
+    feet = ("left_foot", "right_foot")
+    steps = tuple(Step(feet[k % 2], 0.8 * k + 0.36, 0.8 * k + 0.96) for k in range(6))
+    motion = plan(walker(), robot, "steps", rate=500.0, contacts=steps).motion
+    swings = [phase for phase in motion.phases if len(phase.feet) == 1]
+    assert [(next(iter(swing.feet)), swing.start, swing.end) for swing in swings] == [
+        (feet[(k + 1) % 2], pytest.approx(step.lift + 1.0), pytest.approx(step.land + 1.0))
+        for k, step in enumerate(steps)
+    ]
+
+
+def test_planted_feet_take_no_contacts(robot):
+    with pytest.raises(InputError, match="planted feet make no steps"):
+        plan(walker(), robot, "planted", contacts=())
 
 
 def test_feet_carry_after_a_ramp(walk, robot):

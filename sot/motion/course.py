@@ -1,0 +1,55 @@
+"""What a dance asks of a robot's body, over time: the human to look like, and the way of the feet."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sot.motion.contacts import Phase, planted
+from sot.motion.footholds import Reach
+from sot.motion.footwork import Step
+from sot.motion.human import Human
+from sot.motion.stance import Build
+from sot.motion.swing import FootPath, foot_paths, phases_of, standing
+from sot.motion.travel import Travel, travel
+from sot.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Course:
+    """A human in the robot's size and place on the motion's time line, and where the feet are then.
+
+    Attributes:
+        human: T frames.
+        phases: which feet stand where, when.
+        feet: their paths at the frames.
+        clock: (n,) the motion's time at the dancer's frames, lead-in and tail included [s].
+        travel: of feet that step.
+    """
+
+    human: Human
+    phases: tuple[Phase, ...]
+    feet: Mapping[str, FootPath]
+    clock: Array
+    travel: Travel | None = None
+
+
+def stay(human: Human, robot: Robot) -> Course:
+    """Both feet stay where the rest posture puts them, for a human over them (see `stance.over_feet`)."""
+    phases = planted(robot, human.duration)
+    return Course(human, phases, standing(phases[0], human.count), human.times)
+
+
+def go(human: Human, robot: Robot, build: Build, contacts: Sequence[Step] | None, slow: Array) -> Course:
+    """The feet step where and when the human's do, at least so many times slower (n,) than the human's frames (n,).
+
+    contacts: the steps to make, in the clip's time, instead of those found.
+    """
+    reach = Reach.of(robot)
+    going = travel(human, build, reach, slow, contacts)
+    phases = phases_of(robot, going.stands, going.steps, going.human.duration)
+    feet = foot_paths(robot, going.stands, going.steps, going.lifts, reach, going.human.times)
+    return Course(going.human, phases, feet, going.clock, going)
