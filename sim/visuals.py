@@ -30,7 +30,7 @@ def send_visuals(columns: Columns, log: RunLog, info: RunInfo, motion: Motion, h
     """Send all that is seen in 3D, `FRAME_RATE` times a second."""
     rows = log.rows_at(FRAME_RATE)
     times = log.time[rows]
-    shapes = read_shapes(motion.robot.path)
+    shapes = read_shapes(motion.robot)
     columns.static("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     _send_floor(columns, motion)
     send_robot(columns, "world/robot", motion.robot, shapes, times, log.q[rows])

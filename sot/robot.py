@@ -12,6 +12,8 @@ import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
+from sot.fetch import Package, fetched
+from sot.urdf import Urdf
 
 MODELS = Path(__file__).parent / "models"
 FEET = ("left_foot", "right_foot")
@@ -36,7 +38,8 @@ class Robot:
     Attributes:
         name: name of the robot file.
         label: what a reader should call the robot.
-        path: model file, MJCF or URDF; MuJoCo reads the same one.
+        path: model file, MJCF or URDF.
+        mjcf: what MuJoCo reads instead of a URDF; None if the model file is an MJCF.
         model: Pinocchio model, its first joint the free base.
         joints: joint names (na).
         rest: rest configuration (nq,), the soles flat on z = 0.
@@ -45,7 +48,8 @@ class Robot:
             `acceleration` is for references and braking, `acceleration_hard` bounds a control tick.
         damping, friction, armature: viscous [N m s/rad] and Coulomb [N m] losses and reflected rotor inertia
             [kg m²] (na,); the armature is part of the model's mass matrix too, the losses of nothing.
-        shapes: collision shapes, fixed to the model's joints; the model file's.
+        shapes: collision shapes, fixed to the model's joints; the model file's, primitives in the place of a URDF's
+            meshes.
         points: operational point -> Pinocchio frame. `<side>_foot` lies on the sole, parallel to the world at rest.
         soles: foot -> contact vertices (nc, 3) in the foot frame [m].
         groups: joint group -> indices into the joints.
@@ -54,6 +58,7 @@ class Robot:
     name: str
     label: str
     path: Path
+    mjcf: str | None = field(repr=False)
     model: pin.Model = field(repr=False)
     joints: tuple[str, ...]
     rest: np.ndarray = field(repr=False)
@@ -133,15 +138,21 @@ class Robot:
 @lru_cache
 def _load(path: Path) -> Robot:
     file = _RobotFile(path)
-    model_path = path.parent / file.get("model", str)
-    model = _read_model(model_path, path)
+    model_path = _model_path(file)
+    urdf = Urdf.read(model_path, file.locked()) if model_path.suffix == ".urdf" else None
+    model = urdf.model if urdf else _read_mjcf(model_path)
     names = tuple(model.names)[2:]
-    if model.nq != 7 + len(names) or model.nv != 6 + len(names):
-        raise InputError(f"{model_path}: the model needs a free base, then joints of one degree of freedom")
+    turning = all(joint.shortname().startswith("JointModelR") for joint in model.joints.tolist()[2:])
+    if model.nq != 7 + len(names) or model.nv != 6 + len(names) or not turning:
+        raise InputError(f"{model_path}: the model needs a free base, then joints that turn about one axis")
     points = _points(model, file)
     rest = _rest(model, names, file)
     soles = _soles(model, points, file)
     _put_soles_on_ground(model, rest, points, soles)
+    if urdf:
+        urdf = urdf.with_soles(
+            {model.frames[points[foot]].parentJoint: _in_joint(model, points[foot], soles[foot]) for foot in FEET}
+        )
     groups = {group: file.indices(names, group) for group in GROUPS}
     groups["legs"] = tuple(sorted(groups["left_leg"] + groups["right_leg"]))
     groups["arms"] = tuple(sorted(groups["left_arm"] + groups["right_arm"]))
@@ -160,10 +171,11 @@ def _load(path: Path) -> Robot:
         name=path.stem,
         label=file.get("label", str),
         path=model_path,
+        mjcf=urdf.mjcf(path.stem, rest) if urdf else None,
         model=model,
         joints=names,
         rest=_frozen(rest),
-        shapes=_read_shapes(model, model_path),
+        shapes=urdf.shapes if urdf else pin.buildGeomFromMJCF(model, str(model_path), pin.GeometryType.COLLISION),
         points=MappingProxyType(points),
         soles=MappingProxyType({foot: _frozen(corners) for foot, corners in soles.items()}),
         groups=MappingProxyType(groups),
@@ -226,6 +238,13 @@ class _RobotFile:
                 raise InputError(f"{self.path}: 'groups.{group}' names '{joint}', which is no joint of the model")
         return tuple(names.index(joint) for joint in joints)
 
+    def locked(self) -> dict[str, float]:
+        """Joints of a URDF that are no joints of the robot, with the angles they are held at [rad]."""
+        locked = self.content.get("locked", {})
+        if not isinstance(locked, dict) or not all(isinstance(angle, int | float) for angle in locked.values()):
+            raise InputError(f"{self.path}: 'locked' must be a table of joints and their angles [rad]")
+        return locked
+
     def vector(self, key: str, value: Any) -> np.ndarray:
         vector = np.array(value, dtype=object)
         if vector.shape != (3,) or not all(isinstance(v, int | float) for v in vector):
@@ -240,20 +259,27 @@ class _RobotFile:
         return ids[-1]
 
 
-def _read_model(path: Path, robot_file: Path) -> pin.Model:
+def _model_path(file: _RobotFile) -> Path:
+    """The model file, beside the robot file or in the package that the robot file names."""
+    model = file.get("model", str)
+    if "package" in file.content:
+        name, version, sha256 = (file.get(f"package.{key}", str) for key in ("name", "version", "sha256"))
+        terms = "; ".join(file.get(f"package.{key}", str) for key in ("source", "licence"))
+        path = fetched(Package(name, version, sha256), terms) / model
+        if not path.is_file():
+            raise InputError(f"{file.path}: no file '{model}' in the package {name} {version}")
+        return path
+    path = file.path.parent / model
     if not path.is_file():
-        raise InputError(f"{robot_file}: no model file '{path.name}' beside it")
+        raise InputError(f"{file.path}: no model file '{path.name}' beside it")
+    return path
+
+
+def _read_mjcf(path: Path) -> pin.Model:
     try:
-        if path.suffix == ".urdf":
-            return pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
         return pin.buildModelFromMJCF(str(path))
     except (ValueError, RuntimeError, IndexError) as error:
         raise InputError(f"{path}: Pinocchio cannot read it: {str(error).splitlines()[0]}") from None
-
-
-def _read_shapes(model: pin.Model, path: Path) -> pin.GeometryModel:
-    build = pin.buildGeomFromUrdf if path.suffix == ".urdf" else pin.buildGeomFromMJCF
-    return build(model, str(path), pin.GeometryType.COLLISION)
 
 
 def _points(model: pin.Model, file: _RobotFile) -> dict[str, int]:
@@ -316,6 +342,11 @@ def _put_soles_on_ground(
     data = model.createData()
     pin.framesForwardKinematics(model, data, rest)
     rest[2] -= min(data.oMf[points[foot]].act(corner)[2] for foot in FEET for corner in soles[foot])
+
+
+def _in_joint(model: pin.Model, frame: int, corners: np.ndarray) -> np.ndarray:
+    """Corners (n, 3) of a frame in the frame of its joint."""
+    return np.array([model.frames[frame].placement.act(corner) for corner in corners])
 
 
 def _frozen(array: np.ndarray) -> np.ndarray:

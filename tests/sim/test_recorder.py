@@ -1,5 +1,6 @@
 """The recording holds what the run held, in few columns."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -62,14 +63,14 @@ def test_curves_keep_the_control_rate(chunks, log):
 def shape_centers(chunks: list[Chunk], entity: str, body: str) -> tuple[np.ndarray, np.ndarray]:
     """Times (T,) and places (T, 3) of the first cylinder on a body."""
     times, values = column(chunks, entity, "Cylinders3D:centers")
-    cylinders = [shape.body for shape in read_shapes(ROBOT.path) if shape.kind == "cylinder"]
+    cylinders = [shape.body for shape in read_shapes(ROBOT) if shape.kind == "cylinder"]
     return times, np.array(values.to_pylist())[:, cylinders.index(body)]
 
 
 def test_bodies_move_at_the_frame_rate(chunks, log):
     times, places = shape_centers(chunks, "/world/robot", "LLEG4_LINK")
     assert len(times) == pytest.approx(SECONDS * FRAME_RATE, abs=1)
-    shape = next(s for s in read_shapes(ROBOT.path) if (s.body, s.kind) == ("LLEG4_LINK", "cylinder"))
+    shape = next(s for s in read_shapes(ROBOT) if (s.body, s.kind) == ("LLEG4_LINK", "cylinder"))
     position, rotation = body_poses(ROBOT, ["LLEG4_LINK"], log.q[log.rows_at(FRAME_RATE)][-1:])
     np.testing.assert_allclose(places[-1], position[0, 0] + rotation[0, 0] @ shape.position, atol=1e-6)
     assert np.linalg.norm(places[-1] - places[0]) > 0.1
@@ -158,7 +159,7 @@ def test_a_fallen_run_without_a_human_is_recorded_too(tmp_path: Path):
 @pytest.mark.parametrize("name", robots())
 def test_shapes_belong_to_bodies_that_pinocchio_knows(name):
     robot = Robot.load(name)
-    shapes = read_shapes(robot.path)
+    shapes = read_shapes(robot)
     bodies = sorted({shape.body for shape in shapes})
     assert all(robot.model.existBodyName(body) for body in bodies)
     assert {shape.kind for shape in shapes} == {"box", "capsule", "cylinder", "ellipsoid"}
@@ -172,13 +173,18 @@ def test_shapes_belong_to_bodies_that_pinocchio_knows(name):
     assert 1.3 < max(lows) < 1.6
 
 
+def of_file(path: Path) -> Robot:
+    """A robot whose model file is another one."""
+    return replace(Robot.load("hrp2"), path=path)
+
+
 def test_a_mesh_is_shown_by_its_bounding_box(tmp_path: Path):
     (tmp_path / "mesh.xml").write_text(
         """<mujoco><asset><mesh name="m" vertex="0 0 0  0.2 0 0  0 0.4 0  0 0 0.6"/></asset><worldbody>
         <body name="part"><freejoint/><geom type="mesh" mesh="m"/><geom type="sphere" size="0.1" group="3"/></body>
         </worldbody></mujoco>"""
     )
-    (shape,) = read_shapes(tmp_path / "mesh.xml")
+    (shape,) = read_shapes(of_file(tmp_path / "mesh.xml"))
     assert (shape.body, shape.kind) == ("part", "box")
     assert np.prod(2 * shape.half_sizes) >= 0.2 * 0.4 * 0.6 / 6
 
@@ -186,7 +192,7 @@ def test_a_mesh_is_shown_by_its_bounding_box(tmp_path: Path):
 def test_a_model_that_mujoco_cannot_read(tmp_path: Path):
     (tmp_path / "bad.xml").write_text("<mujoco><nonsense/></mujoco>")
     with pytest.raises(InputError, match=r"bad\.xml: MuJoCo cannot read"):
-        read_shapes(tmp_path / "bad.xml")
+        read_shapes(of_file(tmp_path / "bad.xml"))
 
 
 @pytest.mark.parametrize(("rate", "count"), [(60.0, 120), (1000.0, 400), (200.0, 400)])

@@ -1,5 +1,7 @@
 """The world: it obeys physics, measures what is there, and never helps."""
 
+import shutil
+
 import mujoco
 import numpy as np
 import pinocchio as pin
@@ -10,7 +12,7 @@ from sim.world import World
 from solvers import Cascade
 from sot.controller import Controller
 from sot.errors import InputError
-from sot.robot import Robot, robots
+from sot.robot import MODELS, Robot, robots
 from sot.task import Pose
 from tasks import OperationalPoint
 from tests.sot import urdf_robot
@@ -229,7 +231,7 @@ def test_self_distance_is_the_least_between_limbs_that_may_meet():
 
 
 def test_a_urdf_robot_stands_too(tmp_path):
-    """Joints in another order, no free joint, no motors in the model: the same world all the same."""
+    """No motors and no rotors' inertia in the model: the same world all the same."""
     world = World(Robot.load(urdf_robot.write(tmp_path)))
     q = world.robot.rest.copy()
     q[7:] = 0.5 * (world.robot.lower + world.robot.upper)
@@ -243,16 +245,18 @@ def test_a_urdf_robot_stands_too(tmp_path):
     np.testing.assert_array_equal([world.model.actuator(k).name for k in range(world.model.nu)], world.robot.joints)
 
 
-def test_a_model_that_mujoco_cannot_read_is_refused(tmp_path):
-    robot = Robot.load(urdf_robot.write(tmp_path))
-    (tmp_path / "robot.urdf").write_text("<robot")
-    with pytest.raises(InputError, match=r"robot.urdf: MuJoCo cannot read it"):
-        World(robot)
-
-
-def test_a_model_with_other_joints_for_mujoco_is_refused(tmp_path):
-    robot = Robot.load(urdf_robot.write(tmp_path))
-    model = tmp_path / "robot.urdf"
-    model.write_text(model.read_text().replace('joint name="HEAD1"', 'joint name="NOD"'))
-    with pytest.raises(InputError, match="do not see the same joints: look at HEAD1, NOD"):
+@pytest.mark.parametrize(
+    ("good", "bad", "message"),
+    [
+        ("<mujoco", "<", "MuJoCo cannot read it"),
+        ('joint class="light" name="HEAD1"', 'joint class="light" name="NOD"', "the same joints: look at HEAD1, NOD"),
+    ],
+)
+def test_a_model_that_mujoco_reads_otherwise_is_refused(tmp_path, good, bad, message):
+    for file in ("hrp2.toml", "hrp2.xml"):
+        shutil.copy(MODELS / file, tmp_path)
+    robot, model = Robot.load(tmp_path / "hrp2.toml"), tmp_path / "hrp2.xml"
+    assert good in model.read_text()
+    model.write_text(model.read_text().replace(good, bad))
+    with pytest.raises(InputError, match=f"hrp2.xml: .*{message}"):
         World(robot)

@@ -114,6 +114,8 @@ BAD_FILES = {
     "'label' is missing": ('label = "A robot from a URDF"', ""),
     "'model' must be a str": ('model = "robot.urdf"', "model = 3"),
     "no model file 'other.urdf' beside it": ("robot.urdf", "other.urdf"),
+    "'package.sha256' is missing": ("[rest]", '[package]\nname = "p"\nversion = "1"\n\n[rest]'),
+    "'locked' must be a table of joints": ("[rest]", 'locked = "all"\n\n[rest]'),
     "'points.chest' names the frame 'THORAX'": ("CHEST1_LINK", "THORAX"),
     "'points' lacks neck": ('neck = "HEAD0_LINK"', ""),
     "'points.head_top.position' must be three numbers": ("[0, 0, 0.19]", "[0, 0.19]"),
