@@ -23,6 +23,7 @@ Regularisation appears nowhere, hence not in what a later level has to preserve 
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -373,7 +374,7 @@ def _split(hard: Level, steps: list[int]) -> tuple[Level, list[Level]]:
                 continue
             rows.append(np.arange(block.rows.start, block.rows.stop))
             count = block.rows.stop - block.rows.start
-            blocks.append(type(block)(block.name, block.unit, block.weight, False, slice(start, start + count)))
+            blocks.append(replace(block, rows=slice(start, start + count), gives_way=0))
             start += count
         index = np.concatenate(rows) if rows else np.zeros(0, dtype=int)
         return Level(name, hard.size, [], hard.C[index], hard.lower[index], hard.upper[index], blocks)

@@ -58,7 +58,10 @@ class Rows:
 
 @dataclass(slots=True)
 class Block:
-    """Which part of a level's stacked rows belongs to whom."""
+    """Which part of a level's stacked rows belongs to whom.
+
+    `labels` name the rows one by one, as far as their owner does.
+    """
 
     name: str
     unit: str
@@ -66,6 +69,7 @@ class Block:
     equality: bool
     rows: slice
     gives_way: int = 0
+    labels: Sequence[str] = ()
 
 
 @dataclass(slots=True)

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
-from sot.task import Pose
+from sot.task import AXIS_NAMES, Pose
 from sot.tick import Tick
 
 Array = np.ndarray
@@ -76,6 +76,11 @@ class Contact:
         self.way, self.sliding_friction = way, sliding_friction
         self._bounded = -1.0, 0.0, np.empty(0), np.empty(0)  # at which load, and the bounds of the forces then
         self._normals = np.eye(len(vertices))
+        sides = ("+x", "-x", "+y", "-y", "normal")
+        self._labels = {
+            len(part) * len(vertices): [f"vertex {k} {side}" for k in range(len(vertices)) for side in part]
+            for part in (sides, sides[-1:])
+        }
         arms = np.hstack([pin.skew(vertex) for vertex in self.vertices])
         self._map = np.array([np.tile(np.eye(3), len(vertices)), arms])
         self._cone = (
@@ -94,6 +99,15 @@ class Contact:
     def held(self) -> tuple[int, ...]:
         """Axes (x, y, z, roll, pitch, yaw) that the present mode holds."""
         return {"fixed": (0, 1, 2, 3, 4, 5), "sliding": (2, 3, 4), "off": ()}[self.mode]
+
+    @property
+    def axes(self) -> list[str]:
+        """Their names."""
+        return [AXIS_NAMES[axis] for axis in self.held]
+
+    def force_labels(self, rows: int) -> list[str]:
+        """Names of the rows of `force_inequalities`, of which there are `rows`."""
+        return self._labels[rows]
 
     def wrench_map(self, tick: Tick) -> Array:
         """Map from φ to the wrench (force, moment about the point) that the floor exerts, world axes, (6, k)."""

@@ -93,7 +93,8 @@ class Dynamics:
             J = frame.jacobian
             if len(axes) < 6:
                 J, wanted = J[list(axes)], wanted[list(axes)]
-            _add(equalities, blocks, Block(f"Contact {contact.point}", "m/s²", 1.0, True, _ANY), Equality(J, wanted))
+            block = Block(f"Contact {contact.point}", "m/s²", 1.0, True, _ANY, labels=contact.axes)
+            _add(equalities, blocks, block, Equality(J, wanted))
             if part.stop == part.start:
                 self._maps.append(_NO_FORCE)
                 continue
@@ -161,7 +162,7 @@ class Dynamics:
     def _friction(self, contact: Contact, start: int) -> "_Limit":
         F, lower, upper = contact.force_inequalities(self.units.weight)
         share = 1.0 / self.units.force
-        block = Block(f"Friction {contact.point}", "N", share, False, _ANY, FRICTION_GIVES_WAY)
+        block = Block(f"Friction {contact.point}", "N", share, False, _ANY, FRICTION_GIVES_WAY, contact.force_labels(len(F)))
         return _Limit(block, F, 1.0, start, True, lower, upper, share)
 
 
@@ -220,7 +221,7 @@ def _layout(limit: _Limit) -> tuple[str, int, int, float, int]:
 
 
 def _block(task: Task) -> Block:
-    return Block(task.name, task.unit, task.weight, task.equality, _ANY, task.gives_way)
+    return Block(task.name, task.unit, task.weight, task.equality, _ANY, task.gives_way, task.labels)
 
 
 def _add(equalities: list[Equality], blocks: list[Block], block: Block, equality: Equality) -> None:

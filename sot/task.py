@@ -1,6 +1,7 @@
 """The contract between what a stack is made of and what runs it."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ from solvers.rows import Rows
 from sot.tick import Tick
 
 Array = np.ndarray
+AXIS_NAMES = ("x", "y", "z", "roll", "pitch", "yaw")
 On = Literal["acceleration", "torque", "force"]
 
 
@@ -40,6 +42,7 @@ class Task(ABC):
         error_unit: Unit of `error`.
         weight: Scale of its rows within its level.
         error: What the last tick saw, shape (m,): reference minus measured, or a limit's excess.
+        labels: Names of its rows, as far as they have any.
         selects: Which variables the rows are, where they are a run of them and nothing more (see `Rows`).
     """
 
@@ -52,6 +55,7 @@ class Task(ABC):
             raise ValueError(f"{name}: weight must be positive, not {weight}")
         self.name, self.unit, self.error_unit, self.weight = name, unit, error_unit, weight
         self.error: Array = np.zeros(0)
+        self.labels: Sequence[str] = ()
         self.selects: slice | None = None
 
     @abstractmethod

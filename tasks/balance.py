@@ -47,6 +47,7 @@ class Balance(Task):
         weight: float = 1.0,
     ) -> None:
         super().__init__("Balance", "m/s²", "m", weight)
+        self.labels = "xyz"
         self._reference = reference
         self._feet = dict(feet or {})
         self.k, self.kp, self.margin = k, kp, margin

@@ -24,6 +24,7 @@ class TorqueBounds(Task):
 
     def __init__(self, robot: Robot, fraction: float = 1.0) -> None:
         super().__init__("TorqueBounds", "N m", "N m", weight=1.0 / float(np.median(robot.effort)))
+        self.labels = robot.joints
         self._limit = fraction * robot.effort
         self._A = np.eye(robot.na)
         self.selects = slice(0, robot.na)
@@ -47,6 +48,7 @@ class JointBounds(Task):
 
     def __init__(self, robot: Robot, range_margin: float = 0.002, velocity_fraction: float = 0.99) -> None:
         super().__init__("JointBounds", "rad/s²", "rad", weight=1.0 / 100.0)
+        self.labels = robot.joints
         self._bounds = AccelerationBounds(
             robot.lower + range_margin,
             robot.upper - range_margin,

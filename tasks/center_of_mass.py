@@ -36,6 +36,7 @@ class CenterOfMass(MotionTask):
         if not axes or set(axes) - set("xyz") or len(set(axes)) < len(axes):
             raise InputError(f"axes '{axes}' of {name}: choose some of xyz, each once")
         super().__init__(name, "m/s²", "m", kp, kd, weight)
+        self.labels = "xyz"
         self.selected = np.array(["xyz".index(axis) for axis in "xyz" if axis in axes])
         self._reference: PointReference
         if callable(reference):

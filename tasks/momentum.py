@@ -29,6 +29,7 @@ class AngularMomentum(Task):
         name: str = "AngularMomentum",
     ) -> None:
         super().__init__(name, "N m", "N m s", weight)
+        self.labels = "xyz"
         self.k = k
         still = np.zeros(3)
         self._reference: MomentumReference = reference or (lambda t: (still, still))

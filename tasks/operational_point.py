@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from sot.errors import InputError
 from sot.robot import Robot
-from sot.task import MotionTask, Pose
+from sot.task import AXIS_NAMES, MotionTask, Pose
 from sot.tick import Tick
 
 Array = np.ndarray
@@ -55,6 +55,7 @@ class OperationalPoint(MotionTask):
         super().__init__(name or f"{point} {axes}", unit, error_unit, kp, kd, weight)
         robot.point(point)
         self.point = point
+        self.labels = [name for axis, name in zip(AXES, AXIS_NAMES, strict=True) if axis in axes]
         self.selected = np.array([AXES.index(axis) for axis in AXES if axis in axes])
         self._of: slice | Array = self.selected
         if np.array_equal(self.selected, np.arange(self.selected[0], self.selected[-1] + 1)):

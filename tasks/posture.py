@@ -43,6 +43,7 @@ class Posture(MotionTask):
         label = "Posture" if joints is None else f"Posture {joints if isinstance(joints, str) else ' '.join(joints)}"
         super().__init__(name or label, "rad/s²", "rad", kp, kd, weight)
         self.joints = _indices(robot, joints)
+        self.labels = [robot.joints[joint] for joint in self.joints]
         self.feedforward = feedforward
         self._reference: JointReference
         if callable(reference):

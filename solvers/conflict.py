@@ -1,0 +1,187 @@
+"""Which rows are to blame when a level cannot have what it asks for, and how little would have to change.
+
+Rows that no point satisfies together always hold a smallest such set: drop any of its rows and the rest has a solution.
+It is found by a linear programme that violates the rows by as little as can be, whose multipliers are not zero on rows
+that push against each other only (Farkas), and by leaving these out one by one as long as no solution appears.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.optimize import linprog
+
+from solvers.rows import Array, Block, Level, Solution, Status
+
+FEASIBLE = 1e-6
+"""Rows that can be met but for this, in their weighted units, are met."""
+
+
+class ConflictError(Exception):
+    """Level 0 has no solution; says which rows contradict each other."""
+
+
+class Solver(Protocol):
+    """Levels in, solution out."""
+
+    def solve(self, levels: Sequence[Level]) -> Solution:
+        """Solve the hierarchy; ``levels[0]`` is hard."""
+
+
+def solved(solver: Solver, levels: Sequence[Level]) -> Solution:
+    """Solve where nobody waits for a torque: all of level 0 holds, or it is said why it cannot.
+
+    Raises:
+        ConflictError: If level 0 has no solution.
+    """
+    solution = solver.solve(levels)
+    if solution.status >= Status.RELAXED and (conflict := explain(levels)) is not None:
+        raise ConflictError(f"level '{levels[0].name}' has no solution: {conflict}")
+    return solution
+
+
+@dataclass(frozen=True, slots=True)
+class Blamed:
+    """A row of a conflict.
+
+    Args:
+        owner: Who asks for it.
+        label: Which of the owner's rows, as far as it names them.
+        side: "lower", "upper", or "" for an equality.
+        unit: Unit of the row.
+        change: By how much its bound would have to move for the conflict to vanish, in its unit; 0 if others move.
+    """
+
+    owner: str
+    label: str
+    side: str
+    unit: str
+    change: float
+
+    def __str__(self) -> str:
+        what = " ".join(part for part in (self.label, self.side) if part)
+        if self.change:
+            what = f"{what} {self.change:+.2g} {self.unit}".strip()
+        return f"{self.owner}: {what}" if what else self.owner
+
+
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """A smallest set of rows that contradict each other, those that would have to change first."""
+
+    rows: tuple[Blamed, ...]
+
+    @property
+    def owners(self) -> frozenset[str]:
+        """Whose rows they are."""
+        return frozenset(row.owner for row in self.rows)
+
+    def __str__(self) -> str:
+        changed = [str(row) for row in self.rows if row.change]
+        # One line a reader can take in: of an owner with many rows, how many.
+        against: dict[str, list[Blamed]] = {}
+        for row in self.rows:
+            if not row.change:
+                against.setdefault(row.owner, []).append(row)
+        others = [str(rows[0]) if len(rows) == 1 else f"{owner} ({len(rows)} rows)" for owner, rows in against.items()]
+        return " and ".join(changed) + (f" against {', '.join(others)}" if others else "")
+
+
+@dataclass(frozen=True, slots=True)
+class _Sides:
+    """One-sided rows ``A x <= b``, equalities as two of them, and where each comes from."""
+
+    A: Array
+    b: Array
+    level: Array
+    owner: Array
+    row: Array
+    sign: Array
+    blocks: list[Block]
+
+    @classmethod
+    def of(cls, levels: Sequence[Level], kept: Array | None) -> "_Sides":
+        """Of all levels; the equalities above the last level hold what `kept` reaches where they are not level 0's."""
+        matrices, bounds, marks = [], [], []
+        blocks: list[Block] = []
+        for k, level in enumerate(levels):
+            A, b = level.A, level.b
+            if kept is not None and 0 < k < len(levels) - 1:
+                b = A @ kept
+            for block in level.blocks:
+                rows = np.arange(block.rows.start, block.rows.stop)
+                if block.equality:
+                    matrix, upper, lower = A[rows], b[rows], b[rows]
+                else:
+                    matrix, upper, lower = level.C[rows], level.upper[rows], level.lower[rows]
+                for sign, bound in ((1.0, upper), (-1.0, lower)):
+                    finite = np.isfinite(bound)
+                    matrices.append(sign * matrix[finite])
+                    bounds.append(sign * bound[finite])
+                    marks.extend((k, len(blocks), row, sign) for row in rows[finite].tolist())
+                blocks.append(block)
+        level_of, owner, row, signs = np.array(marks).reshape(-1, 4).T
+        return cls(
+            np.vstack(matrices), np.concatenate(bounds), level_of, owner.astype(int), row.astype(int), signs, blocks
+        )
+
+    def blamed(self, k: int, change: float) -> Blamed:
+        """The row in its owner's words."""
+        block = self.blocks[self.owner[k]]
+        number = int(self.row[k]) - block.rows.start
+        alone = block.rows.stop - block.rows.start == 1
+        label = block.labels[number] if number < len(block.labels) else "" if alone else f"row {number}"
+        side = "" if block.equality else "upper" if self.sign[k] > 0.0 else "lower"
+        return Blamed(block.name, label, side, block.unit, float(self.sign[k] * change / block.weight))
+
+
+def explain(levels: Sequence[Level], last: int = 0, x: Array | None = None) -> Conflict | None:
+    """Why a level cannot be met.
+
+    Args:
+        levels: The hierarchy, level 0 first.
+        last: The level in question. Levels between 0 and this one keep what `x` has reached.
+        x: A solution of the levels above `last`; not needed for level 0.
+
+    Returns:
+        A smallest set of rows that contradict each other; None if the level can be met.
+    """
+    sides = _Sides.of(levels[: last + 1], x)
+    everything = np.arange(len(sides.b))
+    violation, slack, multipliers = _least_violation(sides, everything)
+    if violation <= FEASIBLE:
+        return None
+    blamed = everything[np.abs(multipliers) > 1e-9]
+    for k in blamed.tolist():
+        rest = blamed[blamed != k]
+        if _least_violation(sides, rest)[0] > FEASIBLE:
+            blamed = rest
+    _, slack, _ = _least_violation(sides, blamed, _prices(sides, blamed, last))
+    rows = [sides.blamed(k, change if change > FEASIBLE else 0.0) for k, change in zip(blamed, slack, strict=True)]
+    return Conflict(tuple(sorted(rows, key=lambda row: (not row.change, row.owner, row.label))))
+
+
+def _prices(sides: _Sides, rows: Array, last: int) -> Array:
+    """Price of violating each row: low for a lower level's own, and in level 0 for those that give way first."""
+    if last:
+        return np.where(sides.level[rows] == last, 1.0, 1e4)
+    steps = np.array([block.gives_way for block in sides.blocks])[sides.owner[rows]]
+    return np.where(steps > 0, 10.0 ** (steps - 1.0), 1e4)
+
+
+def _least_violation(sides: _Sides, rows: Array, price: Array | None = None) -> tuple[float, Array, Array]:
+    """Smallest sum of violations of some rows, each row's, and the rows' multipliers."""
+    m, n = len(rows), sides.A.shape[1]
+    cost = np.concatenate([np.zeros(n), np.ones(m) if price is None else price])
+    answer = linprog(
+        cost,
+        A_ub=np.hstack([sides.A[rows], -np.eye(m)]),
+        b_ub=sides.b[rows],
+        bounds=[(None, None)] * n + [(0.0, None)] * m,
+        method="highs",
+    )
+    if answer.status != 0:
+        return 0.0, np.zeros(m), np.zeros(m)
+    slack = answer.x[n:]
+    return float(slack.sum()), slack, answer.ineqlin.marginals
