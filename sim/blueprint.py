@@ -9,10 +9,12 @@ from sim.panels import Tab
 from sot.robot import Robot
 
 
-def layout(robot: Robot, tabs: Sequence[Tab]) -> rrb.Blueprint:
-    """Blueprint of a run of this robot with these tabs of plots, the first of them open."""
+def layout(robot: Robot, tabs: Sequence[Tab], conflicts: bool) -> rrb.Blueprint:
+    """Blueprint of a run of this robot with these tabs of plots, the first of them open, and one of its conflicts."""
+    told = [rrb.TextLogView(origin="conflicts", name="Conflicts")] if conflicts else []
     beside = rrb.Tabs(
         *(rrb.Vertical(*(plot.view() for plot in tab.plots), name=tab.name) for tab in tabs),
+        *told,
         rrb.TextDocumentView(origin="about", name="About"),
         active_tab=0,
     )

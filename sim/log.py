@@ -1,7 +1,7 @@
 """What a run leaves behind: one row a control tick, and the facts that hold for the whole run."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
 
 import numpy as np
@@ -44,6 +44,8 @@ class RunLog:
         residual: largest violation of what the tick's answer had to preserve, (T,).
         tick_us: time of the whole tick [µs], (T,).
         model_us, assemble_us, solve_us: its parts: robot model, rows, solver [µs], (T,).
+        conflicts: times [s] at which level 0 had no solution, with the rows that contradicted each other; not all such
+            times.
         self_distance: least distance between bodies of the robot [m], (T,); measured at a lower rate, nan between.
     """
 
@@ -72,6 +74,7 @@ class RunLog:
     assemble_us: np.ndarray
     solve_us: np.ndarray
     self_distance: np.ndarray
+    conflicts: list[tuple[float, str]] = field(default_factory=list)
 
     @classmethod
     def allocate(
@@ -94,9 +97,9 @@ class RunLog:
             "level_slack": (levels,),
         }
         columns: dict[str, Any] = {
-            field.name: np.full((ticks, *shapes.get(field.name, ())), np.nan)
-            for field in fields(cls)
-            if field.type is np.ndarray
+            column.name: np.full((ticks, *shapes.get(column.name, ())), np.nan)
+            for column in fields(cls)
+            if column.type is np.ndarray
         }
         columns["foot_mode"] = np.zeros((ticks, feet), dtype=np.int8)
         columns["level_active"] = np.zeros((ticks, levels), dtype=np.int32)
@@ -105,7 +108,7 @@ class RunLog:
 
     def trimmed(self) -> Self:
         """The rows in use, as views."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        values = {column.name: getattr(self, column.name) for column in fields(self)}
         columns: dict[str, Any] = {
             name: value[: self.ticks] for name, value in values.items() if isinstance(value, np.ndarray)
         }

@@ -146,6 +146,8 @@ def _write(
         if contact.point in wrenches:
             i = world.robot.feet.index(contact.point)
             log.foot_mode[k, i], log.foot_ramp[k, i] = _MODES[contact.mode], contact.load
+    if command.conflict is not None:
+        log.conflicts.append((t, str(command.conflict)))
     solution = command.solution
     log.status[k] = command.status
     log.residual[k] = max(level.residual for level in solution.levels)

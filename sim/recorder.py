@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+import numpy as np
 import rerun as rr
 
 from sim.blueprint import layout
@@ -30,7 +31,7 @@ def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, human: Human 
     panels = tabs(log, motion)
     partial = path.with_name(f".{path.name}.part")
     stream = rr.RecordingStream("humanoid-sot")
-    stream.save(partial, default_blueprint=layout(robot, panels))
+    stream.save(partial, default_blueprint=layout(robot, panels, bool(log.conflicts)))
     stream.send_recording_name(f"{info.clip}, {robot.label}")
     columns = Columns(stream)
     columns.static("about", rr.TextDocument(_about(info, robot), media_type=rr.MediaType.MARKDOWN))
@@ -38,6 +39,8 @@ def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, human: Human 
     for tab in panels:
         for plot in tab.plots:
             plot.send(columns)
+    for t, rows in log.conflicts:
+        columns.over_time("conflicts", np.array([t]), rr.TextLog.columns(text=[rows], level=["WARN"]))
     columns.send()
     stream.disconnect()
     os.replace(partial, path)

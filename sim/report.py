@@ -76,7 +76,7 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
     report = {
         "clip": info.clip,
         "robot": info.robot,
-        "solver": {"name": info.solver, **figures.solver(log)},
+        "solver": {"name": info.solver, **figures.solver(log), "conflicts": _conflicts(log)},
         "feet": info.feet,
         "rate_hz": info.rate_hz,
         "speed": info.speed,
@@ -101,6 +101,10 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
         "mismatch": asdict(info.mismatch),
     }
     return {key: _rounded(value) for key, value in report.items()}
+
+
+def _conflicts(log: RunLog) -> list[dict[str, Any]]:
+    return [{"t_s": round(t, 6), "rows": rows} for t, rows in log.conflicts]
 
 
 def write(report: Mapping[str, Any], path: Path) -> None:

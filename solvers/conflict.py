@@ -103,7 +103,8 @@ class _Sides:
     @classmethod
     def of(cls, levels: Sequence[Level], kept: Array | None) -> "_Sides":
         """Of all levels; the equalities above the last level hold what `kept` reaches where they are not level 0's."""
-        matrices, bounds, marks = [], [], []
+        matrices, bounds = [], []
+        marks: list[tuple[int, int, int, float]] = []
         blocks: list[Block] = []
         for k, level in enumerate(levels):
             A, b = level.A, level.b

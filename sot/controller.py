@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from solvers.conflict import Conflict, explain
 from solvers.rows import Level, Solution, Status
 from sot.dynamics import Dynamics, FormName
 from sot.robot import Robot
@@ -16,6 +17,8 @@ from sot.tick import Tick
 
 Array = np.ndarray
 
+EXPLAINED_AGAIN = 1.0
+"""Time after which a conflict of level 0 is looked into once more [s]: it takes as long as hundreds of ticks."""
 HOLD_DAMPING = 5.0
 """Joint damping of the last resort, a hold of the last torque [N m s/rad]."""
 
@@ -42,6 +45,7 @@ class Command:
         status: The solution's. If its level 0 has none (`Status.FAILED` there), the torque is a damped hold of the last
             that was solved for.
         model_us, assemble_us, solve_us: Where the time went [µs].
+        conflict: If level 0 had no solution, which of its rows contradict each other; looked into now and then only.
     """
 
     torque: Array
@@ -53,6 +57,7 @@ class Command:
     model_us: float
     assemble_us: float
     solve_us: float
+    conflict: Conflict | None = None
 
 
 class Controller:
@@ -80,6 +85,7 @@ class Controller:
         self.dynamics = Dynamics(robot, form)
         self.tick = Tick(robot, period)
         self._held = np.zeros(robot.na)
+        self._explained = -np.inf
 
     def __call__(self, t: float, q: Array, v: Array, loads: Mapping[str, float] | None = None) -> Command:
         """One tick: the state at time `t` [s], Pinocchio's conventions, to torques.
@@ -110,6 +116,9 @@ class Controller:
             acceleration, wrenches = np.zeros(robot.nv), np.full((len(stack.contacts), 6), np.nan)
             zmp = np.full(2, np.nan)
         solved = perf_counter()
+        conflict = None
+        if solution.levels[0].status >= Status.RELAXED and t >= self._explained + EXPLAINED_AGAIN:
+            self._explained, conflict = t, explain(levels)
         return Command(
             torque,
             acceleration,
@@ -120,6 +129,7 @@ class Controller:
             1e6 * (modelled - start),
             1e6 * (assembled - modelled),
             1e6 * (solved - assembled),
+            conflict,
         )
 
     def _zmp(self, wrenches: list[Array]) -> Array:

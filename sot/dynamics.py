@@ -162,7 +162,9 @@ class Dynamics:
     def _friction(self, contact: Contact, start: int) -> "_Limit":
         F, lower, upper = contact.force_inequalities(self.units.weight)
         share = 1.0 / self.units.force
-        block = Block(f"Friction {contact.point}", "N", share, False, _ANY, FRICTION_GIVES_WAY, contact.force_labels(len(F)))
+        block = Block(
+            f"Friction {contact.point}", "N", share, False, _ANY, FRICTION_GIVES_WAY, contact.force_labels(len(F))
+        )
         return _Limit(block, F, 1.0, start, True, lower, upper, share)
 
 

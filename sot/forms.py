@@ -146,4 +146,6 @@ _OF_BASE = ("force x", "force y", "force z", "moment x", "moment y", "moment z")
 
 def _dynamics(rows: Array, bias: Array, units: Units) -> tuple[Block, Equality]:
     share = 1.0 / units.weight
-    return Block("Dynamics", "N", share, True, slice(0, len(bias)), labels=_OF_BASE), Equality(rows, -share * bias, share)
+    return Block("Dynamics", "N", share, True, slice(0, len(bias)), labels=_OF_BASE), Equality(
+        rows, -share * bias, share
+    )

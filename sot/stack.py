@@ -2,9 +2,13 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 
+import numpy as np
+
+from solvers.rows import Solution
 from sot.contact import Contact
 from sot.errors import InputError
 from sot.task import Task
+from sot.tick import Tick
 
 
 class Stack:
@@ -39,6 +43,32 @@ class Stack:
     def tasks(self) -> list[Task]:
         """All tasks below level 0, in order of priority."""
         return [task for tasks in self._levels.values() for task in tasks]
+
+    def status(self, tick: Tick, solution: Solution | None = None) -> str:
+        """A table for a reader: every level with its tasks, their weights, numbers of rows, errors and units.
+
+        Args:
+            tick: A state; its rows are evaluated.
+            solution: Of the same state; adds each level's slack (the weighted norm that it minimises) and how many
+                inequalities of level 0 are active.
+        """
+        results = solution.levels if solution else []
+        lines = [("level", "task", "weight", "rows", "error", "unit", "slack")]
+        for k, (name, tasks) in enumerate([("hard", self.hard), *self.levels]):
+            for task in tasks:
+                rows = task.rows(tick)
+                error = f"{np.sqrt(task.error @ task.error):.3g}"
+                slack = f"{results[k].error:.3g}" if k < len(results) else ""
+                lines.append(
+                    (name, task.name, f"{task.weight:.3g}", str(len(rows.lower)), error, task.error_unit, slack)
+                )
+        if results:
+            active = results[0].active
+            for block in results[0].level.blocks:
+                if not block.equality and (count := int(np.count_nonzero(active[block.rows]))):
+                    lines.append(("", block.name, "", f"{count} active", "", "", ""))
+        widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
+        return "\n".join("  ".join(f"{c:<{w}}" for c, w in zip(line, widths, strict=True)).rstrip() for line in lines)
 
     def add(self, task: Task, level: str, before: str | None = None) -> None:
         """Add a task to a level; a level that is new comes before `before`, or last.

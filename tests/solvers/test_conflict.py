@@ -20,7 +20,9 @@ def test_nothing_to_explain_where_everything_holds():
 
 def test_the_row_that_would_give_way_is_told_with_what_would_help():
     box = rows("box", np.eye(3), -1.0, 1.0, gives_way=1, weight=0.5)
-    levels = [Level.stack("hard", [box, rows("pull", [1.0, 1.0, 0.0], 2.5, 2.5), rows("far", [0, 0, 1.0], 0.5, 9.0)], 3)]
+    levels = [
+        Level.stack("hard", [box, rows("pull", [1.0, 1.0, 0.0], 2.5, 2.5), rows("far", [0, 0, 1.0], 0.5, 9.0)], 3)
+    ]
     conflict = explain(levels)
     assert conflict.owners == {"box", "pull"}
     changed = [row for row in conflict.rows if row.change]
