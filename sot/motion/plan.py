@@ -18,7 +18,7 @@ from sot.motion.kinematics import Chains, Kinematics
 from sot.motion.limits import Limits
 from sot.motion.spline import Spline
 from sot.motion.stance import LEAD, TAIL, Build, on_time_line, over_feet
-from sot.motion.swing import moving
+from sot.motion.swing import facing, moving
 from sot.motion.targets import Targets, key_points, targets
 from sot.motion.tempo import slowed
 from sot.motion.trajectory import Motion
@@ -145,7 +145,7 @@ class _Fit:
 
     def looks(self, course: Course) -> tuple[Targets, Spline]:
         """The body's targets, and a body that meets them, nothing of it balanced yet."""
-        wanted = targets(course.human, self.robot, self.build)
+        wanted = targets(course.human, self.robot, self.build, facing(course.feet))
         return wanted, retarget(self.robot, self.build, wanted, course.feet, self.limits, 1.0 / PLAN_RATE)
 
     def balanced(self, course: Course, wanted: Targets, whole: Spline) -> Spline:

@@ -43,6 +43,12 @@ def moving(feet: Mapping[str, FootPath]) -> bool:
     return any(bool(np.ptp(path.position, axis=0).any()) for path in feet.values())
 
 
+def facing(feet: Mapping[str, FootPath]) -> Array:
+    """Heading between the feet (T,), unwrapped, zero where they stand as at rest [rad]."""
+    forward = np.sum([path.rotation[:, :2, 0] for path in feet.values()], axis=0)
+    return np.unwrap(np.arctan2(forward[:, 1], forward[:, 0]))
+
+
 def phases_of(
     robot: Robot, stands: Mapping[str, Sequence[Stand]], steps: Sequence[Step], duration: float
 ) -> tuple[Phase, ...]:

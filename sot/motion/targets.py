@@ -35,8 +35,11 @@ class Targets:
         return len(self.hips)
 
 
-def targets(human: Human, robot: Robot, build: Build) -> Targets:
-    """Targets from a human that stands over the robot's feet, on the motion's time line, LEAD at its start."""
+def targets(human: Human, robot: Robot, build: Build, facing: Array) -> Targets:
+    """Targets from a human that stands over the robot's feet, on the motion's time line, LEAD at its start.
+
+    facing: (T,) heading of the feet, from which the chest is turned [rad].
+    """
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
     lead = _ease(np.arange(human.count) / human.rate / LEAD)[:, None]
@@ -55,7 +58,7 @@ def targets(human: Human, robot: Robot, build: Build) -> Targets:
     human_breadth = np.median(np.linalg.norm(human.points["left_shoulder"] - human.points["right_shoulder"], axis=1))
     swing = min(1.0, (human_breadth / human.arm) / (build.breadth / build.arm))
     frames = {}
-    for body, rotation in (human.frames | {"chest": _untwisted(human.frames["chest"], swing)}).items():
+    for body, rotation in (human.frames | {"chest": _untwisted(human.frames["chest"], swing, facing)}).items():
         turn = Rotation.from_matrix(rotation).as_rotvec()
         frames[body] = Rotation.from_rotvec(lead * turn).as_matrix()
     return Targets(hips, frames, directions)
@@ -87,9 +90,10 @@ def key_points(wanted: Targets, robot: Robot) -> dict[str, Array]:
     return points
 
 
-def _untwisted(rotations: Array, share: float) -> Array:
-    """Orientations (T, 3, 3) with a share of their heading: Z(share · yaw) in place of Z(yaw)."""
-    yaw = np.unwrap(np.arctan2(rotations[:, 1, 0], rotations[:, 0, 0]))
+def _untwisted(rotations: Array, share: float, facing: Array) -> Array:
+    """Orientations (T, 3, 3) with a share of their turn from a heading (T,): Z(share · yaw) in place of Z(yaw)."""
+    yaw = np.unwrap(np.arctan2(rotations[:, 1, 0], rotations[:, 0, 0]) - facing)
+    yaw -= 2.0 * np.pi * np.round(np.median(yaw) / (2.0 * np.pi))
     return Rotation.from_euler("Z", (share - 1.0) * yaw[:, None]).as_matrix() @ rotations
 
 

@@ -22,7 +22,7 @@ from sot.motion.retarget import PartFit, solve
 from sot.motion.spline import Spline
 from sot.motion.stance import Build
 from sot.motion.support import supports
-from sot.motion.swing import FootPath, moving
+from sot.motion.swing import FootPath, facing, moving
 from sot.motion.targets import Targets
 from sot.robot import Robot
 
@@ -32,7 +32,7 @@ LIMB_STEPS = 2  # Gauss-Newton steps of head and arms over the whole clip
 ROUNDS = 6  # most rounds of balance and body, each taking the other's result
 MARGIN = 0.01  # m, least of the ZMP to the edge of what carries
 OFF = 0.002  # m, greatest of a foot off its way
-SETTLED = 0.005  # m, a change of the whole body's ZMP from one round to the next that ends them
+SETTLED = {False: 0.005, True: 0.012}  # m, on feet that stand or step, a change of the ZMP in a round that ends them
 
 
 def retarget(
@@ -95,7 +95,7 @@ def balanced(
         control[:, columns] = fit.improve(body, spline, whole.knots, 1).control
         whole = Spline(control, whole.period)
         before, state = state, _centroidal(whole, robot)
-        if np.abs(state.zmp() - before.zmp()).max() < SETTLED:
+        if np.abs(state.zmp() - before.zmp()).max() < SETTLED[moving(feet)]:
             break
     return whole
 
@@ -128,14 +128,8 @@ def _at_rest_over(feet: Mapping[str, FootPath], robot: Robot, length: int) -> Ar
     """The rest posture (length, nv), moved and turned with the middle of the feet: where a fit may start from."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
-    moved, turned = np.zeros((length, 2)), np.zeros(length)
     y = np.tile(from_configuration(robot.rest[None]), (length, 1))
-    for foot, path in feet.items():
-        pose = data.oMf[robot.point(foot)]
-        turn = path.rotation @ pose.rotation.T
-        yaw = np.unwrap(np.arctan2(turn[:, 1, 0], turn[:, 0, 0]))
-        turned += yaw / len(feet)
-        moved += path.position[:, :2] / len(feet)
+    moved, turned = np.mean([path.position[:, :2] for path in feet.values()], axis=0), facing(feet)
     middle = np.mean([data.oMf[robot.point(foot)].translation[:2] for foot in feet], axis=0)
     cosine, sine = np.cos(turned), np.sin(turned)
     base = y[0, :2] - middle

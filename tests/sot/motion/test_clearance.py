@@ -25,7 +25,8 @@ def robot():
 def arms(robot):
     """A right arm whose forearm is to point into the thigh: as it would, and kept clear."""
     build = Build.of(robot)
-    wanted = targets(on_time_line(over_feet(dancer(1.0), build), 50.0), robot, build)
+    human = on_time_line(over_feet(dancer(1.0), build), 50.0)
+    wanted = targets(human, robot, build, np.zeros(human.count))
     down, inward = np.array([0.0, 0.1, -1.0]), np.array([0.2, 0.6, -1.0])
     wanted.directions["right_upper_arm"][:] = down / np.linalg.norm(down)
     wanted.directions["right_forearm"][:] = inward / np.linalg.norm(inward)

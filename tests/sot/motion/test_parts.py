@@ -28,7 +28,8 @@ def robot():
 @pytest.fixture(scope="module")
 def wanted(robot):
     build = Build.of(robot)
-    return targets(on_time_line(over_feet(dancer(), build), 1.0 / PERIOD), robot, build)
+    human = on_time_line(over_feet(dancer(), build), 1.0 / PERIOD)
+    return targets(human, robot, build, np.zeros(human.count))
 
 
 @pytest.fixture

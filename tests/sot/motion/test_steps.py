@@ -1,3 +1,4 @@
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -10,7 +11,9 @@ from sot.motion import plan, read, recognise
 from sot.motion.contacts import phase_at
 from sot.motion.footholds import Reach, headings, places, separation
 from sot.motion.footwork import Stand, Step
+from sot.motion.stance import Build, on_time_line, over_feet
 from sot.motion.support import RAMP, supports
+from sot.motion.targets import targets
 from sot.motion.tempo import Move, tempo
 from sot.motion.timetable import DOUBLE, STANCE, SWING, timetable
 from sot.robot import Robot
@@ -209,3 +212,14 @@ def test_feet_carry_after_a_ramp(walk, robot):
 @pytest.mark.skipif(not MOCAP.is_dir(), reason="needs ../shared/mocap")
 def test_a_recorded_walk_can_be_stepped(robot):
     assert_can_be_stepped(plan(recognise(read(MOCAP / "bandai_walk.bvh")), robot, "steps", rate=500.0).motion)
+
+
+def test_a_dancer_that_turns_round_keeps_its_chest_over_its_feet(robot):
+    """The chest's turn counts from the feet: half a turn of the whole body is none of the chest."""
+    build = Build.of(robot)
+    human = on_time_line(over_feet(dancer(), build), 50.0)
+    half = np.diag([-1.0, -1.0, 1.0])
+    turned = replace(human, frames={body: half @ rotation for body, rotation in human.frames.items()})
+    straight = targets(human, robot, build, np.zeros(human.count)).frames["chest"][-1]
+    round_about = targets(turned, robot, build, np.full(human.count, np.pi)).frames["chest"][-1]
+    np.testing.assert_allclose(half @ straight, round_about, atol=1e-9)
