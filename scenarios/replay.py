@@ -16,7 +16,7 @@ from sim.loop import Run, run
 from sim.mismatch import AS_MODELLED, Mismatch
 from sim.push import Push
 from sim.world import World
-from solvers import Cascade, Weighted
+from solvers import Cascade, TaskCorrection, Weighted
 from sot.controller import Controller, Solver
 from sot.errors import InputError
 from sot.motion import Human, contact_file, read, recognise
@@ -27,7 +27,7 @@ from sot.robot import Robot
 Tell = Callable[[str, float | None], object]
 """Told what is being done, and which share of it is done if that is known."""
 
-SOLVERS: dict[str, Callable[[], Solver]] = {"cascade": Cascade, "weighted": Weighted}
+SOLVERS: dict[str, Callable[[], Solver]] = {"cascade": Cascade, "weighted": Weighted, "iktc": TaskCorrection}
 RECORDING, REPORT = "run.rrd", "report.json"
 
 

@@ -2,6 +2,7 @@
 
 from solvers.cascade import Cascade
 from solvers.rows import Block, Level, LevelResult, Rows, Solution, Status
+from solvers.task_correction import TaskCorrection
 from solvers.weighted import Weighted
 
-__all__ = ["Block", "Cascade", "Level", "LevelResult", "Rows", "Solution", "Status", "Weighted"]
+__all__ = ["Block", "Cascade", "Level", "LevelResult", "Rows", "Solution", "Status", "TaskCorrection", "Weighted"]

@@ -52,6 +52,19 @@ class Projection:
         y[:k], _ = lapack.dtrtrs(self.qr[:k, :k], r[self.pivots], lower=0, trans=1)
         return lapack.dormqr("L", "N", self.qr[:, :k], self.tau[:k], y, _WORK * r.shape[1], overwrite_c=1)[0]
 
+    def inverse(self, damping: float = 0.0) -> Array:
+        """Damped pseudo-inverse ``(Bᵀ B + damping² I)⁻¹ Bᵀ`` of the directions that count, Kim (8); shape (n, m)."""
+        m, k = self.qr.shape[1], self.rank
+        if not k:
+            return np.zeros((self.qr.shape[0], m))
+        if k == m and not damping:
+            return self.right_inverse(np.eye(m))
+        R = self.qr[:k] * _UPPER[:k, :m]
+        padded = np.vstack([np.eye(m), np.zeros((k, m))])
+        y = np.zeros((self.qr.shape[0], m), order="F")
+        y[:k, self.pivots] = np.linalg.lstsq(np.vstack([R.T, damping * np.eye(k)]), padded)[0]
+        return lapack.dormqr("L", "N", self.qr[:, :k], self.tau[:k], y, _WORK * m, overwrite_c=1)[0]
+
     def multipliers(self, g: Array) -> Array:
         """λ with ``Bᵀ λ = g`` for a g in the range of Bᵀ, shape (m,); 0 for rows that others imply."""
         k = self.rank

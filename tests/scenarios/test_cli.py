@@ -108,7 +108,7 @@ def test_bad_stack_file(text, expected, folder, capsys):
 BAD_ARGUMENTS = {
     "no such clip": (["replay", "grove"], "did you mean groove"),
     "robot": (["replay", "groove", "--robot", "asimo"], "asimo"),
-    "solver": (["replay", "groove", "--solver", "magic"], "choose one of cascade, weighted"),
+    "solver": (["replay", "groove", "--solver", "magic"], "choose one of cascade, weighted, iktc"),
     "feet": (["replay", "groove", "--feet", "flying"], "choose one of auto, steps, planted"),
     "stack file": (["replay", "groove", "--stack", "none.py"], "none.py: no such stack file"),
     "start": (["replay", "groove", "--start", "500"], "the clip lasts"),
@@ -180,7 +180,7 @@ def test_an_unexpected_error_is_one_line_too(capsys, monkeypatch):
 
 @pytest.mark.parametrize(
     ("kind", "expected"),
-    [("clips", "lafan1_dance1_subject2"), ("robots", "hrp2_modified"), ("solvers", "weighted"), ("tasks", "Posture")],
+    [("clips", "lafan1_dance1_subject2"), ("robots", "hrp2_modified"), ("solvers", "iktc"), ("tasks", "Posture")],
 )
 def test_list(kind, expected, capsys):
     assert cli.main(["list", kind]) == cli.DONE
