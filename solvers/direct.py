@@ -85,7 +85,7 @@ class Direct:
         if used < leading or (last is None and size > leading) or sum(len(e.b) for e in thin) > leading:
             return None
         x = np.empty(size)
-        first = _leading(thin, wide, leading)
+        first = at_once(thin, wide, leading)
         if first is None:
             return None
         x[:leading] = first
@@ -143,8 +143,17 @@ class Direct:
         return None
 
 
-def _leading(thin: Sequence[Equality], wide: Sequence[Equality], count: int) -> Array | None:
-    """x_1: all `thin` rows exactly, in order of priority, and the `wide` ones by least squares in what they leave."""
+def at_once(thin: Sequence[Equality], wide: Sequence[Equality], count: int) -> Array | None:
+    """Least-norm x with all `thin` rows exactly, in any order, and the `wide` ones by least squares in what they leave.
+
+    Args:
+        thin: No more rows than there are variables.
+        wide: Rows that determine what the others leave; none if that stays 0.
+        count: Number of variables.
+
+    Returns:
+        x, shape (count,), or None if rows depend on each other.
+    """
     used = sum(len(e.b) for e in thin)
     J, target = np.empty((count, used), order="F"), np.empty(used)
     row = 0
@@ -167,7 +176,7 @@ def _leading(thin: Sequence[Equality], wide: Sequence[Equality], count: int) -> 
         turned[:used, 0], _ = lapack.dtrtrs(qr[:used], target, lower=0, trans=1)
         turned, _, _ = lapack.dormqr("L", "N", qr, tau, turned, _WORK, overwrite_c=1)
     x = turned[:, 0]
-    if used < count:
+    if wide:
         Z = turned[:, 1:]
         B, r = [e.times(Z[e.start : e.start + e.A.shape[1]]) for e in wide], [e.residual(x) for e in wide]
         y = (

@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solvers.cascade import Cascade
+from solvers.direct import at_once
 from solvers.feasibility import feasible
 from solvers.nullspace import Projection, project
 from solvers.proxqp import PersistentQPs
@@ -72,15 +73,10 @@ class Priorities:
     """
 
     def __init__(self, tasks: Sequence[Task], damping: float, rank_tolerance: float) -> None:
-        self.tasks, self.damping = tasks, damping
-        n = tasks[0].J.shape[1]
-        self.x, Z = np.zeros(n), np.eye(n, order="F")
+        self.tasks, self.damping, self.rank_tolerance = tasks, damping, rank_tolerance
         self._factors: list[tuple[Array, Projection]] = []
-        for task in tasks:
-            projection = project(task.J @ Z, rank_tolerance * max(1.0, float(np.abs(task.J).max(initial=0.0))))
-            self.x = self.x + Z @ projection.least_squares(task.h - task.J @ self.x, damping)
-            self._factors.append((Z, projection))
-            Z = projection.remaining(Z)
+        x = None if damping else _regular(tasks)
+        self.x = self._one_by_one() if x is None else x
 
     def gains(self) -> list[Array]:
         """``G = [g_1 g_2 ...]``, Algorithm 1, one block a task, shapes (n, m_i).
@@ -88,11 +84,39 @@ class Priorities:
         A column of g_i is what a unit correction of its row does: ``J̄_i⁺`` of it, which each task below then makes up
         for. All columns of all tasks above are taken through a task at once.
         """
+        if not self._factors:
+            self._one_by_one()
         G = np.zeros((len(self.x), 0))
         for task, (Z, projection) in zip(self.tasks, self._factors, strict=True):
             inverse = Z @ projection.inverse(self.damping)
             G = np.hstack([G - inverse @ (task.J @ G), inverse])
         return np.split(G, np.cumsum([len(task.h) for task in self.tasks])[:-1], axis=1)
+
+    def _one_by_one(self) -> Array:
+        """Kim (5), each task in the null space of those above; keeps what `gains` needs."""
+        n = self.tasks[0].J.shape[1]
+        x, Z = np.zeros(n), np.eye(n, order="F")
+        for task in self.tasks:
+            projection = project(task.J @ Z, self.rank_tolerance * max(1.0, float(np.abs(task.J).max(initial=0.0))))
+            x = x + Z @ projection.least_squares(task.h - task.J @ x, self.damping)
+            self._factors.append((Z, projection))
+            Z = projection.remaining(Z)
+        return x
+
+
+def _regular(tasks: Sequence[Task]) -> Array | None:
+    """Kim (5) by one factorisation, where no task comes near another: its least-norm solution is that of all together.
+
+    The last task that anything is left for may have more rows than that. None if the tasks are not of this kind.
+    """
+    n, used = tasks[0].J.shape[1], 0
+    thin: list[Equality] = []
+    wide: list[Equality] = []
+    for task in tasks:
+        if used < n and len(task.h):
+            used += len(task.h)
+            (thin if used <= n else wide).append(Equality(task.J, task.h))
+    return at_once(thin, wide, n)
 
 
 class TaskCorrection:

@@ -15,6 +15,7 @@ DANCES = {
     "groove, modified robot": Replay("groove", robot="hrp2_modified"),
     "groove, 200 Hz": Replay("groove", rate=200.0),
     "groove, weighted": Replay("groove", solver="weighted"),
+    "groove, iktc": Replay("groove", solver="iktc"),
     "perfume_A": Replay(str(MOCAP / "perfume_A.bvh")),
     "perfume_A, JVRC-1": Replay(str(MOCAP / "perfume_A.bvh"), robot=str(JVRC1)),
     "perfume_A, modified robot": Replay(str(MOCAP / "perfume_A.bvh"), robot="hrp2_modified"),
