@@ -120,7 +120,8 @@ class Cascade:
         first = solution.levels[0]
         first.level = levels[0]
         solution.levels = [first, *solution.levels[1 + len(gave_way) :]]
-        solution.status = first.status = Status.RELAXED
+        # Where nothing gave way, level 0 had a solution after all, which neither QP solver found.
+        solution.status = first.status = Status.RELAXED if solution.relaxed else Status.SECOND_SOLVER
         return solution
 
     def _cascade(self, levels: Sequence[Level]) -> Solution:

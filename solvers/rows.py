@@ -23,7 +23,7 @@ class Status(IntEnum):
 
     SOLVED = 0
     SECOND_SOLVER = 1
-    """A QP went to the second solver, which solved it."""
+    """A QP went to the second solver, which solved it, or level 0 was solved in parts without any giving way."""
     RELAXED = 2
     """Level 0 had no solution: some of its rows gave way."""
     FAILED = 3

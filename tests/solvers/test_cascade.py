@@ -70,6 +70,26 @@ def test_level_0_gives_way_in_its_order_and_says_so():
     assert [level.name for level in solution.levels] == ["hard", "task"]
 
 
+class GivesUpOnce(Cascade):
+    """A cascade whose QP solvers do not find the first answer."""
+
+    gave_up = False
+
+    def _cascade(self, levels):
+        answer = super()._cascade(levels)
+        if not self.gave_up:
+            self.gave_up, answer.status = True, Status.FAILED
+        return answer
+
+
+def test_level_0_that_had_a_solution_after_all_is_not_called_infeasible():
+    hard = Level.stack("hard", [bounds("joints", -2.0, 3.0, 1), bounds("torques", -1.0, 1.5, 2)], 2)
+    target = np.array([9.0, -9.0])
+    solution = GivesUpOnce().solve([hard, Level.stack("task", [Rows("task", "1", np.eye(2), target, target)], 2)])
+    assert solution.status == Status.SECOND_SOLVER and solution.relaxed == {}
+    assert solution.x == pytest.approx([1.5, -1.0], abs=1e-6)
+
+
 @pytest.mark.parametrize("below", [[], [Level.stack("none", [], 2)]])
 def test_rows_that_never_give_way_fail_without_an_answer(below):
     hard = [bounds("a", 2.0, 3.0, 0), bounds("b", -1.0, 1.0, 0)]
