@@ -58,7 +58,7 @@ class Contact:
         point: str,
         vertices: Array,
         friction: float = 0.5,
-        inset: float = 0.008,
+        inset: float = 0.004,
         form: Form = "pyramid",
         stiffness: float = 100.0,
         damping: float = 20.0,

@@ -43,7 +43,7 @@ class Balance(Task):
         feet: Mapping[str, PlaceReference] | None = None,
         k: float = 4.0,
         kp: float = 100.0,
-        margin: float = 0.002,
+        margin: float = 0.001,
         weight: float = 1.0,
     ) -> None:
         super().__init__("Balance", "m/s²", "m", weight)
