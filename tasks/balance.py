@@ -25,7 +25,7 @@ class Balance(Task):
         c̈* = c̈_ref + ω² ((c − c_ref) − (z* − z_ref))
 
     lets ξ converge at the rate k, and asks for no pressure that the feet cannot give; ω² = g / c_z. What the plan
-    knows of angular momentum is in c̈_ref and z_ref.
+    knows of angular momentum is in c̈_ref and z_ref, and is given up where it leaves too little room to recover.
 
     Args:
         reference: ``t -> (c, ċ, c̈, z)``, shapes (3,), (3,), (3,), (2,), world.
@@ -73,7 +73,7 @@ class Balance(Task):
         lag = np.array((-gain * (x + rate_x / omega), -gain * (y + rate_y / omega)))
         polygon = self._support(tick)
         if polygon is not None:
-            lag = polygon.nearest(z + lag) - z
+            lag = _admitted(lag, polygon, z, c[:2] - acceleration[:2] * c[2] / (GRAVITY + acceleration[2]))
         wanted -= (
             omega**2 * (x + float(lag[0])),
             omega**2 * (y + float(lag[1])),
@@ -122,6 +122,18 @@ class Balance(Task):
                     corners.append(((1.0 - share) * full[:, None] + share * sole).reshape(-1, 2))
             self._polygon = Polygon.hull(np.concatenate(corners)).shrunk(self.margin, self.margin)
         return self._polygon
+
+
+def _admitted(lag: Array, polygon: Polygon, z: Array, pivot: Array) -> Array:
+    """As much of a wanted lag of the zero-moment point (2,) [m] as the support polygon admits.
+
+    The plan's zero-moment point z differs from its pivot, the point that the floor's force on the centre of mass comes
+    from, by what its angular momentum changes. When that leaves too little room, the change is given up: then the
+    pivot alone has to stay inside.
+    """
+    kept = polygon.nearest(z + lag) - z
+    given_up = polygon.nearest(pivot + lag) - pivot
+    return kept if np.linalg.norm(kept - lag) <= np.linalg.norm(given_up - lag) else given_up
 
 
 def _near(some: list[Place], others: list[Place]) -> bool:

@@ -181,3 +181,24 @@ def test_a_foot_counts_as_much_as_it_may_carry():
     assert np.abs(np.diff(errors)).max() < 2e-4
     assert np.ptp(asked) > 0.5
     assert np.abs(np.diff(asked)).max() < 0.1 * np.ptp(asked)
+
+
+def test_angular_momentum_is_given_up_where_it_leaves_too_little_room():
+    """The plan has its zero-moment point near the edge for its spin; pushed over that edge, the pivot goes there."""
+    robot = Robot.load("hrp2")
+    tick = Tick(robot)
+    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    edge = max((tick.frame("left_foot").position + corner)[1] for corner in tick.contacts[0].vertices) - 0.001
+    com, nothing = tick.com.copy(), np.zeros(3)
+    spun = np.array([com[0], edge - 0.01])
+    pull = GRAVITY / com[2]
+
+    def asked(off: float) -> float:
+        """Acceleration to the left that is asked for with the CoM that much too far to the left [m/s²]."""
+        reference = lambda t: (com - (0.0, off, 0.0), nothing, nothing, spun)  # noqa: E731
+        return float((Balance(reference).rows(tick).lower + tick.com_drift)[1])
+
+    assert asked(0.0) == pytest.approx(0.0, abs=1e-9)
+    assert asked(0.2) == pytest.approx(pull * (com[1] - edge), rel=0.02)  # as hard as if there were no spin
+    steps = [asked(off) for off in np.linspace(0.0, 0.2, 401)]
+    assert np.abs(np.diff(steps)).max() < 0.1
