@@ -8,6 +8,7 @@ from tasks.foot_sliding import FootSliding
 from tasks.momentum import AngularMomentum
 from tasks.operational_point import OperationalPoint
 from tasks.posture import Posture
+from tasks.self_collision import SelfCollision
 from tasks.swing_foot import SwingFoot
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "LeastForces",
     "OperationalPoint",
     "Posture",
+    "SelfCollision",
     "SwingFoot",
     "TorqueBounds",
 ]

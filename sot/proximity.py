@@ -1,0 +1,141 @@
+"""How near the parts of a robot come to one another: pairs of collision shapes, and how their distances change."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from sot.robot import Robot
+
+Array = np.ndarray
+
+LIMBS = ("left_arm", "right_arm", "left_leg", "right_leg")
+ROOM = 0.02
+"""Pairs that are nearer at rest [m] are neighbours in the tree, or made to touch: they do not count."""
+
+GJK_TOLERANCE = 1e-10
+"""Of distances to boxes [m]; with coal's own, 1e-6, one in a hundred is off by that, which rates of change do not bear."""
+
+
+class Proximity:
+    """Distances between the collision shapes of a robot's limbs and those of the rest of it.
+
+    A limb is paired with all that is not of it; legs not with the base, which they overlap by design.
+
+    Most pairs are far apart, and stay so for many ticks: a distance changes by no more than the joints between the two
+    shapes turn, each times its reach. Only pairs that may have come near since they were last looked at are looked at
+    again.
+
+    Args:
+        robot: The robot.
+
+    Attributes:
+        pairs: Names of the shapes of each pair.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._model, data = robot.model, robot.model.createData()
+        self._geometry = robot.shapes.copy()
+        self._geometry.removeAllCollisionPairs()
+        for first, second in _candidates(robot):
+            self._geometry.addCollisionPair(pin.CollisionPair(first, second))
+        self._open()
+        pin.computeDistances(self._model, data, self._geometry, self._results, robot.rest)
+        apart = [result.min_distance for result in self._each]
+        for k in np.flatnonzero(np.array(apart) < ROOM)[::-1].tolist():
+            self._geometry.removeCollisionPair(self._geometry.collisionPairs[k])
+        self._open()
+        shapes = self._geometry.geometryObjects
+        pairs = [(shapes[pair.first], shapes[pair.second]) for pair in self._geometry.collisionPairs]
+        self.pairs = [(first.name, second.name) for first, second in pairs]
+        moves = [_moves(self._model, second) - _moves(self._model, first) for first, second in pairs]
+        self._moves = np.array(moves).reshape(len(pairs), robot.nv)
+        reaches = [_reach(self._model, first, second) for first, second in pairs]
+        self._reach = np.array(reaches).reshape(len(pairs), robot.na)
+        self._seen = np.zeros((len(pairs), robot.na))
+        self._apart = np.full(len(pairs), -np.inf)
+
+    def fastest(self, v: Array) -> Array:
+        """What the distances' rates do not exceed at a velocity (nv,), shape (pairs,) [m/s]."""
+        return self._reach @ np.abs(v[6:])
+
+    def near(self, data: pin.Data, q: Array, within: Array | float) -> list[int]:
+        """Indices of the pairs that are less than `within` apart [m].
+
+        Args:
+            data: Pinocchio's, with the places of the joints at q.
+            q: Configuration, shape (nq,).
+            within: Distance of each pair, or of all [m].
+        """
+        joints = q[7:]
+        at_least = self._apart - np.einsum("ij,ij->i", self._reach, np.abs(self._seen - joints))
+        due = np.flatnonzero(at_least < within)
+        if not len(due):
+            return []
+        pin.updateGeometryPlacements(self._model, data, self._geometry, self._results)
+        for k in due.tolist():
+            pin.computeDistance(self._geometry, self._results, k)
+            self._apart[k] = self._each[k].min_distance
+        self._seen[due] = joints
+        return due[(self._apart < within)[due]].tolist()
+
+    def measure(self, data: pin.Data, pairs: Sequence[int]) -> tuple[Array, Array]:
+        """Distances of n pairs, negative where shapes overlap, shape (n,) [m], and their Jacobian, shape (n, nv).
+
+        Args:
+            data: Pinocchio's, with the joints' places and Jacobians at a configuration.
+            pairs: Indices of pairs.
+        """
+        pin.updateGeometryPlacements(self._model, data, self._geometry, self._results)
+        distances, wrenches = np.empty(len(pairs)), np.empty((len(pairs), 6))
+        for row, k in enumerate(pairs):
+            pin.computeDistance(self._geometry, self._results, k)
+            result = self._each[k]
+            distances[row] = result.min_distance
+            # A unit force at the nearest points, from the first to the second: both lie on its line.
+            nx, ny, nz = result.normal.tolist()
+            x, y, z = result.getNearestPoint2().tolist()
+            wrenches[row] = nx, ny, nz, y * nz - z * ny, z * nx - x * nz, x * ny - y * nx
+        return distances, (wrenches @ data.J) * self._moves[pairs]
+
+    def _open(self) -> None:
+        self._results = self._geometry.createData()
+        self._each = list(self._results.distanceResults)  # views: looking them up costs more than a distance
+        for request in self._results.distanceRequests:
+            request.gjk_tolerance = GJK_TOLERANCE
+
+
+def _candidates(robot: Robot) -> Iterator[tuple[int, int]]:
+    """Pairs of shapes of different parts of the body, at least one of them a limb."""
+    part = {2 + joint: limb for limb in LIMBS for joint in robot.groups[limb]}
+    owners = [
+        part.get(shape.parentJoint, "base" if shape.parentJoint <= 1 else "trunk")
+        for shape in robot.shapes.geometryObjects
+    ]
+    for second, b in enumerate(owners):
+        for first, a in enumerate(owners[:second]):
+            if a != b and {a, b} & set(LIMBS) and not ("base" in (a, b) and {a, b} & {"left_leg", "right_leg"}):
+                yield first, second
+
+
+def _moves(model: pin.Model, shape: pin.GeometryObject) -> Array:
+    """1 for each velocity that moves a shape, 0 for the others; shape (nv,)."""
+    moves = np.zeros(model.nv)
+    for joint in model.supports[shape.parentJoint]:
+        moves[model.idx_vs[joint] : model.idx_vs[joint] + model.nvs[joint]] = 1.0
+    return moves
+
+
+def _reach(model: pin.Model, first: pin.GeometryObject, second: pin.GeometryObject) -> Array:
+    """How far a shape is moved in the view of another when each joint turns by one radian, at most; shape (na,) [m]."""
+    reach = np.zeros(model.nv - 6)
+    chains = [set(model.supports[shape.parentJoint]) for shape in (first, second)]
+    for shape, own, other in ((first, *chains), (second, *chains[::-1])):
+        shape.geometry.computeLocalAABB()
+        length = float(np.linalg.norm(shape.placement.act(shape.geometry.aabb_center))) + shape.geometry.aabb_radius
+        joint = shape.parentJoint
+        while joint in own - other:
+            reach[joint - 2] = length
+            length += float(np.linalg.norm(model.jointPlacements[joint].translation))
+            joint = model.parents[joint]
+    return reach

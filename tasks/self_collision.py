@@ -1,0 +1,95 @@
+"""Parts of the robot that keep away from one another."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from solvers.rows import Rows
+from sot.proximity import Proximity
+from sot.robot import Robot
+from sot.task import Task
+from sot.tick import Tick
+from tasks.bounds import AccelerationBounds
+
+Array = np.ndarray
+
+FAR = 0.2
+"""Pairs of shapes further apart [m] have no rows: braking takes less."""
+CLOSE = 0.005
+"""Pairs that are less than this [m] from where braking would have to begin have rows."""
+BRAKE = 10.0
+"""Deceleration that is relied upon to stop an approach [m/s²]."""
+
+
+class SelfCollision(Task):
+    """Distances between the robot's limbs and the rest of it as bounds on their acceleration.
+
+    A distance d moves as ``d̈ = J v̇ + J̇ v``; like a joint with a range it may come to its least value, but only so
+    fast that it can still be stopped there, and shapes that are too near from the start are led apart (see
+    `AccelerationBounds`). No more is asked for than what the joints give at the accelerations that are relied upon.
+
+    Args:
+        robot: The robot.
+        least: Distance that is kept [m].
+        weight: Scale of its rows within its level.
+
+    Attributes:
+        pairs: Names of the shapes of the pairs that are kept apart.
+    """
+
+    equality = False
+    gives_way = 1
+
+    def __init__(self, robot: Robot, least: float = 0.01, weight: float = 0.1) -> None:
+        super().__init__("SelfCollision", "m/s²", "m", weight)
+        self._least, self._acceleration = least, robot.acceleration
+        self._proximity, self._ahead = Proximity(robot), robot.model.createData()
+        self.pairs = self._proximity.pairs
+        limits = (np.array([limit]) for limit in (least, np.inf, np.inf, BRAKE, np.inf))
+        self._bounds = AccelerationBounds(*limits)
+        self._A, self._lower, self._upper = np.zeros((0, robot.nv)), np.zeros(0), np.zeros(0)
+
+    def observe(self, tick: Tick, pairs: Sequence[int]) -> tuple[Array, Array, Array, Array]:
+        """Distances d of n pairs (n,), their rates (n,), J (n, nv) and J̇ v (n,)."""
+        model, proximity = tick.robot.model, self._proximity
+        distances, J = proximity.measure(tick.data, pairs)
+        rates = J @ tick.v
+        # What the rates become after a period without acceleration: they depend on how the shapes are curved.
+        pin.computeJointJacobians(model, self._ahead, pin.integrate(model, tick.q, tick.period * tick.v))
+        _, ahead = proximity.measure(self._ahead, pairs)
+        return distances, rates, J, (ahead @ tick.v - rates) / tick.period
+
+    def rows(self, tick: Tick) -> Rows:
+        """Rows ``d̈ >= d̈_min`` of the pairs that are near and approach; `error` is how much too near each near pair is.
+
+        There are as many as were ever needed at once, the spare ones empty: a level that keeps its size is set up once.
+        """
+        proximity = self._proximity
+        near = proximity.near(tick.data, tick.q, self._stops(proximity.fastest(tick.v), tick.period))
+        self.error = _NONE
+        if near:
+            distances, J = proximity.measure(tick.data, near)
+            self.error = np.maximum(self._least - distances, 0.0)
+            within = self._stops(np.minimum(J @ tick.v, 0.0), tick.period)
+            near = [k for k, close in zip(near, distances < within, strict=True) if close]
+        if len(near) > len(self._lower):
+            self._A, self._lower = np.zeros((len(near), len(tick.v))), np.full(len(near), -np.inf)
+            self._upper = np.full(len(near), np.inf)
+        count = len(near)
+        self._A[count:], self._lower[count:] = 0.0, -np.inf
+        if near:
+            distances, rates, self._A[:count], drift = self.observe(tick, near)
+            wanted = self._bounds(distances, rates, tick.period)[0] - drift
+            # What the joints give at the accelerations that are relied upon.
+            most = np.abs(self._A[:count, 6:]) @ self._acceleration
+            self._lower[:count] = np.minimum(wanted, most)
+        return self._rows(self._A, self._lower, self._upper)
+
+    def _stops(self, speed: Array, period: float) -> Array:
+        """Distances within which an approach at some speeds [m/s] may have to be braked in the next period [m]."""
+        braking = np.square(speed) / (2.0 * BRAKE) + 2.0 * period * np.abs(speed)
+        return np.minimum(self._least + CLOSE + braking, FAR)
+
+
+_NONE = np.zeros(0)
