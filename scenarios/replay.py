@@ -82,7 +82,7 @@ class Dance:
     def record(self, path: Path) -> float:
         """Write the recording; returns how long that took [s]."""
         begun = perf_counter()
-        recorder.record(path, self.run.log, self.info, self.motion, self.plan.human if self.plan else None)
+        recorder.record(path, self.run.log, self.info, self.motion, self.plan)
         return perf_counter() - begun
 
 

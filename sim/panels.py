@@ -10,6 +10,7 @@ from sim.log import RunLog, nearest_frames
 from sim.plots import Curves, Plot, States
 from sim.support import planned_support
 from sot.motion.centroidal import GRAVITY
+from sot.motion.plan import PLAN_RATE, Plan
 from sot.motion.trajectory import Motion
 
 FRAME_RATE = 60.0  # Hz, of the 3D view and of what is only looked at; other curves keep the control rate
@@ -34,10 +35,11 @@ class Tab:
     plots: tuple[Plot | States, ...]
 
 
-def tabs(log: RunLog, motion: Motion) -> list[Tab]:
+def tabs(log: RunLog, motion: Motion, plan: Plan | None) -> list[Tab]:
     """All plots of a run, what is looked at first coming first."""
     joints = [_joints(log, motion, limb) for limb in LIMBS]
-    return [_balance(log, motion), _center_of_mass(log, motion), *joints, _tasks(log), _ticks(log)]
+    slowed = [_time(plan)] if plan is not None and plan.speed_min < 1.0 else []
+    return [_balance(log, motion), _center_of_mass(log, motion), *slowed, *joints, _tasks(log), _ticks(log)]
 
 
 def divergent(com: np.ndarray, velocity: np.ndarray, height: np.ndarray) -> np.ndarray:
@@ -104,6 +106,12 @@ def _center_of_mass(log: RunLog, motion: Motion) -> Tab:
             *ways,
         ),
     )
+
+
+def _time(plan: Plan) -> Tab:
+    share = 100.0 / (PLAN_RATE * np.diff(plan.clock))
+    curve = Curves("share", plan.clock[:-1], share, ("speed",))
+    return Tab("Time", (Plot("Speed of the clip, over the dancer's [%]", ("time", "speed"), (curve,)),))
 
 
 def _joints(log: RunLog, motion: Motion, limb: str) -> Tab:

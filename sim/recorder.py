@@ -12,12 +12,12 @@ from sim.forces import METRES_PER_NEWTON
 from sim.log import RunInfo, RunLog
 from sim.panels import tabs
 from sim.visuals import send_visuals
-from sot.motion.human import Human
+from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
 
 
-def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, human: Human | None) -> None:
+def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Plan | None) -> None:
     """Write a run to a rerun recording (`.rrd`), which appears under its name once it is complete.
 
     Args:
@@ -25,17 +25,17 @@ def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, human: Human 
         log: rows of the run.
         info: facts about the run.
         motion: the reference.
-        human: whom the reference follows, in the robot's size and on its time line, if it follows someone.
+        plan: how the reference came from a human, if it is known.
     """
     log, robot = log.trimmed(), motion.robot
-    panels = tabs(log, motion)
+    panels = tabs(log, motion, plan)
     partial = path.with_name(f".{path.name}.part")
     stream = rr.RecordingStream("humanoid-sot")
     stream.save(partial, default_blueprint=layout(robot, panels, bool(log.conflicts)))
     stream.send_recording_name(f"{info.clip}, {robot.label}")
     columns = Columns(stream)
     columns.static("about", rr.TextDocument(_about(info, robot), media_type=rr.MediaType.MARKDOWN))
-    send_visuals(columns, log, info, motion, human)
+    send_visuals(columns, log, info, motion, plan.human if plan else None)
     for tab in panels:
         for plot in tab.plots:
             plot.send(columns)

@@ -14,7 +14,7 @@ ROOM = 0.02
 """Pairs that are nearer at rest [m] are neighbours in the tree, or made to touch: they do not count."""
 
 GJK_TOLERANCE = 1e-10
-"""Of distances to boxes [m]; with coal's own, 1e-6, one in a hundred is off by that, which rates of change do not bear."""
+"""Of distances to boxes [m]; with coal's own, 1e-6, one in a hundred is off by as much, which shows in rates."""
 
 
 class Proximity:

@@ -78,6 +78,7 @@ class SelfCollision(Task):
             self._upper = np.full(len(near), np.inf)
         count = len(near)
         self._A[count:], self._lower[count:] = 0.0, -np.inf
+        self.labels = [" and ".join(self.pairs[k]) for k in near]
         if near:
             distances, rates, self._A[:count], drift = self.observe(tick, near)
             wanted = self._bounds(distances, rates, tick.period)[0] - drift

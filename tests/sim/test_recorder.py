@@ -15,9 +15,10 @@ from sim.push import Push
 from sim.recorder import record
 from sim.shapes import read_shapes
 from sot.errors import InputError
+from sot.motion.plan import PLAN_RATE, Plan
 from sot.robot import Robot, robots
 
-from .runs import PERIOD, perfect_log, same_human, still_motion
+from .runs import PERIOD, perfect_log, same_plan, still_motion
 
 PUSH = Push(t=1.0, force=(80.0, 0.0, 0.0), duration=0.2)
 INFO = RunInfo(clip="made-up", robot="hrp2", solver="cascade", feet="planted", rate_hz=1.0 / PERIOD, pushes=(PUSH,))
@@ -35,11 +36,17 @@ def log() -> RunLog:
     return log
 
 
+def slowed(plan: Plan) -> Plan:
+    """The clip at half its speed from the middle on."""
+    steps = np.where(np.arange(60) < 30, 1.0, 2.0) / PLAN_RATE
+    return replace(plan, clock=np.concatenate([[0.0], np.cumsum(steps)]))
+
+
 @pytest.fixture(scope="module")
 def chunks(log: RunLog, tmp_path_factory: pytest.TempPathFactory) -> list[Chunk]:
     folder = tmp_path_factory.mktemp("run")
     motion = still_motion(ROBOT, SECONDS)
-    record(folder / "run.rrd", log, INFO, motion, same_human(motion))
+    record(folder / "run.rrd", log, INFO, motion, slowed(same_plan(motion)))
     assert [path.name for path in folder.iterdir()] == ["run.rrd"]
     return RrdReader(folder / "run.rrd").stream().to_chunks()
 
@@ -118,6 +125,12 @@ def test_the_divergent_component_runs_away_at_the_rate_of_the_pendulum():
     faster = velocity + step * omega**2 * com * [1.0, 1.0, 0.0]  # the ZMP at the origin
     before, after = divergent(com, velocity, height), divergent(com + step * velocity, faster, height)
     np.testing.assert_allclose((after - before) / step, omega * before, rtol=1e-4)
+
+
+def test_where_time_was_stretched(chunks):
+    times, values = column(chunks, "/time/speed/share", "Scalars:scalars")
+    share = np.array(values.to_pylist())[:, 0]
+    np.testing.assert_allclose(share, np.where(times < 30 / PLAN_RATE, 100.0, 50.0), rtol=1e-6)
 
 
 def test_what_holds_throughout_comes_first_and_the_robot_before_the_curves(chunks):
