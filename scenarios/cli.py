@@ -188,7 +188,7 @@ def bench_command(
     against: Annotated[Path | None, typer.Option(help="Figures to compare with, of `sot bench --json`.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="The figures as JSON instead of a table.")] = False,
     suite: Annotated[str | None, typer.Option(help="dance: many clips, and a row of figures each.")] = None,
-    feet: Annotated[str, typer.Option(help="With --suite: what `sot replay --feet` takes.")] = "steps",
+    feet: Annotated[str, typer.Option(help="With --suite: what `sot replay --feet` takes.")] = "auto",
     mocap: Annotated[Path | None, typer.Option(help="With --suite: a folder of more clips (.bvh).")] = None,
     out: Annotated[Path | None, typer.Option(help="With --suite: folder to keep recordings and reports in.")] = None,
 ) -> int:
