@@ -1,0 +1,119 @@
+"""How the cascade's time grows with levels, contacts and degrees of freedom, and whether its memory does.
+
+    python benchmarks/growth.py [--repeats 200] [--minutes 0] [--json]
+
+Hierarchies are random but shaped like a tick's: contacts of six rows and twelve forces each, six coupled rows, bounds
+on everything, levels of three rows, a posture, least forces. `--minutes` ticks a standing robot for that long on the
+wall clock and prints the memory in use: it should not change.
+"""
+
+import argparse
+import json
+import sys
+from time import perf_counter
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from sim.reference import hot_reference_us
+from solvers import Cascade, Level
+from solvers.rows import Equality
+from sot.contact import Contact
+from sot.controller import Controller
+from sot.robot import Robot
+from sot.stack import Stack
+from tasks import JointBounds, LeastForces, Posture, TorqueBounds
+
+Array = np.ndarray
+BASE = {"levels": 5, "contacts": 2, "dofs": 36}
+SERIES = {"levels": range(1, 9), "contacts": range(1, 5), "dofs": range(20, 61, 10)}
+ROWS = 3  # of each level but the last two
+
+
+def hierarchy(rng: np.random.Generator, levels: int, contacts: int, dofs: int) -> list[Level]:
+    """A hierarchy with that many levels below level 0; with one or two, posture and forces come first."""
+    forces = 12 * contacts
+    n, J = dofs + forces, rng.normal(size=(min(6 * contacts, dofs - 8), dofs))
+    inside = rng.normal(size=n)
+    coupled = rng.normal(size=(6, n))
+    equalities = [Equality(J, J @ inside[:dofs]), Equality(coupled, coupled @ inside)]
+    box, width = np.eye(n), np.append(np.full(dofs, 1e3), np.full(forces, 30.0))
+    none = np.zeros((0, n)), np.zeros(0), np.zeros(0)
+    soft = [
+        Level(f"task {k}", n, [Equality(rng.normal(size=(ROWS, dofs)), rng.normal(size=ROWS))], *none)
+        for k in range(min(levels - 2, (dofs - len(J) - 1) // ROWS))
+    ]
+    posture = Equality(np.eye(dofs), rng.normal(size=dofs), 1.0, 0, slice(0, dofs))
+    least = Equality(np.eye(forces), np.zeros(forces), 0.1, dofs, slice(0, forces))
+    last = [Level("posture", n, [posture], *none), Level("forces", n, [least], *none)]
+    return [Level("hard", n, equalities, box, -width, width), *soft, *last[:levels]]
+
+
+def grown(repeats: int) -> dict[str, dict[int, float]]:
+    """Median time of a solve [µs] along each series, the other sizes as in BASE."""
+    out: dict[str, dict[int, float]] = {}
+    for name, values in SERIES.items():
+        out[name] = {}
+        for value in values:
+            rng, cascade, times = np.random.default_rng(0), Cascade(), []
+            for _ in range(repeats):
+                levels = hierarchy(rng, **(BASE | {name: value}))
+                start = perf_counter()
+                cascade.solve(levels)
+                times.append(1e6 * (perf_counter() - start))
+            out[name][value] = float(np.median(times))
+    return out
+
+
+def memory(minutes: float) -> list[tuple[float, float]]:
+    """Time [s] and resident memory [MB] of a process that ticks, ten readings."""
+    robot = Robot.load("hrp2")
+    stack = Stack(
+        [Contact(foot, robot.sole(foot)) for foot in robot.feet],
+        [TorqueBounds(robot), JointBounds(robot)],
+        {"posture": [Posture(robot, robot.rest[7:])], "forces": [LeastForces()]},
+    )
+    controller, still = Controller(robot, stack, Cascade()), np.zeros(robot.nv)
+    begin, readings = perf_counter(), []
+    for k in range(1, 11):
+        while perf_counter() - begin < k * 6.0 * minutes:
+            controller(0.0, robot.rest, still)
+        readings.append((perf_counter() - begin, _resident()))
+    return readings
+
+
+def _resident() -> float:
+    """Memory that the process holds [MB]."""
+    with open("/proc/self/statm", encoding="ascii") as file:
+        return int(file.read().split()[1]) * 4096 / 1e6
+
+
+def main() -> int:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--repeats", type=int, default=200, help="hierarchies of each size")
+    parser.add_argument("--minutes", type=float, default=0.0, help="how long to watch the memory (Linux)")
+    parser.add_argument("--json", action="store_true", help="print the figures as JSON")
+    args = parser.parse_args()
+    result = {"reference_us": hot_reference_us(), "p50_us": grown(args.repeats)}
+    if args.minutes:
+        result["memory_mb"] = memory(args.minutes)
+    if args.json:
+        json.dump(result, sys.stdout, indent=2)
+        return 0
+    console = Console()
+    console.print(f"Cascade.solve, median [µs]; reference computation {result['reference_us']:.0f} µs")
+    for name, times in result["p50_us"].items():
+        table = Table(box=None, padding=(0, 2, 0, 0))
+        for head in (name, *(str(value) for value in times)):
+            table.add_column(head, justify="right")
+        table.add_row("", *(f"{time:.0f}" for time in times.values()))
+        console.print(table)
+    for t, size in result.get("memory_mb", []):
+        console.print(f"after {t:6.0f} s: {size:.1f} MB")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
