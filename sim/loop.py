@@ -152,11 +152,11 @@ def _write(
     log.status[k] = command.status
     log.residual[k] = max(level.residual for level in solution.levels)
     for (_, tasks), level in zip(controller.stack.levels, solution.levels[1:], strict=True):
+        slack = level.error
+        active = np.count_nonzero(level.active) if len(level.level.lower) else 0
         for task in tasks:
             column = columns.get(task.name)
             if column is not None:
                 log.level_error[k, column] = sqrt(task.error @ task.error)
-                log.level_slack[k, column] = level.error
-                if len(level.level.lower):
-                    log.level_active[k, column] = np.count_nonzero(level.active)
+                log.level_slack[k, column], log.level_active[k, column] = slack, active
     log.model_us[k], log.assemble_us[k], log.solve_us[k] = command.model_us, command.assemble_us, command.solve_us

@@ -25,9 +25,11 @@ class FloorSensors:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, feet: Sequence[str]):
         self._model, self._data = model, data
-        self._sensed = {name: _slice(model, name) for name in (WHOLE, *feet)}
-        self._sites = {foot: model.site(_site(foot)).id for foot in feet}
-        self._foot_bodies = set(model.body_weldid[model.site_bodyid[list(self._sites.values())]].tolist())
+        # Live views: to ask MuJoCo for its arrays anew takes longer than to read them.
+        self._sensed = {name: data.sensordata[_slice(model, name)] for name in (WHOLE, *feet)}
+        sites = {foot: model.site(_site(foot)).id for foot in feet}
+        self._origins = {foot: data.site_xpos[site] for foot, site in sites.items()}
+        self._foot_bodies = set(model.body_weldid[model.site_bodyid[list(sites.values())]].tolist())
 
     @staticmethod
     def add_to(spec: mujoco.MjSpec, feet: Mapping[str, tuple[mujoco.MjsBody, np.ndarray]]) -> None:
@@ -45,23 +47,23 @@ class FloorSensors:
     def wrenches(self) -> dict[str, np.ndarray]:
         """Force and moment about the foot frame's origin, by foot (6,), world axes [N, N m]."""
         out = {}
-        for foot, site in self._sites.items():
-            _, fx, fy, fz, mx, my, mz, x, y, z = self._data.sensordata[self._sensed[foot]].tolist()
-            ox, oy, oz = self._data.site_xpos[site].tolist()
+        for foot, origin in self._origins.items():
+            _, fx, fy, fz, mx, my, mz, x, y, z = self._sensed[foot].tolist()
+            ox, oy, oz = origin.tolist()
             x, y, z = x - ox, y - oy, z - oz
             out[foot] = np.array((fx, fy, fz, mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx))
         return out
 
     def zmp(self) -> np.ndarray:
         """Point (2,) of z = 0 about which the floor's forces have no horizontal moment [m]; nan where none carries."""
-        _, fx, fy, fz, mx, my, _, x, y, z = self._data.sensordata[self._sensed[WHOLE]].tolist()
+        _, fx, fy, fz, mx, my, _, x, y, z = self._sensed[WHOLE].tolist()
         if not fz > 0.0:
             return np.array((nan, nan))
         return np.array((x - (my + z * fx) / fz, y + (mx - z * fy) / fz))
 
     def touching(self) -> tuple[str, ...]:
         """Sorted names of the robot's bodies in contact with the floor, feet left out."""
-        found = {name: self._data.sensordata[sensed.start] for name, sensed in self._sensed.items()}
+        found = {name: float(sensed[0]) for name, sensed in self._sensed.items()}
         if found.pop(WHOLE) == sum(found.values()):
             return ()
         bodies = {body for _, body, _ in self._contacts() if self._model.body_weldid[body] not in self._foot_bodies}

@@ -53,6 +53,8 @@ class World:
         self.model = build(robot, timestep / self._substeps, self.mismatch.friction)
         self.mismatch.apply(self.model)
         self.data = mujoco.MjData(self.model)
+        # Live views: to ask MuJoCo for its arrays anew takes longer than to read them.
+        self._qpos, self._qvel = self.data.qpos[: robot.nq], self.data.qvel[: robot.nv]
         self._order = joint_order(robot.joints, [self.model.joint(1 + k).name for k in range(robot.na)])
         self._push = Pusher(self.model, self.data, robot, self.pushes)
         self._lag = round(self.mismatch.delay * self._substeps / timestep)
@@ -76,8 +78,7 @@ class World:
 
     def state(self) -> tuple[np.ndarray, np.ndarray]:
         """Configuration (nq,) and velocity (nv,) in Pinocchio's conventions; not numbers once the physics diverged."""
-        qpos, qvel = self.data.qpos[: self.robot.nq], self.data.qvel[: self.robot.nv]
-        return state_from_mujoco(qpos, qvel, self._order)
+        return state_from_mujoco(self._qpos, self._qvel, self._order)
 
     def measured(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """A state as the controller is told: with the mismatch's noise on angular velocities."""

@@ -79,6 +79,8 @@ class Cascade:
                 self._held = None
                 solution = self._solution(levels, x, {}, Status.SOLVED)
                 solution.levels[0].residual = self._direct.excess
+                for result in solution.levels[: self._direct.met]:
+                    result.met = True
                 return solution
         reduction = Reduction.of(levels[0], leading, self.rank_tolerance) if levels[0].equalities else None
         if reduction is None:

@@ -39,12 +39,14 @@ class Direct:
     Attributes:
         held: Inequalities of level 0 held at the last level: row -> +1 at its upper bound, -1 at its lower one.
         excess: Largest violation of an inequality in the last answer.
+        met: How many levels, level 0 included, have all their rows met by the last answer.
     """
 
     def __init__(self, tolerance: float) -> None:
         self.tolerance = tolerance
         self.held: dict[int, float] = {}
         self.excess = 0.0
+        self.met = 0
         self._shape = (0, 0, 0)
 
     def expect(self, rows: Array, side: Array) -> None:
@@ -63,7 +65,7 @@ class Direct:
         coupled: list[Equality] = []
         for e in hard.equalities:
             (coupled if e.start + e.A.shape[1] > leading else thin).append(e)
-        used = sum(len(e.b) for e in thin)
+        used, self.met = sum(len(e.b) for e in thin), 1
         wide: list[Equality] = []
         last: Equality | None = None
         for level in levels[1:]:
@@ -79,6 +81,7 @@ class Direct:
                 rows = sum(len(e.b) for e in level.equalities)
                 if used + rows <= leading:
                     thin.extend(level.equalities)
+                    self.met += 1
                 else:
                     wide = level.equalities
                 used += rows
@@ -131,7 +134,7 @@ class Direct:
             value = hard.C @ x
             above, below = value - hard.upper, hard.lower - value
             excess = np.maximum(above, below)
-            worst = float(excess.max()) if len(excess) else 0.0
+            worst = float(np.maximum.reduce(excess)) if len(excess) else 0.0
             if worst <= self.tolerance:
                 self.held, self.excess = held, max(worst, 0.0)
                 return x if x @ x < np.inf else None

@@ -219,6 +219,7 @@ class LevelResult:
         needed_qp: Whether a QP had to be solved, or least squares were enough.
         residual: Largest violation of what the level had to preserve.
         status: How the level's answer came about.
+        met: Whether all its rows are known to be met.
     """
 
     level: Level
@@ -226,6 +227,7 @@ class LevelResult:
     needed_qp: bool
     residual: float
     status: Status
+    met: bool = False
 
     @property
     def name(self) -> str:
@@ -246,6 +248,8 @@ class LevelResult:
     @property
     def error(self) -> float:
         """Norm of the level's weighted violation, the quantity that the level minimises."""
+        if self.met:
+            return 0.0
         squares = 0.0
         for part in self.level.violations(self.x):
             squares += float(part @ part)

@@ -56,7 +56,7 @@ class Polygon:
     def nearest(self, point: Array) -> Array:
         """The point of the polygon that is nearest to a point (2,); the point itself if the polygon is empty."""
         excess = self.normals @ point - self.offsets
-        if excess.max() <= 0.0:
+        if max(excess.tolist()) <= 0.0:
             return point
         # Along each edge's line, from the projection of the point, how far the other edges (rows) let it go.
         along = self.normals @ [[0.0, 1.0], [-1.0, 0.0]]

@@ -131,7 +131,11 @@ def _admitted(lag: Array, polygon: Polygon, z: Array, pivot: Array) -> Array:
     from, by what its angular momentum changes. When that leaves too little room, the change is given up: then the
     pivot alone has to stay inside.
     """
-    kept = polygon.nearest(z + lag) - z
+    wish = z + lag
+    nearest = polygon.nearest(wish)
+    if nearest is wish:  # inside
+        return lag
+    kept = nearest - z
     given_up = polygon.nearest(pivot + lag) - pivot
     return kept if np.linalg.norm(kept - lag) <= np.linalg.norm(given_up - lag) else given_up
 

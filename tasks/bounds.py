@@ -102,7 +102,8 @@ class AccelerationBounds:
         stopping = np.sqrt(np.maximum(self._brake * room + reach**2, 0.0)) - reach
         most = (np.minimum(stopping, self._velocity) - v) / period
         self.outside = self._inside
-        if min(room.min(), distance.min()) < 0.0:
+        # The reductions themselves: `min` on top of them takes as long again.
+        if np.minimum.reduce(room, axis=None) < 0.0 or np.minimum.reduce(distance, axis=None) < 0.0:
             self.outside = np.maximum(-distance[0], 0.0) - np.maximum(-distance[1], 0.0)
             # Nearer than one period's travel: to be no further than the limit after it.
             near = np.where(room >= 0.0, most, 2.0 * (distance - period * v) / period**2)

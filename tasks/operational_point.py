@@ -8,7 +8,7 @@ import pinocchio as pin
 from sot.errors import InputError
 from sot.robot import Robot
 from sot.task import AXIS_NAMES, MotionTask, Pose
-from sot.tick import Tick
+from sot.tick import FrameState, Tick
 
 Array = np.ndarray
 AXES = "xyzRPY"
@@ -67,11 +67,17 @@ class OperationalPoint(MotionTask):
         """Error, its rate, J, J̇ v and feed-forward in the selected axes; orientation errors as rotation vectors."""
         of = self._of
         frame, target = tick.frame(self.point), self._reference(tick.t)
-        error = target.position - frame.position if self._shifts else NOUGHT
-        if self._turns:
-            error = np.concatenate((error, pin.log3(target.rotation @ frame.rotation.T)))
         rate = target.velocity[of] - frame.velocity[of]
-        return error[of], rate, frame.jacobian[of], frame.drift[of], target.acceleration[of]
+        return self._error(frame, target), rate, frame.jacobian[of], frame.drift[of], target.acceleration[of]
+
+    def _error(self, frame: FrameState, target: Pose) -> Array:
+        shift = target.position - frame.position if self._shifts else NOUGHT
+        if not self._turns:
+            return shift[self._of]
+        turn = pin.log3(target.rotation @ frame.rotation.T)
+        if not self._shifts and len(self.selected) == 3:
+            return turn
+        return np.concatenate((shift, turn))[self._of]
 
 
 def _still(target: Array | pin.SE3) -> PoseReference:
