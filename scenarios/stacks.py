@@ -5,14 +5,14 @@ from sot.motion.trajectory import Motion
 from sot.robot import Robot
 from sot.stack import Stack
 from sot.stepping import Stepping
-from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, SwingFoot, TorqueBounds
+from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, SelfCollision, SwingFoot, TorqueBounds
 
 
 def planted(robot: Robot, motion: Motion) -> Stack:
     """Both feet stand; strict for what must hold, the joints share what is left."""
     return Stack(
         contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
-        hard=[TorqueBounds(robot), JointBounds(robot)],
+        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
         levels={
             "balance": [Balance(motion.balance, motion.feet)],
             "waist": [OperationalPoint(robot, "waist", motion.pose("waist"), axes="RPY")],

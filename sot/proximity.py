@@ -68,8 +68,8 @@ class Proximity:
             within: Distance of each pair, or of all [m].
         """
         joints = q[7:]
-        at_least = self._apart - np.einsum("ij,ij->i", self._reach, np.abs(self._seen - joints))
-        due = np.flatnonzero(at_least < within)
+        turned = np.abs(self._seen - joints)
+        due = (self._apart - np.einsum("ij,ij->i", self._reach, turned) < within).nonzero()[0]
         if not len(due):
             return []
         pin.updateGeometryPlacements(self._model, data, self._geometry, self._results)
@@ -87,16 +87,21 @@ class Proximity:
             pairs: Indices of pairs.
         """
         pin.updateGeometryPlacements(self._model, data, self._geometry, self._results)
-        distances, wrenches = np.empty(len(pairs)), np.empty((len(pairs), 6))
-        for row, k in enumerate(pairs):
+        for k in pairs:
             pin.computeDistance(self._geometry, self._results, k)
+        return self.found(data, pairs)
+
+    def found(self, data: pin.Data, pairs: Sequence[int]) -> tuple[Array, Array]:
+        """The same of pairs that `near` has just found."""
+        distances, wrenches = [], []
+        for k in pairs:
             result = self._each[k]
-            distances[row] = result.min_distance
+            distances.append(result.min_distance)
             # A unit force at the nearest points, from the first to the second: both lie on its line.
             nx, ny, nz = result.normal.tolist()
             x, y, z = result.getNearestPoint2().tolist()
-            wrenches[row] = nx, ny, nz, y * nz - z * ny, z * nx - x * nz, x * ny - y * nx
-        return distances, (wrenches @ data.J) * self._moves[pairs]
+            wrenches.append((nx, ny, nz, y * nz - z * ny, z * nx - x * nz, x * ny - y * nx))
+        return np.array(distances), (np.array(wrenches).reshape(-1, 6) @ data.J) * self._moves[pairs]
 
     def _open(self) -> None:
         self._results = self._geometry.createData()

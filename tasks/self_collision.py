@@ -14,10 +14,12 @@ from tasks.bounds import AccelerationBounds
 
 Array = np.ndarray
 
-FAR = 0.2
-"""Pairs of shapes further apart [m] have no rows: braking takes less."""
-CLOSE = 0.005
-"""Pairs that are less than this [m] from where braking would have to begin have rows."""
+LOOK = 0.005
+"""Pairs of shapes are looked through for those to watch at these intervals [s]."""
+SURPRISE = 0.25
+"""How much faster than now a pair may approach by the next look [m/s]."""
+FAR = 0.1
+"""Pairs this much further apart than they may come [m] are not watched: what is too fast for it is stopped harder."""
 BRAKE = 10.0
 """Deceleration that is relied upon to stop an approach [m/s²]."""
 
@@ -48,6 +50,8 @@ class SelfCollision(Task):
         self.pairs = self._proximity.pairs
         limits = (np.array([limit]) for limit in (least, np.inf, np.inf, BRAKE, np.inf))
         self._bounds = AccelerationBounds(*limits)
+        self._watched: list[int] = []
+        self._looked = -np.inf
         self._A, self._lower, self._upper = np.zeros((0, robot.nv)), np.zeros(0), np.zeros(0)
 
     def observe(self, tick: Tick, pairs: Sequence[int]) -> tuple[Array, Array, Array, Array]:
@@ -61,18 +65,14 @@ class SelfCollision(Task):
         return distances, rates, J, (ahead @ tick.v - rates) / tick.period
 
     def rows(self, tick: Tick) -> Rows:
-        """Rows ``d̈ >= d̈_min`` of the pairs that are near and approach; `error` is how much too near each near pair is.
+        """Rows ``d̈ >= d̈_min`` of the pairs that are near and approach; `error` is how much too near each of
+        them is.
 
         There are as many as were ever needed at once, the spare ones empty: a level that keeps its size is set up once.
         """
-        proximity = self._proximity
-        near = proximity.near(tick.data, tick.q, self._stops(proximity.fastest(tick.v), tick.period))
-        self.error = _NONE
-        if near:
-            distances, J = proximity.measure(tick.data, near)
-            self.error = np.maximum(self._least - distances, 0.0)
-            within = self._stops(np.minimum(J @ tick.v, 0.0), tick.period)
-            near = [k for k, close in zip(near, distances < within, strict=True) if close]
+        if not 0.0 < tick.t - self._looked < LOOK - TIMING:
+            self._watched, self._looked = self._look(tick), tick.t
+        near, self.error = self._watched, _NONE
         if len(near) > len(self._lower):
             self._A, self._lower = np.zeros((len(near), len(tick.v))), np.full(len(near), -np.inf)
             self._upper = np.full(len(near), np.inf)
@@ -81,16 +81,30 @@ class SelfCollision(Task):
         self.labels = [" and ".join(self.pairs[k]) for k in near]
         if near:
             distances, rates, self._A[:count], drift = self.observe(tick, near)
+            self.error = np.maximum(self._least - distances, 0.0)
             wanted = self._bounds(distances, rates, tick.period)[0] - drift
             # What the joints give at the accelerations that are relied upon.
             most = np.abs(self._A[:count, 6:]) @ self._acceleration
             self._lower[:count] = np.minimum(wanted, most)
         return self._rows(self._A, self._lower, self._upper)
 
-    def _stops(self, speed: Array, period: float) -> Array:
-        """Distances within which an approach at some speeds [m/s] may have to be braked in the next period [m]."""
-        braking = np.square(speed) / (2.0 * BRAKE) + 2.0 * period * np.abs(speed)
-        return np.minimum(self._least + CLOSE + braking, FAR)
+    def _look(self, tick: Tick) -> list[int]:
+        """Pairs whose approach may have to be braked before the next look."""
+        proximity, ahead = self._proximity, tick.period + LOOK
+        within = self._least + np.minimum(_stopping(proximity.fastest(tick.v), ahead), FAR)
+        near = proximity.near(tick.data, tick.q, within)
+        if not near:
+            return near
+        distances, J = proximity.found(tick.data, near)
+        close = distances < self._least + _stopping(np.maximum(-(J @ tick.v), 0.0), ahead)
+        return [k for k, watch in zip(near, close, strict=True) if watch]
 
 
+def _stopping(speed: Array, ahead: float) -> Array:
+    """Way on which approaches at some speeds [m/s] are stopped, from some time ahead [s] on [m]."""
+    speed = speed + SURPRISE
+    return speed * (speed / (2.0 * BRAKE) + ahead)
+
+
+TIMING = 1e-9  # s: rounding of times
 _NONE = np.zeros(0)

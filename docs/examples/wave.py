@@ -9,14 +9,14 @@ from sot.contact import Contact
 from sot.schedule import Schedule
 from sot.stack import Stack
 from sot.task import Pose
-from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, TorqueBounds
+from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, SelfCollision, TorqueBounds
 
 
 def stack(robot, motion):
     """What the robot is asked for, most important first."""
     return Stack(
         contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
-        hard=[TorqueBounds(robot), JointBounds(robot)],
+        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
         levels={
             "balance": [Balance(motion.balance, motion.feet)],
             "waist": [OperationalPoint(robot, "waist", motion.pose("waist"), axes="RPY")],

@@ -70,8 +70,8 @@ def test_an_arm_that_is_to_cross_the_waist_stops_before_it(robot, period):
     )
     q, v = robot.rest.copy(), np.zeros(robot.nv)
     nearest = np.inf
-    for _ in range(round(1.5 / period)):
-        tick.update(0.0, q, v)
+    for k in range(round(1.5 / period)):
+        tick.update(k * period, q, v)
         nearest = min(nearest, least(task, tick))
         wanted = np.zeros(robot.nv)
         wanted[6:] = np.clip(posture.rows(tick).lower, -robot.acceleration, robot.acceleration)
