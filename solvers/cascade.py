@@ -168,7 +168,7 @@ class Cascade:
             self._shape, self._held = shape, [Held() for _ in levels]
         if len(owner) and owner[-1]:
             return None  # own inequalities of lower levels are objectives too: that is the descent's business
-        hard, held, first = levels[0], self._held, 0
+        hard, held, first = levels[0], [hold.finite(chain.lower, chain.upper) for hold in self._held], 0
         for _ in range(ROUNDS):
             chain.run(held, first)
             x = chain.points[-1]

@@ -31,6 +31,13 @@ class Held:
     rows: Array = field(default_factory=lambda: np.zeros(0, dtype=int))
     side: Array = field(default_factory=lambda: np.zeros(0))
 
+    def finite(self, lower: Array, upper: Array) -> "Held":
+        """Without those whose bound has gone."""
+        if not len(self.rows):
+            return self
+        left = np.isfinite(np.where(self.side > 0.0, upper[self.rows], lower[self.rows]))
+        return self if left.all() else Held(self.rows[left], self.side[left])
+
 
 class Space:
     """What a level has to work in: the span of ``Z``, orthonormal columns.

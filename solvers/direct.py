@@ -16,6 +16,7 @@ fit is left to others: rows that contradict each other, a level of another kind,
 """
 
 from collections.abc import Sequence
+from math import isfinite
 
 import numpy as np
 from scipy.linalg import lapack
@@ -112,7 +113,8 @@ class Direct:
             if before:
                 target[row : row + m] -= e.scale * (e.A[:, :before] @ x[e.start : leading])
             row += m
-        held = dict(self.held)
+        # A bound that has gone, a ramp's at its end say, holds nothing any more.
+        held = {r: side for r, side in self.held.items() if isfinite(hard.upper[r] if side > 0.0 else hard.lower[r])}
         for _ in range(ROUNDS):
             rows = list(held)
             used = known + len(rows)

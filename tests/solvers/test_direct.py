@@ -108,3 +108,16 @@ def test_equalities_that_contradict_each_other_have_no_change_of_variables():
     starved = Level("hard", SIZE, [Equality(np.eye(SIZE)[:1], np.zeros(1))], *NONE)
     assert Reduction.of(starved, 0, 1e-7) is not None
     assert Reduction.of(starved, 1, 1e-7) is None
+
+
+@pytest.mark.parametrize("solver", [Cascade, Roundabout])
+@pytest.mark.filterwarnings("error")
+def test_a_bound_that_has_gone_holds_nothing(solver):
+    levels = hierarchy(np.random.default_rng(1), 1.5)
+    cascade = solver()
+    bitten = cascade.solve(levels).x
+    hard = levels[0]
+    hard.lower[LEADING:], hard.upper[LEADING:] = -np.inf, np.inf
+    free = cascade.solve(levels).x
+    assert np.isfinite(free).all() and np.abs(free - bitten).max() > 1e-3
+    np.testing.assert_allclose(free, solver().solve(levels).x, atol=1e-8)
