@@ -21,7 +21,7 @@ from scenarios.bench import bench, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.disturbances import parse_mismatch, parse_push
 from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, check_writable, make_solver, replay, retarget
-from scenarios.studies import SCENARIOS, run_scenario
+from scenarios.studies import DANCED, SCENARIOS, own_solver, run_scenario
 from scenarios.suite import SUITES, bench_suite, pieces
 from scenarios.suite import show as show_suite
 from sim.report import show
@@ -106,21 +106,26 @@ def replay_command(
 def run_command(
     scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`.")],
     robot: RobotName = "hrp2",
-    solver: SolverName = "cascade",
+    solver: Annotated[str | None, typer.Option(help="A name of `sot list solvers`; the scenario's by default.")] = None,
     rate: Rate = 1000.0,
     push: Pushes = None,
     mismatch: Differs = "",
-    out: Annotated[Path | None, typer.Option(help="Folder for run.rrd and report.json; runs/NAME by default.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/NAME by default.")] = None,
 ) -> int:
     """Run a scenario that needs no clip; record it and report on it."""
-    pushes = tuple(parse_push(text) for text in push or ())
-    request = Replay(
-        scenario, robot, solver=solver, rate=rate, pushes=pushes, mismatch=parse_mismatch(mismatch), feet="scenario"
-    )
+    pushes, changed = tuple(parse_push(text) for text in push or ()), parse_mismatch(mismatch)
+    chosen = solver or own_solver(scenario)
+    request = Replay(scenario, robot, solver=chosen, rate=rate, pushes=pushes, mismatch=changed, feet="scenario")
     folder = out or Path("runs") / scenario
     with _progress() as tell:
-        report = run_scenario(request, folder, tell)
-    return _reported(report, folder)
+        report, show_own = run_scenario(request, folder, tell)
+    status = DONE
+    if scenario in DANCED:
+        status = _reported(report, folder)
+    if show_own:
+        show_own(report, output)
+        output.print(f"\nWritten: {', '.join(str(path) for path in sorted(folder.iterdir()))}", soft_wrap=True)
+    return status
 
 
 @app.command("retarget")

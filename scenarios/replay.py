@@ -2,10 +2,11 @@
 
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
+from types import MappingProxyType
 from typing import Any
 
 from scenarios import clips, stacks
@@ -99,12 +100,13 @@ def replay(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
     return keep(dance(request, tell), out, tell)
 
 
-def keep(danced: Dance, out: Path, tell: Tell) -> dict[str, Any]:
-    """Write the recording and the report of a dance to the folder `out`; returns the report."""
+def keep(danced: Dance, out: Path, tell: Tell, more: Mapping[str, Any] = MappingProxyType({})) -> dict[str, Any]:
+    """Write the recording and the report of a dance, with what it is to say more, to the folder `out`; returns the
+    report."""
     tell("recording", None)
     out.mkdir(parents=True, exist_ok=True)
     wall = danced.run.wall_s + danced.record(out / RECORDING)
-    figures = report.report(danced.run.log, danced.info, wall, danced.motion, danced.plan)
+    figures = report.report(danced.run.log, danced.info, wall, danced.motion, danced.plan) | dict(more)
     report.write(figures, out / REPORT)
     return figures
 

@@ -1,32 +1,55 @@
-"""Scenarios that need no clip: each a module with its motion, its stack and its schedule."""
+"""Scenarios that need no clip: dances, each a module with its motion, its stack and its schedule; and studies."""
 
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from scenarios import sliding
-from scenarios.replay import Replay, Tell, check_writable, keep, make_solver, perform
+from rich.console import Console
+
+from scenarios import imitation, planar3r, printed_bounds, sliding
+from scenarios.replay import REPORT, Replay, Tell, check_writable, keep, make_solver, perform
 from scenarios.stack_file import Composition
+from sim import report
 from sot.errors import InputError
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
 
-SCENARIOS: dict[str, ModuleType] = {"sliding": sliding}
+DANCED: dict[str, ModuleType] = {"sliding": sliding, "imitation": imitation}
+"""Scenarios of a robot under physics. They may name their `SOLVER`, and add `findings` to the report with a way to
+`show` them."""
+STUDIES: dict[str, ModuleType] = {"planar3r": planar3r, "bounds": printed_bounds}
+"""Scenarios without physics: `study(rate, out, tell)` returns figures, `show(figures, console)` prints them."""
+SCENARIOS = {**DANCED, **STUDIES}
+
+Show = Callable[[dict[str, Any], Console], None]
 
 
-def run_scenario(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
+def own_solver(name: str) -> str:
+    """The solver that a scenario is meant for."""
+    return getattr(SCENARIOS.get(name), "SOLVER", "cascade")
+
+
+def run_scenario(request: Replay, out: Path, tell: Tell) -> tuple[dict[str, Any], Show | None]:
     """Run the scenario that a request names as its clip, record and report; the files appear in the folder `out`.
 
     Returns:
-        The report.
+        The report, and what prints the part of it that is the scenario's own, if there is one.
 
     Raises:
         InputError: no such scenario, or anything in the request that does not fit; nothing is written then.
     """
-    scenario = SCENARIOS.get(request.clip)
-    if scenario is None:
+    if request.clip not in SCENARIOS:
         raise InputError(f"unknown scenario '{request.clip}': choose one of {', '.join(SCENARIOS)}")
+    scenario = SCENARIOS[request.clip]
     check_writable(out)
+    if request.clip in STUDIES:
+        if request != Replay(request.clip, rate=request.rate, feet=request.feet):
+            raise InputError(f"{request.clip} is no robot under physics: it takes no options but --rate and --out")
+        out.mkdir(parents=True, exist_ok=True)
+        figures = scenario.study(request.rate, out, tell)
+        report.write(figures, out / REPORT)
+        return figures, scenario.show
     make_solver(request.solver)  # before any work
     tell("planning", None)
     motion = scenario.motion(Robot.load(request.robot), request.rate)
@@ -34,4 +57,7 @@ def run_scenario(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
     def compose(robot: Robot, motion: Motion) -> Composition:
         return scenario.stack(robot, motion), scenario.schedule(robot, motion)
 
-    return keep(perform(request, compose, motion, None, tell), out, tell)
+    danced = perform(request, compose, motion, None, tell)
+    if not hasattr(scenario, "findings"):
+        return keep(danced, out, tell), None
+    return keep(danced, out, tell, {request.clip: scenario.findings(danced, out, tell)}), scenario.show

@@ -76,21 +76,26 @@ class Priorities:
         self.tasks, self.damping, self.rank_tolerance = tasks, damping, rank_tolerance
         self._factors: list[tuple[Array, Projection]] = []
         x = None if damping else _regular(tasks)
+        self._regular = x is not None
         self.x = self._one_by_one() if x is None else x
 
     def gains(self) -> list[Array]:
         """``G = [g_1 g_2 ...]``, Algorithm 1, one block a task, shapes (n, m_i).
 
         A column of g_i is what a unit correction of its row does: ``J̄_i⁺`` of it, which each task below then makes up
-        for. All columns of all tasks above are taken through a task at once.
+        for. All columns of all tasks above are taken through a task at once. Of tasks that do not come near another
+        it is the inverse of all of them together.
         """
+        ends = np.cumsum([len(task.h) for task in self.tasks])
+        if self._regular and ends[-1] <= len(self.x):
+            return np.split(project(np.vstack([task.J for task in self.tasks]), 0.0).inverse(), ends[:-1], axis=1)
         if not self._factors:
             self._one_by_one()
         G = np.zeros((len(self.x), 0))
         for task, (Z, projection) in zip(self.tasks, self._factors, strict=True):
             inverse = Z @ projection.inverse(self.damping)
             G = np.hstack([G - inverse @ (task.J @ G), inverse])
-        return np.split(G, np.cumsum([len(task.h) for task in self.tasks])[:-1], axis=1)
+        return np.split(G, ends[:-1], axis=1)
 
     def _one_by_one(self) -> Array:
         """Kim (5), each task in the null space of those above; keeps what `gains` needs."""

@@ -220,12 +220,15 @@ def test_corrects_a_task_that_redundancy_could_have_kept():
 def test_of_two_corrected_tasks_the_higher_gives_up_more_than_the_cascade_has_it_give_up():
     """Not in the paper: Kim (23) has one norm for all tasks that are corrected, whatever their priority."""
     tasks = [Task(np.array([[1.0, 1.0]]), np.array([2.0])), Task(np.array([[0.0, 1.0]]), np.array([1.0]))]
-    levels = levels_of(tasks, np.full(2, -9.0), np.array([0.4, 1.5]))
+    levels = levels_of(tasks, np.full(2, -9.0), np.array([0.4, 1.6 - 1e-5]))
     mine, cascade = TaskCorrection().solve(levels), Cascade().solve(levels)
     errors = [[level.error for level in solution.levels[1:]] for solution in (mine, cascade)]
     assert mine.levels[1].needed_qp  # the last one alone would not have been enough
-    assert errors[0][0] > errors[1][0] + 0.1
+    assert errors[0][0] > errors[1][0] + 0.2
     assert np.hypot(*errors[0]) < np.hypot(*errors[1])
+    # As soon as the last one alone is enough, the higher one gives up nothing: a jump.
+    barely = levels_of(tasks, np.full(2, -9.0), np.array([0.4, 1.6 + 1e-5]))
+    assert TaskCorrection().solve(barely).levels[1].error == pytest.approx(0.0, abs=1e-5)
 
 
 def test_without_a_sufficient_correction_the_cascade_answers():

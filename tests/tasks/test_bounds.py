@@ -1,7 +1,5 @@
 """Torque and joint bounds: what they promise over time, from any start, at any period, for any choice between them."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
@@ -116,38 +114,6 @@ def test_at_the_end_of_the_range_rounding_does_not_kick_the_joint():
         for speed in (0.0, 1e-12, 1e-9, 1e-7):
             _, high = AccelerationBounds(*limits)(np.array([1.0 - distance]), np.array([speed]), 0.001)
             assert np.abs(high[0]) < 0.01
-
-
-def kim(q, v, lower, upper, velocity, a, period):
-    """Kim (14) as printed."""
-    up = np.minimum(a, np.minimum((velocity - v) / period, (np.sqrt(2 * a * (upper - q)) - v) / period))
-    down = np.maximum(-a, np.maximum((-velocity - v) / period, (-np.sqrt(2 * a * (q - lower)) - v) / period))
-    return down, up
-
-
-@pytest.mark.parametrize("period", [0.001, 0.005])
-def test_kim_s_bounds_as_printed_leave_the_range_or_admit_nothing(period):
-    """Why they are not used: from the same starts, choosing their upper bound as long as they admit it."""
-    rng = np.random.default_rng(4)
-    lower, upper, velocity, brake, _ = joints(rng)
-    starts = keepable_starts(rng, lower, upper, velocity, brake, period)
-
-    def outcome(bounds):
-        (q, v), empty, excess = starts, np.zeros(STARTS, dtype=bool), np.zeros(STARTS)
-        for _ in range(300):
-            with np.errstate(invalid="ignore"):  # outside the range the root is of a negative number
-                low, high = bounds(q, v)
-            empty |= ~(low <= high + 1e-9)
-            q, v, highest, _ = step(q, v, np.where(empty, np.clip(-v / period, -brake, brake), high), period)
-            excess = np.maximum(excess, highest - upper)
-        return empty, excess
-
-    empty, excess = outcome(lambda q, v: kim(q, v, lower, upper, velocity, brake, period))
-    assert np.mean(empty) > 0.05
-    assert np.mean(excess > 1e-9) > 0.05
-    mine = AccelerationBounds(lower, upper, velocity, brake, brake)
-    empty, excess = outcome(partial(mine, period=period))
-    assert not empty.any() and excess.max() < 1e-9
 
 
 @pytest.mark.parametrize("name", robots())

@@ -1,0 +1,122 @@
+"""The planar arm's runs to look at: Kim & Oh's Figures 4-8 as one picture, and a recording."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from scenarios import planar_arm as arm
+from sim.chart import Curve, Panel, limits, write
+from sim.columns import TIMELINE
+
+if TYPE_CHECKING:
+    from scenarios.planar3r import Track
+
+Array = np.ndarray
+
+COLORS = {"cascade": (43, 111, 217), "iktc": (217, 118, 43), "clamped": (120, 160, 60)}
+POSES = 11
+SIDE = 3.2  # m between two arms of the recording
+ERROR_UNITS = ("mm", "mm", "deg")
+ERROR_FACTORS = np.array([1e3, 1e3, 180.0 / np.pi])
+
+
+def draw(path: Path, tracks: "Mapping[str, Track]", rate: float) -> None:
+    """Figures 4–8: poses of each method, joints over time with their limits, and the tasks' errors."""
+    panels = [Panel(f"{name}: tip on its way", "m", "m", _poses(track), equal=True) for name, track in tracks.items()]
+    end, degree = arm.DURATION, arm.DEGREE
+    kinds = (
+        ("angle [deg]", "q", [arm.LOWER, arm.UPPER]),
+        ("speed [deg/s]", "v", [-arm.VELOCITY, arm.VELOCITY]),
+        ("acceleration [deg/s²]", "a", [-arm.ACCELERATION, arm.ACCELERATION]),
+    )
+    for joint in range(3):
+        for words, column, ends in kinds:
+            curves = [
+                Curve(track.time, getattr(track, column)[:, joint] / degree, _css(name), name)
+                for name, track in tracks.items()
+            ]
+            curves += limits([e[joint] / degree for e in ends], end)
+            panels.append(Panel(f"joint {joint + 1}", "s", words, curves))
+    for k, task in enumerate(arm.TASKS):
+        curves = []
+        for name, track in tracks.items():
+            with np.errstate(divide="ignore"):
+                size = np.log10(np.abs(ERROR_FACTORS[k] * track.error[:, k]))
+            curves.append(Curve(track.time, size, _css(name), name))
+        panels.append(Panel(f"error of {task}", "s", f"log10 |error / {ERROR_UNITS[k]}|", curves))
+    write(path, f"Three tasks of a planar arm under joint limits (Kim & Oh 3.3), {rate:g} Hz", panels, 3)
+
+
+def record(path: Path, tracks: "Mapping[str, Track]", rate: float) -> None:
+    """The arms beside each other with their tips' paths, and curves of joints and errors."""
+    stream = rr.RecordingStream("humanoid-sot")
+    partial = path.with_name(f".{path.name}.part")
+    stream.save(partial, default_blueprint=_layout())
+    stream.send_recording_name(f"planar3r, {rate:g} Hz")
+    for index, (name, track) in enumerate(tracks.items()):
+        aside, times = np.array([SIDE * index, 0.0]), [rr.TimeColumn(TIMELINE, duration=track.time)]
+        shapes = np.zeros((len(track.time), 4, 3), dtype=np.float32)
+        shapes[..., :2] = arm.links(track.q) + aside
+        shapes[..., 1] *= -1.0  # the view's axis points down
+        wanted = np.array([arm.desired(t)[0] for t in track.time])
+        way = np.column_stack([wanted[:, 1], -wanted[:, 0]]) + aside
+        entity = f"arms/{name}"
+        stream.log(f"{entity}/way", rr.LineStrips2D([way], colors=[(200, 60, 60)]), static=True)
+        label = rr.Points2D([aside + np.array([0.0, 0.3])], labels=[name], radii=[0.01], colors=[COLORS[name]])
+        stream.log(f"{entity}/name", label, static=True)
+        stream.log(f"{entity}/links", rr.LineStrips2D.from_fields(colors=[COLORS[name]], radii=[0.025]), static=True)
+        stream.send_columns(f"{entity}/links", times, rr.LineStrips2D.columns(strips=list(shapes[..., :2])))
+        stream.log(f"{entity}/goal", rr.Points2D.from_fields(colors=[(200, 60, 60)], radii=[0.05]), static=True)
+        stream.send_columns(f"{entity}/goal", times, rr.Points2D.columns(positions=way.astype(np.float32)))
+        for kind in ("q", "v", "a"):
+            for joint in range(3):
+                _curve(stream, f"{kind}/{joint + 1}/{name}", times, getattr(track, kind)[:, joint] / arm.DEGREE, name)
+        for k, task in enumerate(arm.TASKS):
+            _curve(stream, f"error/{task}/{name}", times, ERROR_FACTORS[k] * track.error[:, k], name)
+        _curve(stream, f"qps/{name}", times, track.qps.astype(float), name)
+    stream.flush()
+    stream.disconnect()
+    partial.replace(path)
+
+
+def _curve(stream: rr.RecordingStream, entity: str, times: list[rr.TimeColumn], values: Array, name: str) -> None:
+    stream.log(entity, rr.SeriesLines(colors=[COLORS[name]], names=[name]), static=True)
+    stream.send_columns(entity, times, rr.Scalars.columns(scalars=values))
+
+
+def _layout() -> rrb.Blueprint:
+    def plot(origin: str, name: str) -> rrb.TimeSeriesView:
+        return rrb.TimeSeriesView(origin=origin, name=name)
+
+    kinds = (("q", "position [deg]"), ("v", "speed [deg/s]"), ("a", "acceleration [deg/s²]"))
+    joints = [
+        rrb.Vertical(*(plot(f"{kind}/{joint}", f"q_{joint}, {words}") for joint in (1, 2, 3)), name=words)
+        for kind, words in kinds
+    ]
+    errors = [plot(f"error/{task}", f"{task} [{unit}]") for task, unit in zip(arm.TASKS, ERROR_UNITS, strict=True)]
+    tasks = rrb.Vertical(*errors, plot("qps", "quadratic programs"), name="errors")
+    scene = rrb.Spatial2DView(origin="arms", name="Arms")
+    return rrb.Blueprint(
+        rrb.Horizontal(scene, rrb.Tabs(tasks, *joints), column_shares=[3, 2]),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, loop_mode="all"),
+    )
+
+
+def _poses(track: "Track") -> list[Curve]:
+    shown = np.linspace(0, len(track.time) - 1, POSES).round().astype(int)
+    shapes = arm.links(track.q[shown])
+    curves = [Curve(shape[:, 0], shape[:, 1], "#9ab", width=1.2) for shape in shapes]
+    wanted = np.array([arm.desired(t)[0] for t in track.time])
+    tip = arm.links(track.q)[:, -1]
+    curves.append(Curve(wanted[:, 1], wanted[:, 0], "#c33", "wanted", dashed=True, width=2.0))
+    return [*curves, Curve(tip[:, 0], tip[:, 1], "#333", "reached")]
+
+
+def _css(name: str) -> str:
+    return "#{:02x}{:02x}{:02x}".format(*COLORS[name])

@@ -1,0 +1,170 @@
+"""Curves as a picture (SVG) that any browser shows: panels in a grid, each with its axes and a legend."""
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+Array = np.ndarray
+
+WIDTH, HEIGHT = 380.0, 210.0  # of a panel, in pixels
+LEFT, RIGHT, TOP, BOTTOM = 62.0, 14.0, 28.0, 34.0  # around its axes
+HEAD = 34.0  # above all panels
+SAMPLES = 1500  # of a curve, more than there are pixels
+TICKS = 5
+LETTER = 5.0  # pixels that a letter of a legend takes
+FONT = "font-family='Helvetica, Arial, sans-serif'"
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A line through points, broken where they are not finite.
+
+    Args:
+        x, y: Shapes (k,).
+        color: Any that CSS knows.
+        label: For the legend; none if empty.
+        dashed: Rather than solid.
+        width: In pixels.
+    """
+
+    x: Array
+    y: Array
+    color: str
+    label: str = ""
+    dashed: bool = False
+    width: float = 1.4
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Curves over the same axes.
+
+    Args:
+        title: Above them.
+        x, y: What the axes are, with unit.
+        curves: Later ones lie above earlier ones.
+        equal: Whether both axes have the same scale.
+    """
+
+    title: str
+    x: str
+    y: str
+    curves: Sequence[Curve]
+    equal: bool = False
+
+
+def limits(values: Sequence[float], end: float, label: str = "limit") -> list[Curve]:
+    """Dashed level lines from 0 to `end`, under one label."""
+    x = np.array([0.0, end])
+    return [
+        Curve(x, np.full(2, value), "#c33", "" if k else label, dashed=True, width=1.0)
+        for k, value in enumerate(values)
+    ]
+
+
+def write(path: Path, title: str, panels: Sequence[Panel], columns: int) -> None:
+    """Draw panels row by row into a file (`.svg`), which appears under its name once it is complete."""
+    rows = math.ceil(len(panels) / columns)
+    width, height = columns * WIDTH, HEAD + rows * HEIGHT
+    parts = [
+        f"<svg xmlns='http://www.w3.org/2000/svg' width='{width:.0f}' height='{height:.0f}' "
+        f"viewBox='0 0 {width:.0f} {height:.0f}'>",
+        "<rect width='100%' height='100%' fill='white'/>",
+        _text(width / 2.0, 22.0, title, 15, "middle"),
+    ]
+    for k, panel in enumerate(panels):
+        parts.append(f"<g transform='translate({k % columns * WIDTH:.0f} {HEAD + k // columns * HEIGHT:.0f})'>")
+        parts += _panel(panel)
+        parts.append("</g>")
+    parts.append("</svg>\n")
+    partial = path.with_name(f".{path.name}.part")
+    partial.write_text("\n".join(parts), encoding="utf-8")
+    os.replace(partial, path)
+
+
+def _panel(panel: Panel) -> list[str]:
+    wide, high = WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM
+    (x0, x1), (y0, y1) = (_span([getattr(curve, axis) for curve in panel.curves]) for axis in "xy")
+    if panel.equal:
+        scale = max((x1 - x0) / wide, (y1 - y0) / high)
+        x0, x1 = _around(x0, x1, scale * wide)
+        y0, y1 = _around(y0, y1, scale * high)
+
+    def right(x: Array) -> Array:
+        return LEFT + (x - x0) / (x1 - x0) * wide
+
+    def down(y: Array) -> Array:
+        return TOP + (y1 - y) / (y1 - y0) * high
+
+    parts = [_text(LEFT, TOP - 9.0, panel.title, 12), _text(LEFT + wide, HEIGHT - 4.0, panel.x, 10, "end")]
+    parts.append(_text(0.0, 0.0, panel.y, 10, "middle", f"translate(12 {TOP + high / 2.0:.0f}) rotate(-90)"))
+    for value in _ticks(x0, x1):
+        at = float(right(np.array(value)))
+        parts.append(_line(at, TOP, at, TOP + high) + _text(at, TOP + high + 13.0, f"{value:g}", 10, "middle"))
+    for value in _ticks(y0, y1):
+        at = float(down(np.array(value)))
+        parts.append(_line(LEFT, at, LEFT + wide, at) + _text(LEFT - 5.0, at + 3.5, f"{value:g}", 10, "end"))
+    at = LEFT + wide
+    for curve in reversed(panel.curves):
+        style = _style(curve)
+        if curve.label:  # beside the title, from the right
+            parts.append(_text(at, TOP - 9.0, curve.label, 10, "end"))
+            at -= LETTER * len(curve.label) + 22.0
+            y = TOP - 12.5
+            parts.append(f"<line {style} x1='{at:.1f}' y1='{y}' x2='{at + 18.0:.1f}' y2='{y}'/>")
+            at -= 8.0
+    for curve in panel.curves:
+        style = _style(curve)
+        parts += [f"<polyline {style} points='{points}'/>" for points in _pieces(right(curve.x), down(curve.y))]
+    return parts
+
+
+def _style(curve: Curve) -> str:
+    dashes = " stroke-dasharray='5 3'" if curve.dashed else ""
+    return f"fill='none' stroke='{curve.color}' stroke-width='{curve.width:g}'{dashes}"
+
+
+def _span(values: Sequence[Array]) -> tuple[float, float]:
+    """Least and greatest of all finite values, with some room."""
+    finite = np.concatenate([value[np.isfinite(value)] for value in values])
+    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
+    room = 0.06 * (high - low) or 0.5 * abs(high) or 1.0
+    return low - room, high + room
+
+
+def _around(low: float, high: float, size: float) -> tuple[float, float]:
+    middle = 0.5 * (low + high)
+    return middle - 0.5 * size, middle + 0.5 * size
+
+
+def _ticks(low: float, high: float) -> list[float]:
+    """Round values between two others."""
+    step = 10.0 ** math.floor(math.log10((high - low) / TICKS))
+    step *= next(factor for factor in (1.0, 2.0, 5.0, 10.0) if (high - low) / (factor * step) <= TICKS)
+    return [round(k * step, 12) for k in range(math.ceil(low / step), math.floor(high / step) + 1)]
+
+
+def _pieces(x: Array, y: Array) -> list[str]:
+    """Points of a line's finite runs."""
+    every = max(1, len(x) // SAMPLES)
+    keep = np.unique(np.append(np.arange(0, len(x), every), len(x) - 1)) if len(x) else np.zeros(0, dtype=int)
+    x, y = x[keep], y[keep]
+    broken = np.flatnonzero(~(np.isfinite(x) & np.isfinite(y)))
+    runs = np.split(np.column_stack([x, y]), np.unique(np.concatenate([broken, broken + 1])))
+    return [
+        " ".join(f"{a:.1f},{b:.1f}" for a, b in run.tolist()) for run in runs if len(run) and np.isfinite(run).all()
+    ]
+
+
+def _text(x: float, y: float, words: str, size: int, anchor: str = "start", transform: str = "") -> str:
+    placed = f"transform='{transform}'" if transform else f"x='{x:.1f}' y='{y:.1f}'"
+    return f"<text {placed} {FONT} font-size='{size}' text-anchor='{anchor}'>{escape(words)}</text>"
+
+
+def _line(x1: float, y1: float, x2: float, y2: float) -> str:
+    return f"<line x1='{x1:.1f}' y1='{y1:.1f}' x2='{x2:.1f}' y2='{y2:.1f}' stroke='#e4e4e4' stroke-width='1'/>"

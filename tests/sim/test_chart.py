@@ -1,0 +1,48 @@
+"""Pictures of curves: well-formed, whole, and broken where there is nothing to draw."""
+
+from xml.etree import ElementTree
+
+import numpy as np
+
+from sim.chart import Curve, Panel, limits, write
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def drawn(tmp_path, *panels, columns=2):
+    path = tmp_path / "curves.svg"
+    write(path, "some <curves>", panels, columns)
+    assert [p.name for p in tmp_path.iterdir()] == ["curves.svg"]
+    return ElementTree.parse(path).getroot()
+
+
+def test_a_panel_holds_its_words_and_its_curves(tmp_path):
+    t = np.linspace(0.0, 1.0, 5000)
+    root = drawn(
+        tmp_path, Panel("a & b", "s", "m", [Curve(t, np.sin(9 * t), "red", "wave"), *limits([-0.5, 0.5], 1.0)])
+    )
+    words = [text.text for text in root.iter(f"{SVG}text")]
+    assert {"some <curves>", "a & b", "s", "m", "wave", "limit"} <= set(words)
+    lines = list(root.iter(f"{SVG}polyline"))
+    assert len(lines) == 3
+    assert len(lines[0].get("points").split()) < 2000
+
+
+def test_all_of_a_curve_lies_within_its_axes(tmp_path):
+    rng = np.random.default_rng(0)
+    for scale in (1e-9, 1.0, 1e9):
+        x, y = scale * rng.standard_normal((2, 50))
+        for equal in (False, True):
+            root = drawn(tmp_path, Panel("", "", "", [Curve(x, y, "red")], equal=equal))
+            (line,) = root.iter(f"{SVG}polyline")
+            points = np.array([[float(v) for v in point.split(",")] for point in line.get("points").split()])
+            assert points[:, 0].min() >= 62.0 and points[:, 0].max() <= 366.0
+            assert points[:, 1].min() >= 28.0 and points[:, 1].max() <= 176.0
+
+
+def test_gaps_break_a_line_and_a_constant_is_drawn(tmp_path):
+    y = np.array([1.0, 1.0, np.nan, 1.0, np.inf, 1.0])
+    root = drawn(tmp_path, Panel("", "", "", [Curve(np.arange(6.0), y, "red")]))
+    assert len(list(root.iter(f"{SVG}polyline"))) == 3
+    root = drawn(tmp_path, Panel("", "", "", [Curve(np.arange(2.0), np.full(2, np.nan), "red")]))
+    assert not list(root.iter(f"{SVG}polyline"))
