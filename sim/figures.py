@@ -186,9 +186,10 @@ def limits(log: RunLog, robot: Robot) -> Figures:
 
 def solver(log: RunLog) -> Figures:
     """Ticks whose hard level had to give way or found no answer, ticks that another answer than the solver's own
-    served (the second solver's, or a held torque), and the largest residual of what had to hold."""
+    served (the second solver's, that of the levels above, or a held torque), and the largest residual of what had to
+    hold."""
     return {
-        "infeasible_ticks": int(np.count_nonzero(log.status >= Status.RELAXED)),
+        "infeasible_ticks": int(np.count_nonzero(log.hard_status >= Status.RELAXED)),
         "fallback_ticks": int(np.count_nonzero((log.status == Status.SECOND_SOLVER) | (log.status == Status.FAILED))),
         "max_residual": _percentile(log.residual, 100),
     }

@@ -40,7 +40,8 @@ class RunLog:
         level_error: norm of each level's error, in its unit, (T, L).
         level_slack: norm of each level's violation, (T, L).
         level_active: active inequality rows of each level, (T, L).
-        status: `solvers.rows.Status` of the tick, (T,).
+        status: `solvers.rows.Status` of the tick, the worst of its levels', (T,).
+        hard_status: that of level 0, (T,).
         residual: largest violation of what the tick's answer had to preserve, (T,).
         tick_us: time of the whole tick [µs], (T,).
         model_us, assemble_us, solve_us: its parts: robot model, rows, solver [µs], (T,).
@@ -68,6 +69,7 @@ class RunLog:
     level_slack: np.ndarray
     level_active: np.ndarray
     status: np.ndarray
+    hard_status: np.ndarray
     residual: np.ndarray
     tick_us: np.ndarray
     model_us: np.ndarray
@@ -103,7 +105,7 @@ class RunLog:
         }
         columns["foot_mode"] = np.zeros((ticks, feet), dtype=np.int8)
         columns["level_active"] = np.zeros((ticks, levels), dtype=np.int32)
-        columns["status"] = np.zeros(ticks, dtype=np.int8)
+        columns["status"], columns["hard_status"] = np.zeros((2, ticks), dtype=np.int8)
         return cls(ticks=0, level_names=tuple(level_names), level_units=tuple(level_units), **columns)
 
     def trimmed(self) -> Self:

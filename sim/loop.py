@@ -149,7 +149,7 @@ def _write(
     if command.conflict is not None:
         log.conflicts.append((t, str(command.conflict)))
     solution = command.solution
-    log.status[k] = command.status
+    log.status[k], log.hard_status[k] = command.status, solution.levels[0].status
     log.residual[k] = max(level.residual for level in solution.levels)
     for (_, tasks), level in zip(controller.stack.levels, solution.levels[1:], strict=True):
         slack = level.error
