@@ -36,7 +36,9 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-output, messages = Console(), Console(stderr=True)
+PIPE_WIDTH = 200
+"""Columns of tables that are not printed on a terminal, where nobody can make the window wider."""
+output, messages = Console(width=None if sys.stdout.isatty() else PIPE_WIDTH), Console(stderr=True)
 
 Clip = Annotated[str, typer.Argument(help="A file (.bvh, or .npz of `sot retarget`) or a name of `sot list clips`.")]
 RobotName = Annotated[str, typer.Option("--robot", help="A name of `sot list robots`, or a robot file (.toml).")]
