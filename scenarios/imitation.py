@@ -104,7 +104,7 @@ def show(figures: dict[str, Any], console: Console) -> None:
         table.add_column(words, justify="right" if words in found else "left")
     for level in found[SOLVER]["given_up"]:
         shares = (f"{100.0 * figure['given_up'][level]:.1f}" for figure in found.values())
-        table.add_row(f"ticks with something of '{level}' given up [%]", *shares)
+        table.add_row(f"ticks that give up some '{level}' [%]", *shares)
     for key, words, digits in (
         ("qps_mean", "quadratic programs a tick, mean", ".2f"),
         ("qps_most", "… most", ".0f"),
@@ -116,7 +116,8 @@ def show(figures: dict[str, Any], console: Console) -> None:
         ("upper_body_rad", "upper body off its reference, most [rad]", ".2f"),
         ("unsolved", "ticks without an answer at some level", ".0f"),
     ):
-        table.add_row(words, *(f"{figure[key]:{digits}}" for figure in found.values()))
+        values = (figure[key] for figure in found.values())
+        table.add_row(words, *("-" if value is None else f"{value:{digits}}" for value in values))
     console.print(table)
 
 
@@ -154,11 +155,15 @@ def _figures(course: Course, robot: Robot, names: Sequence[str], motion: Motion)
         "given_up": dict(zip(names, given_up.mean(axis=0).tolist(), strict=True)),
         "qps_mean": float(course.qps.mean()),
         "qps_most": int(course.qps.max()),
-        "free_us": float(np.median(course.solve_us[~bound])),
-        "bound_us": float(np.median(course.solve_us[bound])),
+        "free_us": _median(course.solve_us[~bound]),
+        "bound_us": _median(course.solve_us[bound]),
         "beyond_rad": float(max(np.max(q - robot.upper), np.max(robot.lower - q), 0.0)),
         "beyond_velocity": float(max((v / robot.velocity).max() - 1.0, 0.0)),
         "beyond_acceleration": float(max((a / robot.acceleration).max() - 1.0, 0.0)),
         "upper_body_rad": float(np.abs(q - wanted)[:, upper].max()),
         "unsolved": int(np.count_nonzero(course.status >= Status.RELAXED)),
     }
+
+
+def _median(values: Array) -> float | None:
+    return float(np.median(values)) if len(values) else None
