@@ -32,7 +32,7 @@ FEET = ("auto", "steps", "planted")
 PLAN_RATE = 50.0  # knots per second
 MENDS, LAST_MENDS = 4, 2  # most times that a body gets more time where it cannot follow, before and after its arms
 MEND, SLOWEST = 1.3, 3.0  # how much more time, and how many times slower than the dancer at most
-REFIT_STEPS = 2  # Gauss-Newton steps of head and arms once the body is balanced
+REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
 NOISE_HZ = 6.0  # faster than this, a capture is noise
 
 
