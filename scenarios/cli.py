@@ -2,7 +2,6 @@
 
 import json
 import os
-import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
@@ -16,7 +15,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 import tasks
-from scenarios import clips
+from scenarios import clips, viewer
 from scenarios.bench import bench, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.disturbances import parse_mismatch, parse_push
@@ -170,8 +169,10 @@ def view_command(
     path = recording / RECORDING if recording.is_dir() else recording
     if not path.is_file():
         raise InputError(f"{path}: no such recording; `sot replay CLIP --out DIR` makes one")
-    command = [sys.executable, "-m", "rerun", str(path), *(["--web-viewer"] if web else [])]
-    return DONE if subprocess.run(command, check=False).returncode == 0 else FAILED
+    if not web:
+        return DONE if viewer.in_window(path) else FAILED
+    viewer.in_browser(path, lambda url: messages.print(f"Serving {url} to the browser until Ctrl-C", soft_wrap=True))
+    return DONE
 
 
 @app.command("list")

@@ -2,15 +2,20 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 import rerun.blueprint as rrb
 
 from sim.columns import TIMELINE
 from sim.panels import Tab
-from sot.robot import Robot
+from sot.motion.trajectory import Motion
+
+HEIGHT = 0.72  # m that is looked at
+SHARE = 0.6  # of the way that the robot goes, which is looked at from further away
+FROM = (3.3, -0.8, 0.63)  # m, from where, for a robot that stays in place
 
 
-def layout(robot: Robot, tabs: Sequence[Tab], conflicts: bool) -> rrb.Blueprint:
-    """Blueprint of a run of this robot with these tabs of plots, the first of them open, and one of its conflicts."""
+def layout(motion: Motion, tabs: Sequence[Tab], conflicts: bool) -> rrb.Blueprint:
+    """Blueprint of a run of a motion with these tabs of plots, the first of them open, and one of its conflicts."""
     told = [rrb.TextLogView(origin="conflicts", name="Conflicts")] if conflicts else []
     beside = rrb.Tabs(
         *(rrb.Vertical(*(plot.view() for plot in tab.plots), name=tab.name) for tab in tabs),
@@ -20,8 +25,8 @@ def layout(robot: Robot, tabs: Sequence[Tab], conflicts: bool) -> rrb.Blueprint:
     )
     scene = rrb.Spatial3DView(
         origin="world",
-        name=robot.label,
-        eye_controls=rrb.EyeControls3D(position=[3.3, -0.8, 1.35], look_target=[0.0, 0.0, 0.72]),
+        name=motion.robot.label,
+        eye_controls=_eye(motion),
         line_grid=False,
         background=[24, 26, 31],
     )
@@ -31,3 +36,11 @@ def layout(robot: Robot, tabs: Sequence[Tab], conflicts: bool) -> rrb.Blueprint:
         rrb.SelectionPanel(state="collapsed"),
         rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="playing", loop_mode="all"),
     )
+
+
+def _eye(motion: Motion) -> rrb.EyeControls3D:
+    """Looks at the middle of where the robot goes, from as far as takes it all in."""
+    low, high = motion.com[:, :2].min(axis=0), motion.com[:, :2].max(axis=0)
+    target = np.append(0.5 * (low + high), HEIGHT)
+    distance = 1.0 + SHARE * np.linalg.norm(high - low) / np.linalg.norm(FROM)
+    return rrb.EyeControls3D(position=target + distance * np.array(FROM), look_target=target)

@@ -15,6 +15,7 @@ from sot.motion.trajectory import Motion
 
 FRAME_RATE = 60.0  # Hz, of the 3D view and of what is only looked at; other curves keep the control rate
 MM = 1e3
+SLOWED = 0.999  # of the dancer's speed: less is rounding
 MODES = ("off", "fixed", "sliding")
 """Names of `RunLog.foot_mode`: `FOOT_OFF`, `FOOT_FIXED`, `FOOT_SLIDING`."""
 LIMBS = {
@@ -38,7 +39,7 @@ class Tab:
 def tabs(log: RunLog, motion: Motion, plan: Plan | None) -> list[Tab]:
     """All plots of a run, what is looked at first coming first."""
     joints = [_joints(log, motion, limb) for limb in LIMBS]
-    slowed = [_time(plan)] if plan is not None and plan.speed_min < 1.0 else []
+    slowed = [_time(plan)] if plan is not None and plan.speed_min < SLOWED else []
     return [_balance(log, motion), _center_of_mass(log, motion), *slowed, *joints, _tasks(log), _ticks(log)]
 
 

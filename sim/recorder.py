@@ -31,7 +31,7 @@ def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Plan | 
     panels = tabs(log, motion, plan)
     partial = path.with_name(f".{path.name}.part")
     stream = rr.RecordingStream("humanoid-sot")
-    stream.save(partial, default_blueprint=layout(robot, panels, bool(log.conflicts)))
+    stream.save(partial, default_blueprint=layout(motion, panels, bool(log.conflicts)))
     stream.send_recording_name(f"{info.clip}, {robot.label}")
     columns = Columns(stream)
     columns.static("about", rr.TextDocument(_about(info, robot), media_type=rr.MediaType.MARKDOWN))

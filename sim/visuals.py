@@ -18,6 +18,7 @@ from sot.motion.trajectory import Motion
 BESIDE = 1.2  # m from the robot to the human on one side and to its reference on the other
 FLOOR = 2.0  # m of floor all round where the robot goes
 TILE = 0.5  # m
+NAMES = 1.75  # m over the floor
 BONES = (
     *(bone for name, bone in SEGMENTS.items() if name != "trunk"),
     *pairwise(("waist", "chest", "neck", "head")),
@@ -34,17 +35,18 @@ def send_visuals(columns: Columns, log: RunLog, info: RunInfo, motion: Motion, h
     columns.static("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     _send_floor(columns, motion)
     send_robot(columns, "world/robot", motion.robot, shapes, times, log.q[rows])
-    _send_name(columns, "world/robot", motion.robot.label)
+    _send_name(columns, "world/robot", motion.robot.label, times, log.q[rows, :2])
     send_forces(columns, log, motion.robot, rows)
     send_pushes(columns, log, info.pushes, motion.robot, rows)
     send_footing(columns, log, motion, rows)
     reference = motion.q[nearest_frames(times, motion.rate, len(motion.q))]
     send_robot(columns, "world/reference", motion.robot, shapes, times, reference, ghost=COLORS["ghost"])
-    _send_name(columns, "world/reference", "reference")
+    _send_name(columns, "world/reference", "reference", times, reference[:, :2])
     columns.static("world/reference", rr.Transform3D(translation=[0.0, BESIDE, 0.0]))
     if human is not None:
         _send_human(columns, human, times)
-        _send_name(columns, "world/human", "human, scaled")
+        waist = human.points["waist"][nearest_frames(times, human.rate, human.count)]
+        _send_name(columns, "world/human", "human, scaled", times, waist[:, :2])
         columns.static("world/human", rr.Transform3D(translation=[0.0, -BESIDE, 0.0]))
 
 
@@ -70,7 +72,9 @@ def _send_human(columns: Columns, human: Human, times: np.ndarray) -> None:
     )
 
 
-def _send_name(columns: Columns, entity: str, name: str) -> None:
-    place = [[0.0, 0.0, 1.75]]
-    label = rr.Points3D(place, labels=[name], radii=[0.001], colors=[COLORS["text"]], show_labels=True)
+def _send_name(columns: Columns, entity: str, name: str, times: np.ndarray, places: np.ndarray) -> None:
+    """A name over someone who goes along places on the floor (T, 2)."""
+    above = np.column_stack([places, np.full(len(places), NAMES)]).astype(np.float32)
+    label = rr.Points3D.from_fields(labels=[name], radii=[0.001], colors=[COLORS["text"]], show_labels=True)
     columns.static(f"{entity}/name", label)
+    columns.over_time(f"{entity}/name", times, rr.Points3D.columns(positions=above))

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scenarios import cli, clips
+from scenarios import cli, clips, viewer
 from scenarios.groove import groove
 from scenarios.replay import RECORDING, REPORT
 from sot.motion.trajectory import Motion
@@ -187,7 +187,7 @@ def test_list(kind, expected, capsys):
     assert expected in capsys.readouterr().out
 
 
-def test_view_opens_what_a_run_wrote(folder, monkeypatch):
+def test_view_opens_what_a_run_wrote_in_a_window(folder, monkeypatch):
     (folder / RECORDING).write_bytes(b"")
     commands = []
 
@@ -198,9 +198,9 @@ def test_view_opens_what_a_run_wrote(folder, monkeypatch):
         commands.append(command)
         return Done
 
-    monkeypatch.setattr(cli.subprocess, "run", called)
-    assert cli.main(["view", ".", "--web"]) == cli.DONE
-    assert commands == [[sys.executable, "-m", "rerun", RECORDING, "--web-viewer"]]
+    monkeypatch.setattr(viewer.subprocess, "run", called)
+    assert cli.main(["view", "."]) == cli.DONE
+    assert commands == [[sys.executable, "-m", "rerun", RECORDING]]
 
 
 def test_replays_a_second_of_the_clip_that_ships(folder, capsys):
