@@ -69,7 +69,8 @@ class Plan:
     @property
     def stretched(self) -> float:
         """Time that slowing down adds [s]."""
-        return self.end - self.start - (len(self.clock) - 1) / PLAN_RATE
+        added = self.end - self.start - (len(self.clock) - 1) / PLAN_RATE
+        return max(0.0, round(added, 9))  # sums of periods: nothing is not always nothing
 
 
 def plan(
