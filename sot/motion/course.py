@@ -12,7 +12,7 @@ from sot.motion.footwork import Step
 from sot.motion.human import Human
 from sot.motion.stance import Build
 from sot.motion.swing import FootPath, foot_paths, phases_of, standing
-from sot.motion.travel import Travel, slowed_travel, travel
+from sot.motion.travel import Travel, travel
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
@@ -43,23 +43,13 @@ def stay(human: Human, robot: Robot) -> Course:
     return Course(human, phases, standing(phases[0], human.count), human.times)
 
 
-def go(human: Human, robot: Robot, build: Build, contacts: Sequence[Step] | None) -> Course:
-    """The feet step where and when the human's do.
+def go(human: Human, robot: Robot, build: Build, contacts: Sequence[Step] | None, slow: Array) -> Course:
+    """The feet step where and when the human's do, at least so many times slower (n,) than the human's frames (n,).
 
     contacts: the steps to make, in the clip's time, instead of those found.
     """
-    return _along(travel(human, build, Reach.of(robot), contacts), robot)
-
-
-def slowed_down(course: Course, robot: Robot, clock: Array) -> Course:
-    """A course that steps, at the times (T,) that a clock shows at its frames, later than its own."""
-    if course.travel is None:
-        raise ValueError("feet that stay have no steps to slow down")
-    return _along(slowed_travel(course.travel, clock), robot)
-
-
-def _along(going: Travel, robot: Robot) -> Course:
-    human, reach = going.human, Reach.of(robot)
-    phases = phases_of(robot, going.stands, going.steps, human.duration)
-    feet = foot_paths(robot, going.stands, going.steps, going.lifts, reach, human.times)
-    return Course(human, phases, feet, going.clock, going)
+    reach = Reach.of(robot)
+    going = travel(human, build, reach, slow, contacts)
+    phases = phases_of(robot, going.stands, going.steps, going.human.duration)
+    feet = foot_paths(robot, going.stands, going.steps, going.lifts, reach, going.human.times)
+    return Course(going.human, phases, feet, going.clock, going)

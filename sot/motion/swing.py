@@ -49,12 +49,6 @@ def facing(feet: Mapping[str, FootPath]) -> Array:
     return np.unwrap(np.arctan2(forward[:, 1], forward[:, 0]))
 
 
-def middle(feet: Mapping[str, FootPath]) -> Array:
-    """Between the feet, on the floor (T, 2) [m]."""
-    at: Array = np.mean([path.position[:, :2] for path in feet.values()], axis=0)
-    return at
-
-
 def phases_of(
     robot: Robot, stands: Mapping[str, Sequence[Stand]], steps: Sequence[Step], duration: float
 ) -> tuple[Phase, ...]:
