@@ -15,6 +15,7 @@ from rich.table import Table
 from scenarios.replay import RECORDING, Replay, Tell, dance
 from sim.log import RunLog
 from sim.reference import Reference, hot_reference_us
+from sim.report import figure_at
 from sot.errors import InputError
 
 PHASES = ("model", "assemble", "solve", "rest")
@@ -91,7 +92,7 @@ def read_figures(path: Path) -> dict[str, Any]:
     """
     try:
         figures = json.loads(path.read_text(encoding="utf-8"))
-        complete = all(math.isfinite(_at(figures, place) or 0.0) for place, *_ in LINES)
+        complete = all(math.isfinite(figure_at(figures, place) or 0.0) for place, *_ in LINES)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     except (ValueError, KeyError, TypeError):
@@ -116,7 +117,7 @@ def show(figures: Mapping[str, Any], console: Console, against: Mapping[str, Any
     for head in ("this", "that", "ratio", "in references") if against is not None else ("",):
         table.add_column(head, justify="right", no_wrap=True)
     for place, words, scales, digits in lines:
-        values = [_at(each, place) for each in (figures, against) if each is not None]
+        values = [figure_at(each, place) for each in (figures, against) if each is not None]
         row = ["-" if value is None else f"{value:.{digits}f}" for value in values]
         if against is not None:
             row += _ratios(values, scales, figures, against)
@@ -157,9 +158,3 @@ def _ratios(
     units = [each["reference_us"]["interleaved"] for each in (figures, against)]
     relative = f"{this / units[0] / (that / units[1]):.2f}" if scales and all(units) else ""
     return f"{this / that:.2f}", relative
-
-
-def _at(figures: Any, place: str) -> float | None:
-    for key in place.split("."):
-        figures = figures[key]
-    return figures

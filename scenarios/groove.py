@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from sot.motion.smooth import ease
+
 RATE = 50.0  # Hz
 BEAT = 0.6  # s
 BEATS = 20
@@ -90,8 +92,7 @@ def _hierarchy(joints: list[tuple[str, str, tuple[float, float, float]]], name: 
 
 def _ramp(beat: np.ndarray, start: float, end: float) -> np.ndarray:
     """From 0 at `start` to 1 at `end`, with no velocity or acceleration at either."""
-    s = np.clip((beat - start) / (end - start), 0.0, 1.0)
-    return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+    return ease((beat - start) / (end - start))
 
 
 def _during(beat: np.ndarray, start: float, end: float) -> np.ndarray:

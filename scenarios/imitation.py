@@ -14,9 +14,8 @@ from scenarios.imitation_view import draw
 from scenarios.kinematic import Course, integrate
 from scenarios.replay import Dance, Tell
 from scenarios.rivals import LevelByLevel
-from solvers import Cascade, Status, TaskCorrection
+from solvers import Cascade, Solver, Status, TaskCorrection
 from sot.contact import Contact
-from sot.controller import Solver
 from sot.motion import plan, read, recognise
 from sot.motion.trajectory import Motion
 from sot.robot import Robot

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from solvers import Level
-from sot.controller import Solver
+from solvers import Level, Solver
 from sot.robot import Robot
 from sot.task import Task
 from sot.tick import Tick

@@ -16,8 +16,7 @@ from scenarios import planar_views
 from scenarios.printed_bounds import PrintedBounds
 from scenarios.replay import RECORDING, Tell
 from scenarios.rivals import Clamped, LevelByLevel
-from solvers import Cascade, Level, Rows, Solution, TaskCorrection
-from sot.controller import Solver
+from solvers import Cascade, Level, Rows, Solution, Solver, TaskCorrection
 from tasks.bounds import AccelerationBounds
 
 Array = np.ndarray

@@ -17,8 +17,8 @@ from sim.loop import Run, run
 from sim.mismatch import AS_MODELLED, Mismatch
 from sim.push import Push
 from sim.world import World
-from solvers import Cascade, TaskCorrection, Weighted
-from sot.controller import Controller, Solver
+from solvers import Cascade, Solver, TaskCorrection, Weighted
+from sot.controller import Controller
 from sot.errors import InputError
 from sot.motion import Human, contact_file, read, recognise
 from sot.motion.plan import Plan, plan

@@ -6,6 +6,7 @@ import pinocchio as pin
 from scenarios import stacks
 from sot.motion.contacts import Phase, planted
 from sot.motion.feet_led import feet_led
+from sot.motion.smooth import ease
 from sot.motion.swing import FootPath, standing
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
@@ -53,9 +54,9 @@ def _path(start: pin.SE3, times: Array) -> FootPath:
     """From place to place at rest and without acceleration at both ends."""
     place = np.zeros((len(times), 3))
     for k, way in enumerate(WAYS):
-        x = np.clip((times - STANDS - k * (SLIDES + RESTS) - 0.5 * RESTS) / SLIDES, 0.0, 1.0)
+        share = (times - STANDS - k * (SLIDES + RESTS) - 0.5 * RESTS) / SLIDES
         before = WAYS[k - 1] if k else (0.0, 0.0, 0.0)
-        place += (x**3 * (10.0 - 15.0 * x + 6.0 * x**2))[:, None] * (np.array(way) - before)
+        place += ease(share)[:, None] * (np.array(way) - before)
     shift = np.column_stack([place[:, :2], np.zeros(len(times))])
     turns = np.array([pin.utils.rotate("z", yaw) for yaw in place[:, 2]])
     return FootPath(start.translation + shift, turns @ start.rotation)

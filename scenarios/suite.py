@@ -12,6 +12,7 @@ from rich.table import Table
 
 from scenarios import clips
 from scenarios.replay import Replay, Tell, dance, keep
+from sim.report import figure_at
 from sot.errors import InputError
 
 MPJPE_MM = 100.0  # a dance whose key bodies are farther off, on average, is no success
@@ -111,7 +112,7 @@ def _row(request: Replay, folder: Path, tell: Tell) -> dict[str, Any]:
     except InputError as refusal:
         return {"success": False, "ending": f"refused: {refusal}"} | nothing
     report = keep(danced, folder, tell)
-    row = nothing | {place: _at(report, place) for place, *_ in FIGURES if place != "planning_ratio"}
+    row = nothing | {place: figure_at(report, place) for place, *_ in FIGURES if place != "planning_ratio"}
     row["speed"] = report["speed"] * (1.0 - report["stretched_s"] / report["duration_s"])
     if danced.plan is not None:
         row["planning_ratio"] = danced.plan.seconds["total"] / danced.motion.duration
@@ -127,10 +128,3 @@ def _summary(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         values = [row[place] for row in rows if row[place] is not None]
         summary[place] = (fmean if place == "speed" else median)(values) if values else None
     return summary
-
-
-def _at(report: Mapping[str, Any], place: str) -> float | None:
-    value: Any = report
-    for key in place.split("."):
-        value = value[key]
-    return value

@@ -126,7 +126,7 @@ def show(reports: Sequence[Mapping[str, Any]], console: Console) -> None:
     table.add_column("aim", no_wrap=True)
     table.add_row("how it ended", *(_ending(report) for report in reports))
     for place, words, factor, unit, aim in LINES:
-        values = (_at(report, place) for report in reports)
+        values = (figure_at(report, place) for report in reports)
         table.add_row(words, *("-" if value is None else _digits(factor * value) for value in values), unit, aim)
     console.print(table)
 
@@ -135,7 +135,12 @@ def _ending(report: Mapping[str, Any]) -> str:
     return f"fell at {report['fell_at_s']:.2f} s: {report['fell_reason']}" if report["fell"] else "upright"
 
 
-def _at(report: Mapping[str, Any], place: str) -> float | None:
+def figure_at(report: Mapping[str, Any], place: str) -> float | None:
+    """A figure by its place, keys joined by dots.
+
+    Raises:
+        KeyError: there is none.
+    """
     value: Any = report
     for key in place.split("."):
         value = value[key]

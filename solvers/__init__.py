@@ -1,8 +1,19 @@
 """Hierarchies of linear rows and how to solve them: knows numbers, no robot."""
 
 from solvers.cascade import Cascade
-from solvers.rows import Block, Level, LevelResult, Rows, Solution, Status
+from solvers.rows import Block, Level, LevelResult, Rows, Solution, Solver, Status
 from solvers.task_correction import TaskCorrection
 from solvers.weighted import Weighted
 
-__all__ = ["Block", "Cascade", "Level", "LevelResult", "Rows", "Solution", "Status", "TaskCorrection", "Weighted"]
+__all__ = [
+    "Block",
+    "Cascade",
+    "Level",
+    "LevelResult",
+    "Rows",
+    "Solution",
+    "Solver",
+    "Status",
+    "TaskCorrection",
+    "Weighted",
+]

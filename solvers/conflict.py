@@ -7,12 +7,11 @@ that push against each other only (Farkas), and by leaving these out one by one 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from scipy.optimize import linprog
 
-from solvers.rows import Array, Block, Level, Solution, Status
+from solvers.rows import Array, Block, Level, Solution, Solver, Status
 
 FEASIBLE = 1e-6
 """Rows that can be met but for this, in their weighted units, are met."""
@@ -20,13 +19,6 @@ FEASIBLE = 1e-6
 
 class ConflictError(Exception):
     """Level 0 has no solution; says which rows contradict each other."""
-
-
-class Solver(Protocol):
-    """Levels in, solution out."""
-
-    def solve(self, levels: Sequence[Level]) -> Solution:
-        """Solve the hierarchy; ``levels[0]`` is hard."""
 
 
 def solved(solver: Solver, levels: Sequence[Level]) -> Solution:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from math import sqrt
+from typing import Protocol
 
 import numpy as np
 
@@ -271,3 +272,12 @@ class Solution:
     levels: list[LevelResult]
     status: Status
     relaxed: dict[str, float] = field(default_factory=dict)
+
+
+class Solver(Protocol):
+    """Levels in, solution out."""
+
+    name: str
+
+    def solve(self, levels: Sequence[Level]) -> Solution:
+        """Solve the hierarchy; ``levels[0]`` is hard."""

@@ -1,16 +1,14 @@
 """A foot on the floor: the forces it can give and the motion it may not make."""
 
-from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
 import pinocchio as pin
 
-from sot.task import AXIS_NAMES, Pose
+from sot.task import AXIS_NAMES, PoseReference
 from sot.tick import Tick
 
 Array = np.ndarray
-PoseReference = Callable[[float], Pose]
 Mode = Literal["fixed", "sliding", "off"]
 Form = Literal["pyramid", "unilateral"]
 

@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Protocol
 
 import numpy as np
 
 from solvers.conflict import Conflict, explain
-from solvers.rows import Level, Solution, Status
+from solvers.rows import Solution, Solver, Status
 from sot.dynamics import Dynamics, FormName
 from sot.robot import Robot
 from sot.schedule import Schedule
@@ -21,15 +20,6 @@ EXPLAINED_AGAIN = 1.0
 """Time after which a conflict of level 0 is looked into once more [s]: it takes as long as hundreds of ticks."""
 HOLD_DAMPING = 5.0
 """Joint damping of the last resort, a hold of the last torque [N m s/rad]."""
-
-
-class Solver(Protocol):
-    """Levels in, solution out."""
-
-    name: str
-
-    def solve(self, levels: list[Level]) -> Solution:
-        """Solve the hierarchy; `levels[0]` is hard."""
 
 
 @dataclass(slots=True)

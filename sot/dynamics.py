@@ -108,12 +108,7 @@ class Dynamics:
                 _add(equalities, blocks, block, Equality(E, np.zeros(len(E)), start=nv + part.start))
         for block, equality in form.equalities():
             _add(equalities, blocks, block, equality)
-        for task in hard:
-            rows = task.rows(tick)
-            if task.equality:
-                _add(equalities, blocks, _block(task), self._equality(task, rows))
-            else:
-                limits.append(self._limit(task, rows))
+        self._ask(tick, hard, equalities, blocks, limits)
         if not self._limits.fits(form.size, limits):
             self._limits = _Limits(form.size, limits)
         self._limits.write(limits)
@@ -132,18 +127,29 @@ class Dynamics:
     def _level(self, tick: Tick, name: str, tasks: Sequence[Task]) -> Level:
         equalities: list[Equality] = []
         blocks: list[Block] = []
-        limits = []
+        limits: list[_Limit] = []
+        self._ask(tick, tasks, equalities, blocks, limits)
+        if not limits:
+            return Level(name, self._form.size, equalities, _no_rows(self._form.size), _NOTHING, _NOTHING, blocks)
+        own = _Limits(self._form.size, limits)
+        own.write(limits)
+        return Level(name, self._form.size, equalities, own.C, own.lower, own.upper, blocks + own.blocks)
+
+    def _ask(
+        self,
+        tick: Tick,
+        tasks: Sequence[Task],
+        equalities: list[Equality],
+        blocks: list[Block],
+        limits: list["_Limit"],
+    ) -> None:
+        """Add the rows of some tasks: equalities with their blocks, and limits."""
         for task in tasks:
             rows = task.rows(tick)
             if task.equality:
                 _add(equalities, blocks, _block(task), self._equality(task, rows))
             else:
                 limits.append(self._limit(task, rows))
-        if not limits:
-            return Level(name, self._form.size, equalities, _no_rows(self._form.size), _NOTHING, _NOTHING, blocks)
-        own = _Limits(self._form.size, limits)
-        own.write(limits)
-        return Level(name, self._form.size, equalities, own.C, own.lower, own.upper, blocks + own.blocks)
 
     def _equality(self, task: Task, rows: Rows) -> Equality:
         seen = self._form.seen(task.on, rows)

@@ -1,7 +1,7 @@
 """The contract between what a stack is made of and what runs it."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -12,6 +12,10 @@ from sot.tick import Tick
 Array = np.ndarray
 AXIS_NAMES = ("x", "y", "z", "roll", "pitch", "yaw")
 On = Literal["acceleration", "torque", "force"]
+
+
+PoseReference = Callable[[float], "Pose"]
+"""t -> where a point is to be then."""
 
 
 class Pose(NamedTuple):

@@ -3,8 +3,9 @@
 import numpy as np
 
 from sot.robot import Robot
+from sot.task import PoseReference
 from sot.tick import Tick
-from tasks.operational_point import OperationalPoint, PoseReference
+from tasks.operational_point import OperationalPoint
 
 Array = np.ndarray
 

@@ -1,21 +1,16 @@
 """Position and orientation of a point of the robot, any axes of them, Ramos (18)-(19)."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
 from sot.robot import Robot
-from sot.task import AXIS_NAMES, MotionTask, Pose
+from sot.task import AXIS_NAMES, MotionTask, Pose, PoseReference
 from sot.tick import FrameState, Tick
 
 Array = np.ndarray
 AXES = "xyzRPY"
 NOUGHT = np.zeros(3)
-
-
-PoseReference = Callable[[float], Pose]
 
 
 class OperationalPoint(MotionTask):

@@ -7,10 +7,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from sot.robot import Robot
+from sot.tick import GRAVITY
 
 Array = NDArray[np.float64]
 
-GRAVITY = 9.81  # m/s²
 LIGHTEST = 0.3  # of its weight: lighter, on its way into a jump, a robot has no ZMP worth the name
 
 

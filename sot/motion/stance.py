@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfiltfilt
 
 from sot.motion.human import SIDES, Human
+from sot.motion.smooth import slow_part
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
@@ -71,11 +71,11 @@ def over_feet(human: Human, build: Build) -> Human:
     """
     ankles = np.mean([human.points[f"{side}_ankle"] for side in SIDES], axis=0)
     forward = np.sum([human.points[f"{side}_toe"] - human.points[f"{side}_ankle"] for side in SIDES], axis=0)
-    feet = _slow(np.unwrap(np.arctan2(forward[:, 1], forward[:, 0])), human.rate)
+    feet = slow_part(np.unwrap(np.arctan2(forward[:, 1], forward[:, 0])), human.rate, DRIFT_HZ)
     pelvis = np.arctan2(human.frames["pelvis"][:, 1, 0], human.frames["pelvis"][:, 0, 0])
     twist = np.unwrap(np.angle(np.exp(1j * (pelvis - feet))))
     heading = feet + twist - np.clip(twist, -build.turn, build.turn)
-    origin = _slow(ankles[:, :2], human.rate)
+    origin = slow_part(ankles[:, :2], human.rate, DRIFT_HZ)
     height = np.percentile(np.min([human.points[f"{side}_ankle"][:, 2] for side in SIDES], axis=0), STANDING)
 
     cosine, sine, nought = np.cos(heading), np.sin(heading), np.zeros_like(heading)
@@ -115,9 +115,3 @@ def _turn(robot: Robot, leg: Sequence[int]) -> float:
     joint = leg[int(np.argmax(upright))]
     rest = robot.rest[7 + joint]
     return TURN * float(min(rest - robot.lower[joint], robot.upper[joint] - rest))
-
-
-def _slow(values: Array, rate: float) -> Array:
-    """The part of values (T, ...) slower than DRIFT_HZ."""
-    padding = min(len(values) - 1, round(rate / DRIFT_HZ))
-    return sosfiltfilt(butter(2, DRIFT_HZ, fs=rate, output="sos"), values, axis=0, padlen=padding)

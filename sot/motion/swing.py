@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from sot.motion.contacts import Phase
 from sot.motion.footholds import Reach, separation
 from sot.motion.footwork import Stand, Step
+from sot.motion.smooth import ease
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
@@ -106,10 +107,9 @@ def foot_paths(
 
 def _swing(here: Stand, there: Stand, share: Array, lift: float) -> Array:
     """x, y, height and heading (n, 4) of a step, over the share of its time."""
-    ease = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
     begin = np.array([here.x, here.y, 0.0, here.heading])
     end = np.array([there.x, there.y, 0.0, there.heading])
-    track = begin + ease[:, None] * (end - begin)
+    track = begin + ease(share)[:, None] * (end - begin)
     track[:, 2] = lift * _bump(share)
     return track
 

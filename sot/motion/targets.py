@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from sot.motion.human import SEGMENTS, SIDES, Human
+from sot.motion.smooth import ease
 from sot.motion.stance import LEAD, Build
 from sot.robot import Robot
 
@@ -42,7 +43,7 @@ def targets(human: Human, robot: Robot, build: Build, facing: Array) -> Targets:
     """
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
-    lead = _ease(np.arange(human.count) / human.rate / LEAD)[:, None]
+    lead = ease(np.arange(human.count) / human.rate / LEAD)[:, None]
 
     def at_rest(point: str) -> Array:
         return data.oMf[robot.point(point)].translation
@@ -95,9 +96,3 @@ def _untwisted(rotations: Array, share: float, facing: Array) -> Array:
     yaw = np.unwrap(np.arctan2(rotations[:, 1, 0], rotations[:, 0, 0]) - facing)
     yaw -= 2.0 * np.pi * np.round(np.median(yaw) / (2.0 * np.pi))
     return Rotation.from_euler("Z", (share - 1.0) * yaw[:, None]).as_matrix() @ rotations
-
-
-def _ease(s: Array) -> Array:
-    """From 0 to 1 with the least jerk, over s in 0..1."""
-    s = np.clip(s, 0.0, 1.0)
-    return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfiltfilt
 
 from sot.motion.footholds import Reach, headings, places
 from sot.motion.footwork import Ground, Stand, Step, ground, stands, steps
 from sot.motion.human import SIDES, Human
+from sot.motion.smooth import slow_part
 from sot.motion.stance import LEAD, STANDING, Build
 from sot.motion.tempo import Move, Tempo, at_clock, tempo
 
@@ -222,7 +222,7 @@ def _turned(human: Human, angle: Array) -> Human:
 
 def path_length(places: Array, rate: float) -> float:
     """Length of the way through the room of places (T, 2) at a rate [Hz], swaying on the spot left out [m]."""
-    return float(np.linalg.norm(np.diff(_slow(places, rate, PATH_HZ), axis=0), axis=1).sum())
+    return float(np.linalg.norm(np.diff(slow_part(places, rate, PATH_HZ), axis=0), axis=1).sum())
 
 
 def _scaling(human: Human, scale: float) -> Array:
@@ -233,7 +233,7 @@ def _scaling(human: Human, scale: float) -> Array:
 
 def _path(human: Human) -> Array:
     """Its way through the room (T, 2) [m]."""
-    return _slow(human.points["waist"][:, :2], human.rate, PATH_HZ)
+    return slow_part(human.points["waist"][:, :2], human.rate, PATH_HZ)
 
 
 def _shifted(human: Human, by: Array) -> Human:
@@ -254,9 +254,4 @@ def _between(values: Mapping[str, Array], steps: Sequence[Step], human: Human) -
             stands_here = (times >= begin) & (times <= end)
             total[stands_here] += value
             weight[stands_here] += 1.0
-    return _slow(total / weight[:, None], human.rate, SHIFT_HZ)
-
-
-def _slow(values: Array, rate: float, cutoff: float) -> Array:
-    padding = min(len(values) - 1, round(rate / cutoff))
-    return sosfiltfilt(butter(2, cutoff, fs=rate, output="sos"), values, axis=0, padlen=padding)
+    return slow_part(total / weight[:, None], human.rate, SHIFT_HZ)
