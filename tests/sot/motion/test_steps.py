@@ -110,14 +110,15 @@ def test_steps_with_room_keep_their_times():
     )
 
 
-def test_time_is_stretched_only_where_steps_need_it():
-    """Ten steps in the time of five, after three seconds of none and before three more."""
-    moves = [
-        Move(Step(f"{'left' if k % 2 else 'right'}_foot", 3.0 + 0.2 * k, 3.18 + 0.2 * k), 0.3, 0.3, small=False)
-        for k in range(10)
-    ]
+def hurried(length, small):
+    """Ten steps in the time of five, after three seconds of none and before three more, in eight seconds of 50 Hz."""
+    steps = [Step(f"{'left' if k % 2 else 'right'}_foot", 3.0 + 0.2 * k, 3.18 + 0.2 * k) for k in range(10)]
     times = np.arange(401) * 0.02
-    found = tempo(moves, times, np.ones(401))
+    return times, tempo([Move(step, length, 0.3, small=small) for step in steps], times, np.ones(401))
+
+
+def test_time_is_stretched_only_where_steps_need_it():
+    times, found = hurried(0.3, small=False)
     speed = np.diff(times) / np.diff(found.clock)
     assert len(found.steps) == 10
     assert speed.max() < 1.001 and 0.5 < speed.min() < 0.9
@@ -126,12 +127,7 @@ def test_time_is_stretched_only_where_steps_need_it():
 
 
 def test_small_steps_are_left_out_before_time_is_stretched():
-    moves = [
-        Move(Step(f"{'left' if k % 2 else 'right'}_foot", 3.0 + 0.2 * k, 3.18 + 0.2 * k), 0.05, 0.3, small=True)
-        for k in range(10)
-    ]
-    times = np.arange(401) * 0.02
-    found = tempo(moves, times, np.ones(401))
+    times, found = hurried(0.05, small=True)
     assert 3 <= len(found.steps) < 10
     np.testing.assert_allclose(found.clock, times, atol=1e-9)
 
