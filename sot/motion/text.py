@@ -1,0 +1,54 @@
+"""What readers of text files of joint angles share: lines, numbers, rates, and turns about a joint's own axes."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from sot.errors import InputError
+
+RATES = (5.0, 2000.0)  # Hz, what a motion capture system can plausibly have recorded
+AXES = "XYZ"
+
+
+def read_lines(path: Path, kind: str) -> list[str]:
+    """The lines of a text file; kind: what it should be, for messages.
+
+    Raises:
+        InputError: it cannot be read, is empty or no text.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    if not data.strip():
+        raise InputError(f"{path}: the file is empty")
+    if b"\0" in data:
+        raise InputError(f"{path}: a binary file, not {kind}")
+    return data.decode("utf-8-sig", errors="replace").splitlines()
+
+
+def numbers(where: str, words: Sequence[str], count: int) -> tuple[float, ...]:
+    """So many finite numbers; where: the place in the file, for messages.
+
+    Raises:
+        InputError: more, fewer, or something else.
+    """
+    try:
+        found = tuple(map(float, words))
+    except ValueError:
+        found = ()
+    if len(found) != count or not all(map(math.isfinite, found)):
+        wanted = "a number" if count == 1 else f"{count} numbers"
+        raise InputError(f"{where}: expected {wanted}, found '{' '.join(words)}'")
+    return found
+
+
+def rotate(rotation: np.ndarray, axis: int, angle: np.ndarray) -> None:
+    """Multiply (T, 3, 3) rotations from the right by turns (T,) [rad] about one of their own axes, in place."""
+    c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    first, second = rotation[:, :, u].copy(), rotation[:, :, v]
+    rotation[:, :, u] = c * first + s * second
+    rotation[:, :, v] = c * second - s * first
