@@ -23,7 +23,7 @@ from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, check_wri
 from scenarios.studies import DANCED, SCENARIOS, own_solver, run_scenario
 from scenarios.suite import SUITES, bench_suite, pieces
 from scenarios.suite import show as show_suite
-from sim.report import show
+from sim.report import remarks, show
 from sot.errors import InputError
 from sot.robot import Robot, robots
 
@@ -39,7 +39,7 @@ PIPE_WIDTH = 200
 """Columns of tables that are not printed on a terminal, where nobody can make the window wider."""
 output, messages = Console(width=None if sys.stdout.isatty() else PIPE_WIDTH), Console(stderr=True)
 
-Clip = Annotated[str, typer.Argument(help="A file (.bvh, or .npz of `sot retarget`) or a name of `sot list clips`.")]
+Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .npz) or a name of `sot list clips`.")]
 RobotName = Annotated[str, typer.Option("--robot", help="A name of `sot list robots`, or a robot file (.toml).")]
 SolverName = Annotated[str, typer.Option("--solver", help="A name of `sot list solvers`.")]
 Feet = Annotated[str, typer.Option(help="auto: they step if the dancer's do; steps; planted: they stay.")]
@@ -197,7 +197,7 @@ def bench_command(
     as_json: Annotated[bool, typer.Option("--json", help="The figures as JSON instead of a table.")] = False,
     suite: Annotated[str | None, typer.Option(help="dance: many clips, and a row of figures each.")] = None,
     feet: Annotated[str, typer.Option(help="With --suite: what `sot replay --feet` takes.")] = "auto",
-    mocap: Annotated[Path | None, typer.Option(help="With --suite: a folder of more clips (.bvh).")] = None,
+    mocap: Annotated[Path | None, typer.Option(help="With --suite: a folder of more clips (.bvh, .amc).")] = None,
     out: Annotated[Path | None, typer.Option(help="With --suite: folder to keep recordings and reports in.")] = None,
 ) -> int:
     """Dance a clip and say what a tick costs, phase by phase; or dance a suite of clips and say how they went."""
@@ -239,6 +239,8 @@ def _without_command(context: typer.Context) -> None:
 def _reported(report: dict[str, Any], folder: Path) -> int:
     """Show a report, and say by which status a run ended."""
     show([report], output)
+    for remark in remarks(report):
+        output.print(f"\n{remark}", soft_wrap=True, highlight=False)
     output.print(f"\nWritten: {folder / RECORDING}, {folder / REPORT}", soft_wrap=True)
     return FELL if report["fell"] else DONE
 

@@ -17,7 +17,7 @@ from sot.errors import InputError
 
 MPJPE_MM = 100.0  # a dance whose key bodies are farther off, on average, is no success
 PIECE_S = 20.0  # length of the pieces that a long named clip is danced in
-LONG = "lafan1_dance1_subject2"
+LONG, LEAPS = "lafan1_dance1_subject2", "cmu_01_01"
 SUITES = ("dance",)
 
 # Figures of a row: place in the report, head, factor to the unit shown, digits after the point.
@@ -49,19 +49,21 @@ class Piece:
 
 
 def pieces(mocap: Path | None) -> list[Piece]:
-    """What the suite "dance" is made of: the long named dance in pieces, and the clips (.bvh) of a folder.
+    """What the suite "dance" is made of: the clips (.bvh, .amc) of a folder, the long named dance in pieces, and leaps,
+    which no robot here can do and a planner has to make something of.
 
     Raises:
         InputError: no such folder, or no clip in it.
     """
     found: list[Piece] = []
     if mocap is not None:
-        found = [Piece(path.stem, str(path)) for path in sorted(mocap.glob("*.bvh"))]
+        found = [Piece(path.stem, str(path)) for path in sorted([*mocap.glob("*.bvh"), *mocap.glob("*.amc")])]
         if not found:
-            raise InputError(f"{mocap}: no clips (.bvh) there")
+            raise InputError(f"{mocap}: no clips (.bvh, .amc) there")
     seconds = next(clip.seconds for clip in clips.clips() if clip.name == LONG)
     starts = [k * PIECE_S for k in range(int(seconds // PIECE_S) + 1) if seconds - k * PIECE_S > 0.5 * PIECE_S]
-    return found + [Piece(f"{LONG} {start:.0f} s", LONG, start, min(PIECE_S, seconds - start)) for start in starts]
+    long = [Piece(f"{LONG} {start:.0f} s", LONG, start, min(PIECE_S, seconds - start)) for start in starts]
+    return [*found, *long, Piece(LEAPS, LEAPS)]
 
 
 def bench_suite(request: Replay, pieces: Sequence[Piece], out: Path | None, tell: Tell) -> dict[str, Any]:

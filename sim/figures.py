@@ -132,6 +132,14 @@ def steps(log: RunLog, plan: Plan | None) -> Figures:
     }
 
 
+def flights(plan: Plan | None) -> Figures:
+    """How often the dancer has both feet off the floor, and for how long at most [s]: the robot never has."""
+    if plan is None:
+        return dict.fromkeys(("count", "longest_s"))
+    times = [flight.end - flight.start for flight in plan.flights]
+    return {"count": len(times), "longest_s": max(times, default=None)}
+
+
 def zmp(log: RunLog, motion: Motion) -> Figures:
     """The measured ZMP in the support that was planned; a tick without support or load counts as outside."""
     margins = np.full(log.ticks, np.nan)

@@ -93,6 +93,7 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
         "likeness": figures.likeness(log, plan),
         "retarget": dict(plan.retarget) if plan else dict.fromkeys(RETARGET),
         "steps": figures.steps(log, plan),
+        "flights": figures.flights(plan),
         "zmp": figures.zmp(log, motion),
         "contacts": figures.contacts(log, robot),
         "limits": figures.limits(log, robot),
@@ -129,6 +130,18 @@ def show(reports: Sequence[Mapping[str, Any]], console: Console) -> None:
         values = (figure_at(report, place) for report in reports)
         table.add_row(words, *("-" if value is None else _digits(factor * value) for value in values), unit, aim)
     console.print(table)
+
+
+def remarks(report: Mapping[str, Any]) -> list[str]:
+    """What the robot did otherwise than the dancer, a sentence each."""
+    count, longest = report["flights"]["count"], report["flights"]["longest_s"]
+    if not count:
+        return []
+    instead = "its feet stay on the floor" if report["steps"]["footfalls"] is None else "it steps, foot after foot"
+    times = "once" if count == 1 else f"{count} times"
+    return [
+        f"The dancer leaps {times}, both feet off the floor for up to {longest:.2f} s; the robot does not: {instead}."
+    ]
 
 
 def _ending(report: Mapping[str, Any]) -> str:

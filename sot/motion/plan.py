@@ -12,6 +12,7 @@ from sot.motion.centroidal import Centroidal
 from sot.motion.contacts import Phase
 from sot.motion.coordinates import to_pinocchio
 from sot.motion.course import Course, go, stay
+from sot.motion.flight import Flight, flights
 from sot.motion.footwork import Step
 from sot.motion.human import Human
 from sot.motion.kinematics import Chains, Kinematics
@@ -49,6 +50,7 @@ class Plan:
         clock: (n,) the motion's time at the clip's frames at PLAN_RATE [s]: it runs slower than the dancer's where the
             robot needs more time.
         travel: steps and footholds, of feet that may step.
+        flights: of the dancer; the robot has a foot on the floor all the time.
         seconds: time that planning took, by step.
     """
 
@@ -58,6 +60,7 @@ class Plan:
     end: float
     clock: Array
     travel: Travel | None
+    flights: tuple[Flight, ...]
     retarget: dict[str, float]
     seconds: dict[str, float]
 
@@ -126,6 +129,7 @@ def plan(
         end=float(course.clock[end]),
         clock=course.clock[start : end + 1],
         travel=course.travel,
+        flights=flights(on_time_line(smooth, PLAN_RATE)),
         retarget=figures,
         seconds={"retarget": retargeted - begun, "balance": ended - retargeted, "total": ended - begun},
     )

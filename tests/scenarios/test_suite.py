@@ -18,10 +18,11 @@ PLANTED = Replay("", rate=200.0, feet="planted")
 
 def test_the_long_dance_comes_in_pieces_and_a_folder_s_clips_before_it(tmp_path):
     whole = pieces(None)
-    assert [piece.start for piece in whole] == [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0]
-    assert [piece.duration for piece in whole] == pytest.approx([20.0] * 6 + [11.5])
-    for name in ("b", "a"):
-        (tmp_path / f"{name}.bvh").touch()
+    assert [piece.start for piece in whole] == [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 0.0]
+    assert [piece.duration for piece in whole[:-1]] == pytest.approx([20.0] * 6 + [11.5])
+    assert whole[-1] == Piece("cmu_01_01", "cmu_01_01")
+    for name in ("b.amc", "a.bvh", "b.asf"):
+        (tmp_path / name).touch()
     assert [piece.name for piece in pieces(tmp_path)[:2]] == ["a", "b"]
     assert pieces(tmp_path)[2:] == whole
 

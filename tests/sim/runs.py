@@ -75,6 +75,7 @@ def same_plan(motion: Motion) -> Plan:
         motion.duration,
         motion.times,
         None,
+        (),
         {"key_point_rms_m": 0.01, "frames_per_s": 600.0},
         {},
     )

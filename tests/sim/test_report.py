@@ -13,8 +13,9 @@ from sim import figures
 from sim.log import FOOT_OFF, FOOT_SLIDING, RunInfo, RunLog
 from sim.push import Push
 from sim.reference import Reference, hot_reference_us
-from sim.report import report, show, write
+from sim.report import remarks, report, show, write
 from solvers.rows import Status
+from sot.motion.flight import Flight
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
 
@@ -54,7 +55,18 @@ def test_has_the_agreed_keys(motion, log):
     made = report(log, INFO, 0.5, motion, same_plan(motion))
     assert set(made) >= {
         *("clip", "robot", "solver", "feet", "rate_hz", "speed", "speed_min", "stretched_s", "duration_s", "fell"),
-        *("fell_at_s", "real_time_factor", "tick_us", "tracking", "likeness", "retarget", "steps", "zmp", "contacts"),
+        *(
+            "fell_at_s",
+            "real_time_factor",
+            "tick_us",
+            "tracking",
+            "likeness",
+            "retarget",
+            "steps",
+            "flights",
+            "zmp",
+            "contacts",
+        ),
         *("limits", "solver", "torque_rms_nm", "torque_saturated", "power_w", "reference_us"),
     }
     assert set(made["tick_us"]) == {"p50", "p99", "max", "model", "assemble", "solve"}
@@ -68,6 +80,20 @@ def test_has_the_agreed_keys(motion, log):
     assert set(made["limits"]) == {
         *("position_max_excess_rad", "velocity_max_excess", "torque_max_excess", "self_collision_min_m"),
     }
+
+
+def test_says_what_became_of_leaps(motion, log):
+    plan = same_plan(motion)
+    made = report(log, INFO, 0.5, motion, plan)
+    assert (made["flights"]["count"], remarks(made)) == (0, [])
+    leaping = replace(plan, flights=(Flight(1.0, 1.5), Flight(2.0, 2.25)))
+    made = report(log, INFO, 0.5, motion, leaping)
+    assert made["flights"] == {"count": 2, "longest_s": 0.5}
+    (said,) = remarks(made)
+    assert "leaps 2 times" in said and "up to 0.50 s" in said and "its feet stay on the floor" in said
+    stepping = made | {"steps": made["steps"] | {"footfalls": 4}}
+    assert "it steps, foot after foot" in remarks(stepping)[0]
+    assert remarks(report(log, INFO, 0.5, motion, None)) == []
 
 
 def test_tick_times(log):
