@@ -58,6 +58,7 @@ Differs = Annotated[
     ),
 ]
 Contacts = Annotated[Path | None, typer.Option(help="File (.toml) of the steps, as `sot retarget -o` writes it.")]
+EditFile = Annotated[Path | None, typer.Option("--edit", help="File (.toml) of edits of the dance: docs/editing.md.")]
 Mapping = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
 
 
@@ -83,6 +84,7 @@ def replay_command(
     rate: Rate = 1000.0,
     mapping: Mapping = None,
     contacts: Contacts = None,
+    edit: EditFile = None,
     push: Pushes = None,
     mismatch: Differs = "",
     out: Annotated[Path | None, typer.Option(help="Folder for run.rrd and report.json; runs/CLIP by default.")] = None,
@@ -92,9 +94,7 @@ def replay_command(
     folder = out or Path("runs") / Path(clip).stem
     pushes = tuple(parse_push(text) for text in push or ())
     changed = parse_mismatch(mismatch)
-    request = Replay(
-        clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts=contacts
-    )
+    request = Replay(clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts, edit)
     with _progress() as tell:
         report = replay(request, folder, tell)
     status = _reported(report, folder)
@@ -239,7 +239,7 @@ def _without_command(context: typer.Context) -> None:
 def _reported(report: dict[str, Any], folder: Path) -> int:
     """Show a report, and say by which status a run ended."""
     show([report], output)
-    for remark in remarks(report):
+    for remark in (*remarks(report), *report["edits"]):
         output.print(f"\n{remark}", soft_wrap=True, highlight=False)
     output.print(f"\nWritten: {folder / RECORDING}, {folder / REPORT}", soft_wrap=True)
     return FELL if report["fell"] else DONE

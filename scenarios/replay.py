@@ -9,9 +9,9 @@ from time import perf_counter
 from types import MappingProxyType
 from typing import Any
 
-from scenarios import clips, stacks
+from scenarios import clips, edit_file, stacks
 from scenarios.stack_file import Composer, Composition, blamed, load_stack
-from sim import recorder, report
+from sim import recorder, report, timeline
 from sim.log import RunInfo
 from sim.loop import Run, run
 from sim.mismatch import AS_MODELLED, Mismatch
@@ -24,12 +24,14 @@ from sot.motion import Human, contact_file, read, recognise
 from sot.motion.plan import Plan, plan
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
+from sot.schedule import Schedule
+from tasks.editing import edit
 
 Tell = Callable[[str, float | None], object]
 """Told what is being done, and which share of it is done if that is known."""
 
 SOLVERS: dict[str, Callable[[], Solver]] = {"cascade": Cascade, "weighted": Weighted, "iktc": TaskCorrection}
-RECORDING, REPORT = "run.rrd", "report.json"
+RECORDING, REPORT, TIMELINE = "run.rrd", "report.json", "schedule.svg"
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,7 @@ class Replay:
         contacts: file of the steps to make, instead of those found in the clip.
         pushes: forces on the robot while it dances.
         mismatch: how the simulated robot and floor differ from what the controller knows.
+        edits: file of edits of the dance.
     """
 
     clip: str
@@ -62,6 +65,7 @@ class Replay:
     pushes: tuple[Push, ...] = ()
     mismatch: Mismatch = AS_MODELLED
     contacts: Path | None = None
+    edits: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -73,12 +77,14 @@ class Dance:
         info: what was asked for.
         motion: the reference.
         plan: how the reference came from a human; None if it came from a file.
+        edits: a line for each edit of the dance.
     """
 
     run: Run
     info: RunInfo
     motion: Motion
     plan: Plan | None
+    edits: tuple[str, ...] = ()
 
     def record(self, path: Path) -> float:
         """Write the recording; returns how long that took [s]."""
@@ -106,7 +112,10 @@ def keep(danced: Dance, out: Path, tell: Tell, more: Mapping[str, Any] = Mapping
     tell("recording", None)
     out.mkdir(parents=True, exist_ok=True)
     wall = danced.run.wall_s + danced.record(out / RECORDING)
-    figures = report.report(danced.run.log, danced.info, wall, danced.motion, danced.plan) | dict(more)
+    if timeline.changes(danced.run.log):
+        timeline.draw(out / TIMELINE, danced.run.log, danced.info, danced.motion.robot)
+    figures = report.report(danced.run.log, danced.info, wall, danced.motion, danced.plan)
+    figures |= {"edits": list(danced.edits)} | dict(more)
     report.write(figures, out / REPORT)
     return figures
 
@@ -119,6 +128,8 @@ def dance(request: Replay, tell: Tell) -> Dance:
     """
     make_solver(request.solver)  # before any work
     robot = Robot.load(request.robot)
+    for one in edit_file.read(request.edits) if request.edits else ():
+        one.check(robot)
     compose = load_stack(request.stack) if request.stack else _shipped
     return perform(request, compose, *_motion(request, robot, tell), tell)
 
@@ -130,7 +141,14 @@ def perform(request: Replay, compose: Composer, motion: Motion, planned: Plan | 
         InputError: anything in the request that does not fit.
     """
     robot, solver = motion.robot, make_solver(request.solver)
-    stack, schedule = compose(robot, motion)
+    stack, schedule, edits = compose(robot, motion)
+    if request.edits:
+        edits += edit_file.read(request.edits)
+    told: list[str] = []
+    if edits:
+        schedule = schedule or Schedule()
+        with blamed(request.stack):
+            told = edit(stack, schedule, motion, edits)
     controller = Controller(robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
     world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes)
     with blamed(request.stack):
@@ -148,7 +166,7 @@ def perform(request: Replay, compose: Composer, motion: Motion, planned: Plan | 
         mismatch=request.mismatch,
         pushes=request.pushes,
     )
-    return Dance(done, info, motion, planned)
+    return Dance(done, info, motion, planned, tuple(told))
 
 
 def retarget(request: Replay, out: Path, tell: Tell) -> Plan:
@@ -201,8 +219,8 @@ def check_writable(folder: Path) -> None:
 def _shipped(robot: Robot, motion: Motion) -> Composition:
     """The stack that fits the motion's feet."""
     if all(len(phase.feet) == len(robot.feet) for phase in motion.phases):
-        return stacks.planted(robot, motion), None
-    return stacks.steps(robot, motion), stacks.stepping(robot, motion)
+        return Composition(stacks.planted(robot, motion))
+    return Composition(stacks.steps(robot, motion), stacks.stepping(robot, motion))
 
 
 def _motion(request: Replay, robot: Robot, tell: Tell) -> tuple[Motion, Plan | None]:

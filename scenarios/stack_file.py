@@ -1,13 +1,16 @@
-"""A user's own stack, from a Python file that defines `stack(robot, motion)`, and how it changes over time."""
+"""A user's own stack, from a Python file with `stack(robot, motion)`; how it changes, and edits of the dance."""
 
 import importlib.util
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
+from types import ModuleType
+from typing import NamedTuple, TypeVar
 
 from sot.errors import InputError
+from sot.motion.edit import Edit
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
 from sot.schedule import Schedule
@@ -15,12 +18,21 @@ from sot.stack import Stack
 
 Made = TypeVar("Made")
 
-Composition = tuple[Stack, Schedule | None]
+
+class Composition(NamedTuple):
+    """What a robot is asked for, how that changes over time, and what is edited of the dance."""
+
+    stack: Stack
+    schedule: Schedule | None = None
+    edits: tuple[Edit, ...] = ()
+
+
 Composer = Callable[[Robot, Motion], Composition]
 
 
 def load_stack(path: Path) -> Composer:
-    """What composes a file's stack for a robot and a motion, and its schedule if it defines `schedule(robot, motion)`.
+    """What composes a file's stack for a robot and a motion, and its schedule if it defines `schedule(robot, motion)`,
+    and edits of the dance, if it defines `edits(robot, motion)`.
 
     Whatever the file raises, when it is loaded or when its functions run, becomes an InputError that names the line.
 
@@ -29,17 +41,12 @@ def load_stack(path: Path) -> Composer:
     """
     if not path.is_file():
         raise InputError(f"{path}: no such stack file; give a Python file that defines stack(robot, motion)")
-    spec = importlib.util.spec_from_file_location("user_stack", path)
-    if spec is None or spec.loader is None:
-        raise InputError(f"{path}: not a Python file (.py)")
-    module = importlib.util.module_from_spec(spec)
-    with _whatever_it_raises(path):
-        spec.loader.exec_module(module)
+    module = load_module(path)
     if not callable(getattr(module, "stack", None)):
         raise InputError(f"{path}: defines no function stack(robot, motion)")
 
     def made(name: str, kind: type[Made], robot: Robot, motion: Motion) -> Made:
-        with _whatever_it_raises(path):
+        with whatever_it_raises(path):
             result = getattr(module, name)(robot, motion)
         if not isinstance(result, kind):
             raise InputError(f"{path}: {name}(robot, motion) returned {type(result).__name__}, not a {kind.__name__}")
@@ -47,9 +54,28 @@ def load_stack(path: Path) -> Composer:
 
     def compose(robot: Robot, motion: Motion) -> Composition:
         stack = made("stack", Stack, robot, motion)
-        return stack, made("schedule", Schedule, robot, motion) if hasattr(module, "schedule") else None
+        schedule = made("schedule", Schedule, robot, motion) if hasattr(module, "schedule") else None
+        edits = made("edits", list, robot, motion) if hasattr(module, "edits") else []
+        if not all(isinstance(edit, Edit) for edit in edits):
+            raise InputError(f"{path}: edits(robot, motion) returned a list with something else than Edit in it")
+        return Composition(stack, schedule, tuple(replace(edit, place=edit.place or str(path)) for edit in edits))
 
     return compose
+
+
+def load_module(path: Path) -> ModuleType:
+    """A Python file of the user's, as a module.
+
+    Raises:
+        InputError: no such file, or it raises, with the line.
+    """
+    spec = importlib.util.spec_from_file_location(f"user_{path.stem}", path)
+    if not path.is_file() or spec is None or spec.loader is None:
+        raise InputError(f"{path}: no such file, or not a Python file (.py)")
+    module = importlib.util.module_from_spec(spec)
+    with whatever_it_raises(path):
+        spec.loader.exec_module(module)
+    return module
 
 
 @contextmanager
@@ -69,7 +95,12 @@ def blamed(path: Path | None) -> Iterator[None]:
 
 
 @contextmanager
-def _whatever_it_raises(path: Path) -> Iterator[None]:
+def whatever_it_raises(path: Path) -> Iterator[None]:
+    """Turn any exception into an InputError that names the file's line.
+
+    Raises:
+        InputError: instead of anything else.
+    """
     try:
         yield
     except SyntaxError as error:

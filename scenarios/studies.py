@@ -55,7 +55,7 @@ def run_scenario(request: Replay, out: Path, tell: Tell) -> tuple[dict[str, Any]
     motion = scenario.motion(Robot.load(request.robot), request.rate)
 
     def compose(robot: Robot, motion: Motion) -> Composition:
-        return scenario.stack(robot, motion), scenario.schedule(robot, motion)
+        return Composition(scenario.stack(robot, motion), scenario.schedule(robot, motion))
 
     danced = perform(request, compose, motion, None, tell)
     if not hasattr(scenario, "findings"):

@@ -1,4 +1,4 @@
-"""Curves as a picture (SVG) that any browser shows: panels in a grid, each with its axes and a legend."""
+"""Curves and bars as a picture (SVG) that any browser shows: panels in a grid, each with its axes and a legend."""
 
 import math
 import os
@@ -14,6 +14,7 @@ Array = np.ndarray
 WIDTH, HEIGHT = 380.0, 210.0  # of a panel, in pixels
 LEFT, RIGHT, TOP, BOTTOM = 62.0, 14.0, 28.0, 34.0  # around its axes
 HEAD = 34.0  # above all panels
+WIDE, ROW = 1000.0, 22.0  # of a picture of lanes, and of each lane
 SAMPLES = 1500  # of a curve, more than there are pixels
 TICKS = 5
 LETTER = 5.0  # pixels that a letter of a legend takes
@@ -58,6 +59,25 @@ class Panel:
     equal: bool = False
 
 
+@dataclass(frozen=True)
+class Bar:
+    """Something that lasts from `start` to `end`; its label is shown where there is room."""
+
+    start: float
+    end: float
+    color: str
+    label: str = ""
+    opacity: float = 1.0
+
+
+@dataclass(frozen=True)
+class Lane:
+    """Bars in a row with a name."""
+
+    name: str
+    bars: Sequence[Bar]
+
+
 def limits(values: Sequence[float], end: float, label: str = "limit") -> list[Curve]:
     """Dashed level lines from 0 to `end`, under one label."""
     x = np.array([0.0, end])
@@ -70,17 +90,47 @@ def limits(values: Sequence[float], end: float, label: str = "limit") -> list[Cu
 def write(path: Path, title: str, panels: Sequence[Panel], columns: int) -> None:
     """Draw panels row by row into a file (`.svg`), which appears under its name once it is complete."""
     rows = math.ceil(len(panels) / columns)
-    width, height = columns * WIDTH, HEAD + rows * HEIGHT
+    drawn = []
+    for k, panel in enumerate(panels):
+        drawn.append(f"<g transform='translate({k % columns * WIDTH:.0f} {HEAD + k // columns * HEIGHT:.0f})'>")
+        drawn += [*_panel(panel), "</g>"]
+    _save(path, title, drawn, columns * WIDTH, HEAD + rows * HEIGHT)
+
+
+def write_lanes(path: Path, title: str, x: str, lanes: Sequence[Lane]) -> None:
+    """Draw lanes of bars below each other over one axis, `x` with its unit, into a file, as `write` does."""
+    high = ROW * len(lanes)
+    low = min((bar.start for lane in lanes for bar in lane.bars), default=0.0)
+    end = max((bar.end for lane in lanes for bar in lane.bars), default=1.0)
+    left = LETTER * max(len(lane.name) for lane in lanes) + 24.0
+    scale = (WIDE - left - RIGHT) / (end - low)
+    parts = [f"<g transform='translate(0 {HEAD:.0f})'>"]
+    for value in _ticks(low, end):
+        at = left + (value - low) * scale
+        parts.append(_line(at, 0.0, at, high) + _text(at, high + 14.0, f"{value:g}", 10, "middle"))
+    parts.append(_text(WIDE - RIGHT, high + 28.0, x, 10, "end"))
+    for k, lane in enumerate(lanes):
+        middle = ROW * (k + 0.5)
+        parts.append(_text(left - 8.0, middle + 3.5, lane.name, 10, "end"))
+        for bar in lane.bars:
+            at, wide = left + (bar.start - low) * scale, (bar.end - bar.start) * scale
+            parts.append(
+                f"<rect x='{at:.1f}' y='{middle - 0.35 * ROW:.1f}' width='{wide:.1f}' height='{0.7 * ROW:.1f}' "
+                f"fill='{bar.color}' fill-opacity='{bar.opacity:g}'/>"
+            )
+            if wide > 1.5 * LETTER * len(bar.label) and bar.label:
+                parts.append(_text(at + 0.5 * wide, middle + 3.5, bar.label, 9, "middle"))
+    _save(path, title, [*parts, "</g>"], WIDE, HEAD + high + BOTTOM)
+
+
+def _save(path: Path, title: str, drawn: Sequence[str], width: float, height: float) -> None:
     parts = [
         f"<svg xmlns='http://www.w3.org/2000/svg' width='{width:.0f}' height='{height:.0f}' "
         f"viewBox='0 0 {width:.0f} {height:.0f}'>",
         "<rect width='100%' height='100%' fill='white'/>",
         _text(width / 2.0, 22.0, title, 15, "middle"),
     ]
-    for k, panel in enumerate(panels):
-        parts.append(f"<g transform='translate({k % columns * WIDTH:.0f} {HEAD + k // columns * HEIGHT:.0f})'>")
-        parts += _panel(panel)
-        parts.append("</g>")
+    parts += drawn
     parts.append("</svg>\n")
     partial = path.with_name(f".{path.name}.part")
     partial.write_text("\n".join(parts), encoding="utf-8")

@@ -23,8 +23,9 @@ class RunLog:
 
     Attributes:
         ticks: rows in use.
-        level_names: names of the stack's levels below the hard one, in order.
-        level_units: unit of each level's error.
+        level_names: the stack's tasks below the hard level, each with its level's name, in order, and those that come
+            later.
+        level_units: unit of each one's error.
         time: start of the tick [s], (T,).
         q, v: simulated configuration and velocity, (T, nq) and (T, nv).
         torque: commanded joint torque before any actuator clamps it [N m], (T, na).
@@ -37,6 +38,8 @@ class RunLog:
         zmp_control: predicted by the controller, Ramos (11) [m], (T, 2).
         zmp_planned: of the reference [m], (T, 2).
         com: centre of mass of the simulated robot [m], (T, 3).
+        level_place: place in the stack of the level that each task is in, from 1 on, 0 while it is in none, (T, L).
+        level_share: 1 where each task is in force, less on its way to another place, 0 while it is in none, (T, L).
         level_error: norm of each level's error, in its unit, (T, L).
         level_slack: norm of each level's violation, (T, L).
         level_active: active inequality rows of each level, (T, L).
@@ -65,6 +68,8 @@ class RunLog:
     zmp_control: np.ndarray
     zmp_planned: np.ndarray
     com: np.ndarray
+    level_place: np.ndarray
+    level_share: np.ndarray
     level_error: np.ndarray
     level_slack: np.ndarray
     level_active: np.ndarray
@@ -104,6 +109,8 @@ class RunLog:
             if column.type is np.ndarray
         }
         columns["foot_mode"] = np.zeros((ticks, feet), dtype=np.int8)
+        columns["level_share"] = np.zeros((ticks, levels))
+        columns["level_place"] = np.zeros((ticks, levels), dtype=np.int8)
         columns["level_active"] = np.zeros((ticks, levels), dtype=np.int32)
         columns["status"], columns["hard_status"] = np.zeros((2, ticks), dtype=np.int8)
         return cls(ticks=0, level_names=tuple(level_names), level_units=tuple(level_units), **columns)

@@ -58,6 +58,8 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
     every = max(1, round(1.0 / (SLOW_RATE * world.timestep)))
     world.reset(motion.q[0], motion.v[0])
     entries = [(level, task) for level, tasks in controller.stack.levels for task in tasks]
+    if controller.schedule is not None:
+        entries += controller.schedule.tasks
     log = RunLog.allocate(
         robot, ticks, [f"{level}: {task.name}" for level, task in entries], [task.error_unit for _, task in entries]
     )
@@ -151,7 +153,8 @@ def _write(
     solution = command.solution
     log.status[k], log.hard_status[k] = command.status, solution.levels[0].status
     log.residual[k] = max(level.residual for level in solution.levels)
-    for (_, tasks), level in zip(controller.stack.levels, solution.levels[1:], strict=True):
+    underway = controller.schedule.underway if controller.schedule is not None else {}
+    for place, ((_, tasks), level) in enumerate(zip(controller.stack.levels, solution.levels[1:], strict=True), 1):
         slack = level.error
         active = np.count_nonzero(level.active) if len(level.level.lower) else 0
         for task in tasks:
@@ -159,4 +162,5 @@ def _write(
             if column is not None:
                 log.level_error[k, column] = sqrt(task.error @ task.error)
                 log.level_slack[k, column], log.level_active[k, column] = slack, active
+                log.level_place[k, column], log.level_share[k, column] = place, underway.get(task.name, 1.0)
     log.model_us[k], log.assemble_us[k], log.solve_us[k] = command.model_us, command.assemble_us, command.solve_us

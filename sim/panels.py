@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.columns import COLORS
+from sim.columns import COLORS, SERIES
 from sim.log import RunLog, nearest_frames
 from sim.plots import Curves, Plot, States
 from sim.support import planned_support
@@ -40,7 +40,8 @@ def tabs(log: RunLog, motion: Motion, plan: Plan | None) -> list[Tab]:
     """All plots of a run, what is looked at first coming first."""
     joints = [_joints(log, motion, limb) for limb in LIMBS]
     slowed = [_time(plan)] if plan is not None and plan.speed_min < SLOWED else []
-    return [_balance(log, motion), _center_of_mass(log, motion), *slowed, *joints, _tasks(log), _ticks(log)]
+    changes = [_schedule(log)] if (log.level_share < 1.0).any() else []
+    return [_balance(log, motion), _center_of_mass(log, motion), *changes, *slowed, *joints, _tasks(log), _ticks(log)]
 
 
 def divergent(com: np.ndarray, velocity: np.ndarray, height: np.ndarray) -> np.ndarray:
@@ -161,6 +162,19 @@ def _tasks(log: RunLog) -> Tab:
         for k, (level, unit) in enumerate(zip(log.level_names, log.level_units, strict=True))
     )
     return Tab("Tasks", tuple(errors))
+
+
+def _schedule(log: RunLog) -> Tab:
+    """In which level of the stack each task is that comes, goes or changes its level."""
+    states = [f"level {place}" for place in range(log.level_place.max() + 1)]
+    states[0] = "none"
+    underway = (log.level_share < 1.0) & (log.level_place > 0)
+    values = np.where(underway, len(states), log.level_place)  # a state of its own, after all the levels
+    changing = np.flatnonzero((log.level_share < 1.0).any(axis=0))
+    lanes = {log.level_names[k]: values[:, k] for k in changing.tolist()}
+    shades = [COLORS["off"], *(SERIES[place % len(SERIES)] for place in range(1, len(states))), COLORS["sliding"]]
+    names = (*states, "on its way")
+    return Tab("Schedule", (States("Tasks and their levels", ("schedule",), log.time, lanes, names, shades),))
 
 
 def _ticks(log: RunLog) -> Tab:

@@ -5,8 +5,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from sot.contact import Mode
+from sot.errors import InputError
 from sot.stack import Stack
 from sot.task import Task
+from sot.transition import Transition
+
+RAMP = 0.2
+"""Time that a task takes to come, to go, or to change its level, unless it says otherwise [s]."""
 
 
 @dataclass(order=True, slots=True)
@@ -37,31 +42,54 @@ class Ramp:
 class Schedule:
     """Events in time; each happens once, at the first tick that is not before it.
 
+    Tasks come, go and change their level by their weight (see `Transition`), within a ramp that may be nothing.
+
     Example:
         ``Schedule().add(2.0, hand, level="hands").mode(4.0, "right_foot", "sliding").remove(6.0, "hand")``
+
+    Attributes:
+        events: What has happened and what will, in order.
+        tasks: Tasks that come, with their levels.
+        underway: Tasks that are coming, going or moving, by name: the share of the way that is behind them.
     """
 
     def __init__(self) -> None:
         self.events: list[Event] = []
+        self.tasks: list[tuple[str, Task]] = []
+        self.underway: dict[str, float] = {}
+        self._now = 0.0
         self._next = 0
         self._ramps: list[Ramp] = []
+        self._transitions: dict[str, Transition] = {}
 
     def at(self, t: float, what: str, change: Callable[[Stack], object]) -> "Schedule":
         """Do anything to the stack at time `t`, or at once if that has passed; `what` says so to a reader."""
         insort(self.events, Event(t, what, change), lo=self._next)
         return self
 
-    def add(self, t: float, task: Task, level: str, before: str | None = None) -> "Schedule":
-        """Add a task to a level."""
-        return self.at(t, f"add {task.name} to {level}", lambda stack: stack.add(task, level, before))
+    def add(self, t: float, task: Task, level: str, before: str | None = None, ramp: float = RAMP) -> "Schedule":
+        """Add a task to a level, or to a new one before `before`; it counts fully `ramp` [s] later."""
+        self.tasks.append((level, task))
 
-    def remove(self, t: float, name: str) -> "Schedule":
-        """Remove a task."""
-        return self.at(t, f"remove {name}", lambda stack: stack.remove(name))
+        def change(stack: Stack) -> None:
+            if any(task.name == other.name for other in (*stack.hard, *stack.tasks)):
+                raise InputError(f"the stack has a task '{task.name}' already")
+            self._lead(stack, task, level, before, t, ramp)
 
-    def move(self, t: float, name: str, level: str, before: str | None = None) -> "Schedule":
-        """Move a task to another level."""
-        return self.at(t, f"move {name} to {level}", lambda stack: stack.move(name, level, before))
+        return self.at(t, f"add {task.name} to {level}", change)
+
+    def remove(self, t: float, name: str, ramp: float = RAMP) -> "Schedule":
+        """Remove a task; it counts less and less in the `ramp` [s] that leads up to `t`."""
+        start = t - ramp
+        return self.at(
+            start, f"remove {name}", lambda stack: self._lead(stack, stack.task(name), None, None, start, ramp)
+        )
+
+    def move(self, t: float, name: str, level: str, before: str | None = None, ramp: float = RAMP) -> "Schedule":
+        """Move a task to another level, or to a new one before `before`; it is there `ramp` [s] later."""
+        return self.at(
+            t, f"move {name} to {level}", lambda stack: self._lead(stack, stack.task(name), level, before, t, ramp)
+        )
 
     def mode(self, t: float, point: str, mode: Mode, ramp: float = 0.04) -> "Schedule":
         """Change a contact's mode; one that is made takes `ramp` [s] to carry its full load, one that is broken too.
@@ -81,7 +109,7 @@ class Schedule:
             stack: What changes.
             loads: Measured normal force on each foot [N], for schedules that heed it.
         """
-        done = []
+        done, self._now = [], t
         while self._next < len(self.events) and self.events[self._next].t <= t + 1e-9:
             event = self.events[self._next]
             self._next += 1  # first: the event may itself add others
@@ -90,4 +118,17 @@ class Schedule:
         for ramp in self._ramps:
             stack.contact(ramp.point).load = ramp.load(t)
         self._ramps = [ramp for ramp in self._ramps if t < ramp.end]
+        for name, way in list(self._transitions.items()):
+            self.underway[name] = way.apply(t, stack)
+            if self.underway[name] >= 1.0:
+                del self.underway[name], self._transitions[name]
         return done
+
+    def _lead(self, stack: Stack, task: Task, level: str | None, before: str | None, start: float, ramp: float) -> None:
+        earlier = self._transitions.pop(task.name, None)
+        if earlier is not None:
+            earlier.finish(stack)
+        way = Transition(stack, task, level, before, start, ramp)
+        share = way.apply(self._now, stack)
+        if share < 1.0:
+            self._transitions[task.name], self.underway[task.name] = way, share

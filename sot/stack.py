@@ -40,6 +40,11 @@ class Stack:
         return [(name, tasks) for name, tasks in self._levels.items() if tasks]
 
     @property
+    def order(self) -> list[str]:
+        """Names of all levels, in order of priority, those without tasks included."""
+        return list(self._levels)
+
+    @property
     def tasks(self) -> list[Task]:
         """All tasks below level 0, in order of priority."""
         return [task for tasks in self._levels.values() for task in tasks]
@@ -78,8 +83,7 @@ class Stack:
         """
         if any(task.name == other.name for other in (*self.hard, *self.tasks)):
             raise InputError(f"the stack has a task '{task.name}' already")
-        if level not in self._levels:
-            self._insert(level, before)
+        self.open(level, before)
         self._levels[level].append(task)
 
     def remove(self, name: str) -> Task:
@@ -88,7 +92,7 @@ class Stack:
         Raises:
             InputError: If there is no task of that name.
         """
-        task = self._find(name)
+        task = self.task(name)
         for tasks in self._levels.values():
             if task in tasks:
                 tasks.remove(task)
@@ -100,9 +104,8 @@ class Stack:
         Raises:
             InputError: If there is no such task, or no level `before`.
         """
-        task = self._find(name)  # before anything changes: an error leaves the stack as it was
-        if level not in self._levels:
-            self._insert(level, before)
+        task = self.task(name)  # before anything changes: an error leaves the stack as it was
+        self.open(level, before)
         self.remove(name)
         self._levels[level].append(task)
 
@@ -117,13 +120,29 @@ class Stack:
                 return contact
         raise InputError(f"the stack has no contact '{point}': it has {', '.join(c.point for c in self.contacts)}")
 
-    def _find(self, name: str) -> Task:
+    def task(self, name: str) -> Task:
+        """The task of a name, in any level below the hard one.
+
+        Raises:
+            InputError: If there is none.
+        """
         for task in self.tasks:
             if task.name == name:
                 return task
         raise InputError(f"the stack has no task '{name}': it has {', '.join(task.name for task in self.tasks)}")
 
-    def _insert(self, level: str, before: str | None) -> None:
+    def level_of(self, task: Task) -> str | None:
+        """Name of the level that a task is in; None if it is not in the stack."""
+        return next((name for name, tasks in self._levels.items() if any(task is other for other in tasks)), None)
+
+    def open(self, level: str, before: str | None = None) -> None:
+        """Make a level that is new, without tasks yet, before `before` or last.
+
+        Raises:
+            InputError: If there is no level `before`.
+        """
+        if level in self._levels:
+            return
         if before is not None and before not in self._levels:
             raise InputError(f"the stack has no level '{before}': it has {', '.join(self._levels)}")
         order = list(self._levels)

@@ -91,6 +91,20 @@ BAD_STACKS = {
         "from scenarios.stacks import planted as stack\n\n\ndef schedule(robot, motion):\n    return 3\n",
         "schedule(robot, motion) returned int, not a Schedule",
     ),
+    "wrong edits": (
+        "from scenarios.stacks import planted as stack\n\n\ndef edits(robot, motion):\n    return [3]\n",
+        "something else than Edit in it",
+    ),
+    "edit that does not fit": (
+        "from scenarios.stacks import planted as stack\nfrom sot.motion.edit import Edit\n\n\n"
+        "def edits(robot, motion):\n    return [Edit('tail', 'z', by=0.1, start=0.0, end=0.5)]\n",
+        "mine.py: hrp2 has no point 'tail'",
+    ),
+    "edit that raises": (
+        "from scenarios.stacks import planted as stack\nfrom sot.motion.edit import Edit\n\n\n"
+        "def edits(robot, motion):\n    return [Edit('head', 'z', by=lambda t: 1 / 0, start=0.0, end=0.5)]\n",
+        "mine.py:6: ZeroDivisionError",
+    ),
     "wrong result": ("def stack(robot, motion):\n    return []\n", "returned list, not a Stack"),
 }
 
@@ -105,12 +119,44 @@ def test_bad_stack_file(text, expected, folder, capsys):
     assert not (folder / "runs").exists()
 
 
+ON_HAND = '[[edit]]\npoint = "right_hand"\n'
+BAD_EDITS = {
+    "not TOML": ("[[edit]\n", "edits.toml: not a TOML file"),
+    "something else": ("[edit]\nby = 1\n", "something else than [[edit]] tables"),
+    "key": (ON_HAND + "by_how_much = 0.1\n", "edits.toml: edit 1 has an unknown key 'by_how_much'"),
+    "nothing named": ("[[edit]]\nby = 0.1\n", "edits.toml: edit 1: give a point or a joint"),
+    "point": ('[[edit]]\npoint = "tail"\naxis = "z"\nby = 0.1\nfrom = 0\nto = 1\n', "edit 1: hrp2 has no point 'tail'"),
+    "joint": ('[[edit]]\njoint = "LTAIL"\nby = 10\nfrom = 0\nto = 1\n', "edit 1: hrp2 has no joint 'LTAIL'"),
+    "axis": (ON_HAND + 'axis = "up"\nby = 0.1\nfrom = 0\nto = 1\n', "has no axis 'up'"),
+    "a word": (ON_HAND + 'axis = "z"\nby = "high"\nfrom = 0\nto = 1\n', "by has to be a number, not 'high'"),
+    "way-point": (ON_HAND + 'axis = "z"\nthrough = [[1.0]]\n', "a way-point of through is a list of 2 numbers"),
+    "target": (ON_HAND + "target = [1.0, 2.0]\nfrom = 0\nto = 1\n", "target is a list of 3 numbers"),
+    "time": (ON_HAND + 'axis = "z"\nby = 0.1\nfrom = 0.5\nto = 90\n', "edit 1: goes from 0.5 to 90 s"),
+    "overlap": (
+        2 * (ON_HAND + 'axis = "z"\nby = 0.1\nfrom = 0.5\nto = 1\n'),
+        "edit 2: changes right_hand z from 0.5 to 1 s, as edit 1 does already",
+    ),
+    "function": (ON_HAND + 'axis = "z"\nfunction = "mine.py:up"\nfrom = 0\nto = 1\n', "mine.py: no such file"),
+}
+
+
+@pytest.mark.parametrize(("text", "expected"), BAD_EDITS.values(), ids=BAD_EDITS.keys())
+def test_bad_edit_file(text, expected, folder, capsys):
+    (folder / "edits.toml").write_text(text)
+    status, said = lines(["replay", "groove", "--duration", "0.2", "--edit", "edits.toml"], capsys)
+    assert status == cli.BAD_INPUT
+    assert said.count("\n") == 1
+    assert expected in said
+    assert not (folder / "runs").exists()
+
+
 BAD_ARGUMENTS = {
     "no such clip": (["replay", "grove"], "did you mean groove"),
     "robot": (["replay", "groove", "--robot", "asimo"], "asimo"),
     "solver": (["replay", "groove", "--solver", "magic"], "choose one of cascade, weighted, iktc"),
     "feet": (["replay", "groove", "--feet", "flying"], "choose one of auto, steps, planted"),
     "stack file": (["replay", "groove", "--stack", "none.py"], "none.py: no such stack file"),
+    "edit file": (["replay", "groove", "--edit", "none.toml"], "none.toml: cannot be read"),
     "start": (["replay", "groove", "--start", "500"], "the clip lasts"),
     "rate": (["replay", "groove", "--rate", "3"], "--rate"),
     "push without a force": (["replay", "groove", "--push", "t=1"], "force is missing"),

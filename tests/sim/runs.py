@@ -48,6 +48,7 @@ def perfect_log(motion: Motion) -> RunLog:
     for column in (log.torque, log.acceleration, log.foot_wrench, log.level_error, log.level_slack, log.residual):
         column[rows] = 0.0
     log.foot_wrench[rows, :, 2] = 0.5 * 9.81 * robot.mass
+    log.level_place[rows], log.level_share[rows] = (1, 2), 1.0
     log.foot_mode[rows], log.foot_ramp[rows] = FOOT_FIXED, 1.0
     log.tick_us[rows] = np.linspace(100.0, 200.0, count)
     log.model_us[rows], log.assemble_us[rows], log.solve_us[rows] = 20.0, 30.0, 90.0

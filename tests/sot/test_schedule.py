@@ -27,7 +27,7 @@ def feet():
 
 def test_events_happen_once_in_order_of_time():
     stack, schedule = feet(), Schedule()
-    schedule.remove(0.3, "b").add(0.1, task("b"), "second").move(0.2, "b", "first")
+    schedule.remove(0.3, "b", ramp=0.0).add(0.1, task("b"), "second").move(0.2, "b", "first")
     assert schedule.apply(0.05, stack) == []
     assert schedule.apply(0.1, stack) == ["add b to second"]
     assert [level for level, _ in stack.levels] == ["first", "second"]

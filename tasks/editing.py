@@ -1,0 +1,90 @@
+"""Edits of a dance as tasks of a stack, Ramos IV-B: each outranks, while it lasts, the posture of what it moves."""
+
+from collections.abc import Sequence
+from itertools import combinations
+
+from sot.motion.edit import Change, Edit, edited_joints, edited_point
+from sot.motion.trajectory import Motion
+from sot.robot import Robot
+from sot.schedule import RAMP, Schedule
+from sot.stack import Stack
+from sot.task import AXIS_NAMES, Task
+from tasks.operational_point import AXES, OperationalPoint
+from tasks.posture import Posture
+
+
+def edit(stack: Stack, schedule: Schedule, motion: Motion, edits: Sequence[Edit]) -> list[str]:
+    """Let edits of a motion come and go; the reference is x_n(t) = x_o(t) + x_m(t).
+
+    What is edited of one point or joint has a level of its own, before the first level that has the posture of the limb
+    which it moves, or another task on the same point. That posture stays, as a guide for what the edit leaves open.
+
+    Args:
+        stack: Of the robot; its levels are as when the edits come.
+        schedule: To which they are added.
+        motion: What is edited.
+        edits: Any that do not change the same thing at the same time.
+
+    Returns:
+        A line for each edit: what it changes, when, and what it outranks.
+
+    Raises:
+        InputError: An edit that does not fit the robot, the motion, or another edit.
+    """
+    for one in edits:
+        one.check(motion.robot, motion.duration)
+    for (k, one), (_, other) in combinations(enumerate(edits, 1), 2):
+        if one.meets(other):
+            start, end = max(one.span[0], other.span[0]), min(one.span[1], other.span[1])
+            raise other.error(f"changes {_what(other)} from {start:g} to {end:g} s, as edit {k} does already")
+    changes = [Change.of(one, motion) for one in edits]
+    lines = []
+    for k, one in enumerate(edits, 1):
+        own = [(other, change) for other, change in zip(edits, changes, strict=True) if other.of == one.of]
+        outranked = _outranked(stack, motion.robot, [other for other, _ in own])
+        task = _task(motion, one, own, f"edit {k}")
+        start, end = one.span
+        # The task is there before anything changes, and until nothing does any more.
+        schedule.add(start - RAMP, task, f"{one.of} edited", before=outranked).remove(end + RAMP, task.name)
+        over = f"outranks '{outranked}', which stays as a guide" if outranked else "has no posture to outrank"
+        lines.append(f"edit {k}: {_what(one)}, {start:g} to {end:g} s: {over}")
+    return lines
+
+
+def _task(motion: Motion, one: Edit, own: Sequence[tuple[Edit, Change]], name: str) -> Task:
+    """The task of an edit; the reference has all edits of the same point or joint in it."""
+    if not one.rows:
+        reference = edited_joints(motion.robot, motion.joints, {one.of: [change for _, change in own]})
+        return Posture(motion.robot, reference, [one.of], name=name)
+    path = edited_point(motion.pose(one.of), [(other.rows, change) for other, change in own])
+    return OperationalPoint(motion.robot, one.of, path, "".join(AXES[row] for row in one.rows), name=name)
+
+
+def _what(one: Edit) -> str:
+    return f"{one.of} {'to a target' if one.target is not None else one.axis}" if one.rows else one.of
+
+
+def _outranked(stack: Stack, robot: Robot, some: Sequence[Edit]) -> str | None:
+    """The first level with a task that edits interfere with, or one that decides on the forces that are left."""
+    limbs = [(one, _limb(robot, one)) for one in some]
+    for name, tasks in stack.levels:
+        if any(_interferes(task, one, limb) for task in tasks for one, limb in limbs):
+            return name
+    return None
+
+
+def _interferes(task: Task, one: Edit, limb: set[str]) -> bool:
+    if isinstance(task, Posture):
+        return not limb.isdisjoint(task.labels)
+    if isinstance(task, OperationalPoint):
+        return task.point == one.of and any(AXIS_NAMES[row] in task.labels for row in one.rows)
+    return task.on == "force"
+
+
+def _limb(robot: Robot, one: Edit) -> set[str]:
+    """Names of the joints between the base and what is edited: all of them if that is on the base."""
+    if not one.rows:
+        return {one.of}
+    joint = robot.model.frames[robot.point(one.of)].parentJoint
+    between = [robot.model.names[k] for k in robot.model.supports[joint]]
+    return {name for name in between if name in robot.joints} or set(robot.joints)
