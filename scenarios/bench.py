@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from scenarios.peers import rows as peer_rows
 from scenarios.replay import RECORDING, Replay, Tell, dance
 from sim.log import RunLog
 from sim.reference import Reference, hot_reference_us
@@ -145,6 +146,9 @@ def _show_phases(figures: Mapping[str, Any], console: Console) -> None:
     for name, times in figures["tick_us"].items():
         relative = "-" if unit is None else f"{times['mean'] / unit:.2f}"
         table.add_row(name, *(f"{times[head]:.0f}" for head in heads), relative)
+    for peer in figures.get("peers", ()):
+        for row in peer_rows(peer):
+            table.add_row(*row)
     console.print(table)
 
 

@@ -19,6 +19,7 @@ from scenarios import clips, viewer
 from scenarios.bench import bench, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.disturbances import parse_mismatch, parse_push
+from scenarios.peers import read_peer
 from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, check_writable, make_solver, replay, retarget
 from scenarios.studies import DANCED, SCENARIOS, own_solver, run_scenario
 from scenarios.suite import SUITES, bench_suite, pieces
@@ -194,6 +195,10 @@ def bench_command(
     duration: Duration = None,
     rate: Rate = 1000.0,
     against: Annotated[Path | None, typer.Option(help="Figures to compare with, of `sot bench --json`.")] = None,
+    peer: Annotated[
+        list[Path] | None,
+        typer.Option(help="Figures to stand beside, of benchmarks/peer_tsid.py or peer_ticks.py; may be repeated."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="The figures as JSON instead of a table.")] = False,
     suite: Annotated[str | None, typer.Option(help="dance: many clips, and a row of figures each.")] = None,
     feet: Annotated[str, typer.Option(help="With --suite: what `sot replay --feet` takes.")] = "auto",
@@ -203,10 +208,13 @@ def bench_command(
     """Dance a clip and say what a tick costs, phase by phase; or dance a suite of clips and say how they went."""
     if suite is not None:
         return _bench_suite(Replay("", robot, solver=solver, rate=rate, feet=feet), suite, mocap, out, as_json)
+    if against and peer:
+        raise InputError("--against and --peer: one table compares two runs, the other one shows peers; choose one")
     others = read_figures(against) if against else None
+    peers = [read_peer(path) for path in peer or ()]
     request = Replay(clip, robot, solver=solver, start=start, duration=duration, rate=rate)
     with _progress() as tell:
-        figures = bench(request, tell)
+        figures = bench(request, tell) | ({"peers": peers} if peers else {})
     if as_json:
         print(json.dumps(figures, indent=2))
     else:

@@ -9,6 +9,7 @@ from rich.console import Console
 
 from scenarios import cli
 from scenarios.bench import bench, read_figures, show
+from scenarios.peers import read_peer
 from scenarios.replay import Replay
 from sot.errors import InputError
 
@@ -71,6 +72,31 @@ def test_refuses_other_files(text, tmp_path, capsys):
         read_figures(path)
     assert cli.main(["bench", "--against", str(path)]) == cli.BAD_INPUT
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_peers_stand_in_the_same_table(figures, tmp_path, capsys, monkeypatch):
+    times = {"p50": 200.0, "p95": 250.0, "p99": 300.0, "mean": 210.0}
+    peer = {"name": "a peer", "tick_us": {"whole": times, "rest": dict.fromkeys(times, 0.0)}, "reference_us": 60.0}
+    path = tmp_path / "peer.json"
+    path.write_text(json.dumps(peer | {"ticks": 3}))
+    monkeypatch.setattr(cli, "bench", lambda request, tell: figures)
+    assert cli.main(["bench", "--peer", str(path)]) == cli.DONE
+    lines = [line.strip() for line in capsys.readouterr().out.splitlines()]
+    row = lines[lines.index("a peer") + 1]
+    assert row.split() == ["whole", "200", "250", "300", "210", "3.50"]
+    assert cli.main(["bench", "--peer", str(path), "--json"]) == cli.DONE
+    assert json.loads(capsys.readouterr().out) == figures | {"peers": [peer]}
+    assert cli.main(["bench", "--peer", str(path), "--against", str(path)]) == cli.BAD_INPUT
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"name": "x", "tick_us": {"whole": 3}, "reference_us": 1}'])
+def test_refuses_what_is_no_peer(text, tmp_path):
+    path = tmp_path / "other.json"
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"other\.json: not the figures of a peer"):
+        read_peer(path)
+    with pytest.raises(InputError, match="cannot be read"):
+        read_peer(tmp_path / "absent.json")
 
 
 def test_prints_json(figures, capsys, monkeypatch):

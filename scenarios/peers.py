@@ -1,0 +1,45 @@
+"""Figures of other controllers, or of ours elsewhere, to stand in the table of a benchmark."""
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from sot.errors import InputError
+
+FIGURES = ("p50", "p95", "p99", "mean")
+
+
+def read_peer(path: Path) -> dict[str, Any]:
+    """What `benchmarks/peer_tsid.py` or `benchmarks/peer_ticks.py` has printed to a file.
+
+    Returns:
+        "name"; "tick_us", phase -> `FIGURES` [µs]; "reference_us", of the reference computation meanwhile [µs].
+
+    Raises:
+        InputError: no such file, or something else in it.
+    """
+    try:
+        peer = json.loads(path.read_text(encoding="utf-8"))
+        times = [times[key] for times in peer["tick_us"].values() for key in FIGURES]
+        complete = isinstance(peer["name"], str) and bool(times)
+        complete = complete and all(math.isfinite(value) and value >= 0.0 for value in (*times, peer["reference_us"]))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    except (ValueError, KeyError, TypeError, AttributeError):
+        complete = False
+    if not complete:
+        raise InputError(f"{path}: not the figures of a peer; `python benchmarks/peer_tsid.py` prints them")
+    return {key: peer[key] for key in ("name", "tick_us", "reference_us")}
+
+
+def rows(peer: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """A peer's phases as rows of `scenarios.bench`'s table, its name before the first, those without a figure left
+    out."""
+    table = [(str(peer["name"]), *[""] * (len(FIGURES) + 1))]
+    for phase, times in peer["tick_us"].items():
+        if times["mean"] > 0.0:
+            relative = f"{times['mean'] / peer['reference_us']:.2f}" if peer["reference_us"] else "-"
+            table.append((f"  {phase}", *(f"{times[key]:.0f}" for key in FIGURES), relative))
+    return table
