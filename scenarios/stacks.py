@@ -3,9 +3,20 @@
 from sot.contact import Contact
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
+from sot.sliding import Sliding
 from sot.stack import Stack
 from sot.stepping import Stepping
-from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, SelfCollision, SwingFoot, TorqueBounds
+from tasks import (
+    Balance,
+    FootSliding,
+    JointBounds,
+    LeastForces,
+    OperationalPoint,
+    Posture,
+    SelfCollision,
+    SwingFoot,
+    TorqueBounds,
+)
 
 
 def planted(robot: Robot, motion: Motion) -> Stack:
@@ -33,3 +44,18 @@ def steps(robot: Robot, motion: Motion) -> Stack:
 def stepping(robot: Robot, motion: Motion) -> Stepping:
     """The schedule that goes with `steps`: the motion's contact phases, and what the feet feel."""
     return Stepping(robot, motion.phases)
+
+
+def slides(robot: Robot, motion: Motion) -> Stack:
+    """Feet stand and slide as its schedule, `sliding`, has it; a sliding foot's way comes next to balance."""
+    stack = planted(robot, motion)
+    for foot in robot.feet:
+        if any(foot in phase.sliding for phase in motion.phases):
+            stack.contact(foot).way = way = motion.pose(foot)
+            stack.add(FootSliding(robot, foot, way), level="feet", before="waist")
+    return stack
+
+
+def sliding(robot: Robot, motion: Motion) -> Sliding:
+    """The schedule that goes with `slides`."""
+    return Sliding(motion.phases)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_SLIDING, RunInfo, RunLog, nearest_frames
+from sim.log import FOOT_FIXED, FOOT_OFF, RunInfo, RunLog, nearest_frames
 from sim.support import planned_support
 from solvers.rows import Status
 from sot.motion.likeness import hand_path_ratio, segment_deg
@@ -19,7 +19,6 @@ Figures = dict[str, float | int | None]
 
 POSE_RATE = 100.0  # Hz, at which the places of bodies are compared
 INSET = 0.010  # m that the ZMP has to stay inside the support polygon
-LOADED = 1.0  # N, of a foot that the floor carries
 MADE = 0.15  # m from its place, a footfall that counts as made
 LANDED = 0.1  # s after a planned landing: the foot stands
 SATURATED = 0.99  # of a torque limit
@@ -155,28 +154,21 @@ def zmp(log: RunLog, motion: Motion) -> Figures:
 
 
 def contacts(log: RunLog, robot: Robot) -> Figures:
-    """Switches of contact modes, how far feet that should stand slipped or tilted, and how feet that slide did so: the
-    length of their ways [m], the share of the time in which the floor carries them, and the mean load [N]."""
+    """Switches of contact modes, and how far feet that should stand slipped or tilted."""
     feet = Points.of(robot, log.q, robot.feet)
-    slips, tilts, slides = [0.0], [0.0], []
+    slips, tilts = [0.0], [0.0]
     for index, foot in enumerate(robot.feet):
         mode, position = log.foot_mode[:, index], feet.positions[foot]
         edges = np.flatnonzero(np.diff(mode)) + 1
         for rows in np.split(np.arange(log.ticks), edges):
-            if len(rows) and mode[rows[0]] == FOOT_SLIDING:
-                slides.append(float(np.linalg.norm(np.diff(position[rows, :2], axis=0), axis=1).sum()))
             if len(rows) and mode[rows[0]] == FOOT_FIXED:
                 slips.append(float(np.linalg.norm(position[rows, :2] - position[rows[0], :2], axis=1).max()))
         upward = feet.rotations[foot][mode != FOOT_OFF][:, :, 2]
         tilts.extend(np.arctan2(np.linalg.norm(upward[:, :2], axis=1), upward[:, 2]).tolist())
-    load = log.foot_wrench[:, :, 2][log.foot_mode == FOOT_SLIDING]
     return {
         "switches": int(np.count_nonzero(np.diff(log.foot_mode, axis=0))),
         "slip_max_m": max(slips),
         "sole_tilt_max_deg": float(np.rad2deg(max(tilts))),
-        "slide_m": sum(slides) if slides else None,
-        "slide_loaded": _mean(load > LOADED),
-        "slide_load_n": _mean(load),
     }
 
 

@@ -14,6 +14,7 @@ from rich.table import Table
 from sim import figures
 from sim.log import RunInfo, RunLog
 from sim.reference import hot_reference_us
+from sim.slides import slides, worst
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
 
@@ -43,9 +44,11 @@ LINES: tuple[tuple[str, str, float, str, str], ...] = (
     ("zmp.min_margin_m", "ZMP to the support's edge, least", 1e3, "mm", "10 or more"),
     ("contacts.slip_max_m", "slip of a standing foot, greatest", 1e3, "mm", "0"),
     ("contacts.sole_tilt_max_deg", "tilt of a sole, greatest", 1.0, "deg", "0"),
-    ("contacts.slide_m", "way of feet that slide", 1.0, "m", ""),
-    ("contacts.slide_loaded", "… time in which the floor carries them", 100.0, "%", "100"),
-    ("contacts.slide_load_n", "… their load, mean", 1.0, "N", "light"),
+    ("slide.way_m", "way of feet that slide", 1e2, "cm", ""),
+    ("slide.contact", "… time in which the floor carries them", 100.0, "%", "90 or more"),
+    ("slide.load_min", "… least load, over the weight", 100.0, "%", "2 or more"),
+    ("slide.load_max", "… greatest load", 100.0, "%", "15 or less"),
+    ("slide.zmp_inside", "… time with the ZMP in the other foot", 100.0, "%", "100"),
     ("limits.position_max_excess_rad", "beyond a joint's range", 180.0 / math.pi, "deg", "0"),
     ("limits.velocity_max_excess", "beyond a joint's velocity", 100.0, "%", "0"),
     ("limits.torque_max_excess", "beyond a joint's torque", 100.0, "%", "0"),
@@ -72,7 +75,7 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
     """
     log = log.trimmed()
     robot = motion.robot
-    duration = log.ticks * log.period
+    duration, slid = log.ticks * log.period, slides(log, motion)
     report = {
         "clip": info.clip,
         "robot": info.robot,
@@ -96,6 +99,8 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
         "flights": figures.flights(plan),
         "zmp": figures.zmp(log, motion),
         "contacts": figures.contacts(log, robot),
+        "slide": worst(slid),
+        "slides": slid,
         "limits": figures.limits(log, robot),
         **figures.effort(log, robot),
         "pushes": figures.pushes(info, duration),
@@ -169,6 +174,8 @@ def _rounded(value: Any) -> Any:
     """Numbers to `DIGITS` digits; what is not a number becomes None."""
     if isinstance(value, Mapping):
         return {key: _rounded(entry) for key, entry in value.items()}
+    if isinstance(value, list):
+        return [_rounded(entry) for entry in value]
     if isinstance(value, float):
         return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None
     return value

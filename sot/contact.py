@@ -15,9 +15,11 @@ Form = Literal["pyramid", "unilateral"]
 LARGEST_LOAD = 2.0
 """Normal force of a contact whose ramp is almost over, in weights of the robot."""
 
-SLIDING_LOAD = 0.04, 0.10
+SLIDING_LOAD = 0.09, 0.13
 """Least and greatest normal force of a sliding contact, in weights of the robot."""
-STILL = 0.02
+SLIDING_SHARE = (SLIDING_LOAD[1] / LARGEST_LOAD) ** (1.0 / 3.0)
+"""`Contact.load` at which a fixed contact may carry as much as a sliding one."""
+STILL = 0.002
 """Speed [m/s] below which a sliding vertex meets less than the whole friction."""
 
 

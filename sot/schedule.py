@@ -4,7 +4,7 @@ from bisect import insort
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from sot.contact import Mode
+from sot.contact import SLIDING_SHARE, Mode
 from sot.errors import InputError
 from sot.stack import Stack
 from sot.task import Task
@@ -94,11 +94,17 @@ class Schedule:
     def mode(self, t: float, point: str, mode: Mode, ramp: float = 0.04) -> "Schedule":
         """Change a contact's mode; one that is made takes `ramp` [s] to carry its full load, one that is broken too.
 
-        The ramp leads up to `t` when the contact gives its load away and follows it when it takes it.
+        The ramp leads up to `t` when the contact gives its load away and follows it when it takes it. A contact that
+        slides keeps as much of it as it may carry then.
         """
-        start, before, after = (t, 0.0, 1.0) if mode == "fixed" else (t - ramp, 1.0, 0.0)
-        load = Ramp(point, start, start + ramp, before, after)
-        self.at(start, f"{point} load {before:.0f} to {after:.0f}", lambda stack: self._ramps.append(load))
+
+        def begin(stack: Stack) -> None:
+            light = SLIDING_SHARE if "sliding" in (mode, stack.contact(point).mode) else 0.0
+            before, after = (light, 1.0) if mode == "fixed" else (1.0, light)
+            self._ramps.append(Ramp(point, start, start + ramp, before, after))
+
+        start = t if mode == "fixed" else t - ramp
+        self.at(start, f"{point} {'takes' if mode == 'fixed' else 'gives away'} its load", begin)
         return self.at(t, f"{point} {mode}", lambda stack: setattr(stack.contact(point), "mode", mode))
 
     def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:

@@ -25,7 +25,7 @@ class FootSliding(OperationalPoint):
         robot: Robot,
         foot: str,
         reference: PoseReference,
-        kp: float = 200.0,
+        kp: float = 1000.0,
         kd: float | None = None,
         weight: float = 1.0,
     ) -> None:

@@ -19,12 +19,14 @@ class Phase:
 
     Attributes:
         start, end: in motion time [s].
-        feet: foot -> pose of its frame, the sole flat on the floor; a foot in the air is absent.
+        feet: foot -> pose of its frame, the sole flat on the floor; a foot that is in the air, or slides, is absent.
+        sliding: feet that slide on the floor.
     """
 
     start: float
     end: float
     feet: Mapping[str, pin.SE3]
+    sliding: tuple[str, ...] = ()
 
 
 def planted(robot: Robot, duration: float) -> tuple[Phase, ...]:

@@ -1,7 +1,7 @@
 """What a dance asks of a robot's body, over time: the human to look like, and the way of the feet."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from sot.motion.contacts import Phase, planted
 from sot.motion.footholds import Reach
 from sot.motion.footwork import Step
 from sot.motion.human import Human
+from sot.motion.slides import Slide, slid_paths, slid_phases
 from sot.motion.stance import Build
 from sot.motion.swing import FootPath, foot_paths, phases_of, standing
 from sot.motion.travel import Travel, travel
@@ -41,6 +42,12 @@ def stay(human: Human, robot: Robot) -> Course:
     """Both feet stay where the rest posture puts them, for a human over them (see `stance.over_feet`)."""
     phases = planted(robot, human.duration)
     return Course(human, phases, standing(phases[0], human.count), human.times)
+
+
+def slid(course: Course, robot: Robot, slides: Sequence[Slide]) -> Course:
+    """The same course, whose feet stay, with some slides in it."""
+    phases = slid_phases(course.phases, slides, robot)
+    return replace(course, phases=phases, feet=slid_paths(course.feet, slides, robot, course.human.times))
 
 
 def go(human: Human, robot: Robot, build: Build, contacts: Sequence[Step] | None, slow: Array) -> Course:

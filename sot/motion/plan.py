@@ -11,12 +11,13 @@ from sot.errors import InputError
 from sot.motion.centroidal import Centroidal
 from sot.motion.contacts import Phase
 from sot.motion.coordinates import to_pinocchio
-from sot.motion.course import Course, go, stay
+from sot.motion.course import Course, go, slid, stay
 from sot.motion.flight import Flight, flights
 from sot.motion.footwork import Step
 from sot.motion.human import Human
 from sot.motion.kinematics import Chains, Kinematics
 from sot.motion.limits import Limits
+from sot.motion.slides import Way, find_slides
 from sot.motion.spline import Spline
 from sot.motion.stance import LEAD, TAIL, Build, on_time_line, over_feet
 from sot.motion.swing import facing, moving
@@ -77,7 +78,12 @@ class Plan:
 
 
 def plan(
-    human: Human, robot: Robot, feet: str = "planted", rate: float = 1000.0, contacts: Sequence[Step] | None = None
+    human: Human,
+    robot: Robot,
+    feet: str = "planted",
+    rate: float = 1000.0,
+    contacts: Sequence[Step] | None = None,
+    slide: Way | None = None,
 ) -> Plan:
     """The motion with which a robot dances like a human.
 
@@ -88,14 +94,18 @@ def plan(
             "auto", planted if the dancer's feet never really move.
         contacts: the steps to make, in the clip's time, instead of those found in it; none may be planted.
         rate: samples per second of the motion [Hz].
+        slide: the way of a slide to put in where the dancer stands on one foot most, see `slides.find_slides`; feet
+            have to be planted.
 
     Raises:
-        InputError: another kind of `feet`, or contacts for planted ones.
+        InputError: another kind of `feet`, contacts for planted ones, or a slide for others or in too short a clip.
     """
     if feet not in FEET:
         raise InputError(f"feet '{feet}' are not known: choose one of {', '.join(FEET)}")
     if contacts is not None and feet == "planted":
         raise InputError("planted feet make no steps: leave the contacts out, or choose steps")
+    if slide is not None and feet != "planted":
+        raise InputError("only planted feet slide: choose them, or leave the slide out")
     begun = time.perf_counter()
     fit = _Fit(robot, Build.of(robot), Limits.of(robot))
     smooth = human.low_passed(NOISE_HZ)
@@ -103,9 +113,12 @@ def plan(
     if course is None or (feet == "auto" and contacts is None and len(course.phases) == 1):
         course = stay(on_time_line(over_feet(smooth, fit.build), PLAN_RATE), robot)
     wanted, whole = fit.looks(course)
+    if slide is not None:
+        course = fit.slid(course, whole, slide)
+        wanted, whole = fit.looks(course)
     retargeted = time.perf_counter()
     whole = fit.balanced(course, wanted, whole)
-    for _ in range(MENDS if moving(course.feet) else 0):
+    for _ in range(MENDS if course.travel and moving(course.feet) else 0):
         slow = fit.slower(course, whole)
         if slow is None:
             break
@@ -155,6 +168,11 @@ class _Fit:
 
     def balanced(self, course: Course, wanted: Targets, whole: Spline) -> Spline:
         return balanced(self.robot, self.build, wanted, course.feet, course.phases, self.limits, whole)
+
+    def slid(self, course: Course, whole: Spline, way: Way) -> Course:
+        """The same course with a slide where the body, as it looks, has its ZMP."""
+        zmp = Centroidal.along(self.robot, *to_pinocchio(*(whole(course.human.times, k) for k in range(3)))).zmp()
+        return slid(course, self.robot, find_slides(self.robot, course.phases, zmp, PLAN_RATE, way))
 
     def slower(self, course: Course, whole: Spline) -> Array | None:
         """A slowness (n,) of the dancer's frames that gives time where the body cannot follow; None if it can."""

@@ -12,6 +12,7 @@ from sot.robot import Robot
 
 INSET = (0.04, 0.025)  # m along and across the feet, from the edge to the planned ZMP: what the closed loop may use
 SHARE = 0.12  # of the weight, least load of every foot that stands for good
+BESIDE_SLIDE = (0.04, 0.045)  # m, the same where a foot slides: its load, far from the other, is never quite steady
 RAMP = 0.04  # s after a foot lands, and before it lifts off, in which it does not carry
 SETTLING = 0.12  # s from a change of the feet that carry, in which one of them may carry next to nothing
 
@@ -44,7 +45,8 @@ def supports(robot: Robot, phases: Sequence[Phase]) -> tuple[Support, ...]:
     for start, end in pairwise(times):
         middle = 0.5 * (start + end)
         feet = {foot: pose for foot, pose, first, last in stretches if first <= middle < last}
-        phase = Phase(start, end, feet)
+        sliding = next((phase.sliding for phase in phases if phase.start <= middle < phase.end), ())
+        phase = Phase(start, end, feet, sliding)
         early = start if start == times[0] else min(start + SETTLING, end)
         late = end if end == times[-1] else max(end - SETTLING, start)
         parts = [(start, end, 0.0)]
@@ -57,7 +59,8 @@ def supports(robot: Robot, phases: Sequence[Phase]) -> tuple[Support, ...]:
 def _support(robot: Robot, phase: Phase, start: float, share: float) -> Support:
     polygon = loaded(robot, phase, share)
     forward = np.sum([pose.rotation[:2, 0] for pose in phase.feet.values()], axis=0)
-    return Support(start, polygon, polygon.shrunk(*INSET, heading=float(np.arctan2(forward[1], forward[0]))))
+    inset = BESIDE_SLIDE if phase.sliding else INSET
+    return Support(start, polygon, polygon.shrunk(*inset, heading=float(np.arctan2(forward[1], forward[0]))))
 
 
 def loaded(robot: Robot, phase: Phase, share: float) -> Polygon:

@@ -179,6 +179,7 @@ class Motion:
         phases = {
             "phase_times": np.array([(phase.start, phase.end) for phase in self.phases]),
             "phase_stands": np.array([[foot in phase.feet for foot in self.robot.feet] for phase in self.phases]),
+            "phase_slides": np.array([[foot in phase.sliding for foot in self.robot.feet] for phase in self.phases]),
             "phase_feet": np.array(
                 [
                     [phase.feet.get(foot, pin.SE3.Identity()).homogeneous for foot in self.robot.feet]
@@ -206,7 +207,7 @@ class Motion:
 
 
 def _read(path: Path) -> Mapping[str, Array]:
-    needed = {"robot", "joints", "rate", "phase_times", "phase_stands", "phase_feet", *FIELDS}
+    needed = {"robot", "joints", "rate", "phase_times", "phase_stands", "phase_slides", "phase_feet", *FIELDS}
     try:
         with np.load(path, allow_pickle=False) as file:
             missing = sorted(needed - set(file.files))
@@ -232,15 +233,17 @@ def _columns(path: Path, content: Mapping[str, Array], robot: Robot) -> dict[str
 
 
 def _phases(path: Path, content: Mapping[str, Array], robot: Robot) -> tuple[Phase, ...]:
-    times, stands, feet = content["phase_times"], content["phase_stands"], content["phase_feet"]
+    times, stands, slides, feet = (content[f"phase_{name}"] for name in ("times", "stands", "slides", "feet"))
     count, sides = len(np.atleast_1d(times)), len(robot.feet)
-    if count < 1 or times.shape != (count, 2) or stands.shape != (count, sides) or feet.shape != (count, sides, 4, 4):
+    shapes = (count, 2), (count, sides), (count, sides), (count, sides, 4, 4)
+    if count < 1 or (times.shape, stands.shape, slides.shape, feet.shape) != shapes:
         raise InputError(f"{path}: its contact phases have wrong shapes")
     return tuple(
         Phase(
             float(start),
             float(end),
             {foot: pin.SE3(pose) for foot, pose, on in zip(robot.feet, poses, standing, strict=True) if on},
+            tuple(foot for foot, on in zip(robot.feet, sliding, strict=True) if on),
         )
-        for (start, end), standing, poses in zip(times, stands, feet, strict=True)
+        for (start, end), standing, sliding, poses in zip(times, stands, slides, feet, strict=True)
     )

@@ -1,0 +1,79 @@
+"""The figures of every slide of a run: how far, how loaded, and where the zero-moment point was meanwhile."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from sim.figures import Figures, Points
+from sim.log import FOOT_SLIDING, RunLog
+from sot.motion.contacts import Phase, phase_at, support
+from sot.motion.trajectory import Motion
+from sot.tick import GRAVITY
+
+SMOOTHED = 0.05  # s, over which a foot's load is averaged: the floor carries what slides in pulses, tick by tick
+
+
+def worst(found: Sequence[Mapping[str, Any]]) -> Figures:
+    """Of all slides of a run: their ways together [m], and of each other figure the worst; None if nothing slid."""
+
+    def over(name: str, take: Callable[[Iterable[float]], float]) -> float | None:
+        return take([slide[name] for slide in found]) if found else None
+
+    return {
+        "way_m": over("way_m", sum),
+        "contact": over("contact", min),
+        "load_min": over("load_min", min),
+        "load_max": over("load_max", max),
+        "zmp_inside": over("zmp_inside", min),
+    }
+
+
+def slides(log: RunLog, motion: Motion) -> list[dict[str, Any]]:
+    """Each slide of a foot, in order of time.
+
+    - "foot", "start_s", "end_s": of the contact's sliding.
+    - "way_m", "moved_m": length of the foot's way, and how far it was from its start at most.
+    - "contact": share of the ticks in which the floor carries the foot.
+    - "load", "load_min", "load_max": its normal load in weights of the robot; mean, and extremes of the mean over
+      `SMOOTHED` seconds. "load_raw_max": the greatest of one tick.
+    - "zmp_inside", "zmp_min_margin_m": share of the ticks with the measured ZMP of the whole robot in the soles that
+      stand, and its least distance from their edge, negative outside.
+    """
+    robot, found = motion.robot, []
+    for index, foot in enumerate(robot.feet):
+        mode = log.foot_mode[:, index]
+        for rows in np.split(np.arange(log.ticks), np.flatnonzero(np.diff(mode)) + 1):
+            if not len(rows) or mode[rows[0]] != FOOT_SLIDING:
+                continue
+            place = Points.of(robot, log.q[rows], (foot,)).positions[foot][:, :2]
+            load = log.foot_wrench[rows, index, 2] / (robot.mass * GRAVITY)
+            window = min(max(1, round(SMOOTHED / log.period)), len(load))
+            mean = np.convolve(load, np.full(window, 1.0 / window), "valid")
+            margin = _margin(log, motion, foot, rows)
+            found.append(
+                {
+                    "foot": foot,
+                    "start_s": float(log.time[rows[0]]),
+                    "end_s": float(log.time[rows[-1]] + log.period),
+                    "way_m": float(np.linalg.norm(np.diff(place, axis=0), axis=1).sum()),
+                    "moved_m": float(np.linalg.norm(place - place[0], axis=1).max()),
+                    "contact": float(np.mean(load > 0.0)),
+                    "load": float(load.mean()),
+                    "load_min": float(mean.min()),
+                    "load_max": float(mean.max()),
+                    "load_raw_max": float(load.max()),
+                    "zmp_inside": float(np.mean(margin >= 0.0)),
+                    "zmp_min_margin_m": float(margin.min()),
+                }
+            )
+    return sorted(found, key=lambda slide: slide["start_s"])
+
+
+def _margin(log: RunLog, motion: Motion, foot: str, rows: np.ndarray) -> np.ndarray:
+    """Distance (n,) of the measured ZMP to the edge of the soles that the motion has stand beside a foot [m]."""
+    phase = motion.phases[int(phase_at(motion.phases, log.time[rows])[len(rows) // 2])]
+    others = {other: pose for other, pose in phase.feet.items() if other != foot}
+    if not others:
+        return np.full(len(rows), -np.inf)
+    return np.nan_to_num(support(motion.robot, Phase(0.0, 0.0, others)).margin(log.zmp_measured[rows]), nan=-np.inf)
