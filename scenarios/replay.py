@@ -219,7 +219,7 @@ def check_writable(folder: Path) -> None:
 def _shipped(robot: Robot, motion: Motion) -> Composition:
     """The stack that fits the motion's feet."""
     if any(phase.sliding for phase in motion.phases):
-        return stacks.slides(robot, motion), stacks.sliding(robot, motion)
+        return Composition(stacks.slides(robot, motion), stacks.sliding(robot, motion))
     if all(len(phase.feet) == len(robot.feet) for phase in motion.phases):
         return Composition(stacks.planted(robot, motion))
     return Composition(stacks.steps(robot, motion), stacks.stepping(robot, motion))
