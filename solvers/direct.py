@@ -16,19 +16,15 @@ fit is left to others: rows that contradict each other, a level of another kind,
 """
 
 from collections.abc import Sequence
-from math import isfinite
 
 import numpy as np
-from scipy.linalg import lapack
 
-from solvers.nullspace import determined
+from solvers.compiled import compiled
+from solvers.dense import backward, forward, independent, lq, nearest, solutions, turn
 from solvers.rows import Array, Equality, Level
 
-INDEPENDENT = 1e-5
-"""Rows are taken to be independent if none is closer to the others' span than this, relative to the farthest."""
 ROUNDS = 8
 """Changes of the held inequalities before it is given up."""
-_WORK = 64 * 64
 
 
 class Direct:
@@ -38,28 +34,30 @@ class Direct:
         tolerance: Violation that counts as none.
 
     Attributes:
-        held: Inequalities of level 0 held at the last level: row -> +1 at its upper bound, -1 at its lower one.
+        held: Inequalities of level 0 held at the last level: +1 at their upper bound, -1 at the lower one, 0 if not.
         excess: Largest violation of an inequality in the last answer.
         met: How many levels, level 0 included, have all their rows met by the last answer.
     """
 
     def __init__(self, tolerance: float) -> None:
         self.tolerance = tolerance
-        self.held: dict[int, float] = {}
+        self.held = np.zeros(0)
         self.excess = 0.0
         self.met = 0
         self._shape = (0, 0, 0)
 
     def expect(self, rows: Array, side: Array) -> None:
         """Start the next time with these rows held, at the upper bound where `side` is positive."""
-        self.held = dict(zip(rows.tolist(), side.tolist(), strict=True))
+        known = rows < len(self.held)
+        self.held[:] = 0.0
+        self.held[rows[known]] = side[known]
 
     def solve(self, levels: Sequence[Level], leading: int) -> Array | None:
         """The optimum, shape (n,), or None if this is not a hierarchy of that kind."""
         hard, size = levels[0], levels[0].size
         shape = len(hard.lower), size, leading
         if shape != self._shape:
-            self._shape, self.held = shape, {}
+            self._shape, self.held = shape, np.zeros(len(hard.lower))
         if any(len(level.lower) for level in levels[1:]):
             return None
         thin: list[Equality] = []
@@ -99,53 +97,21 @@ class Direct:
         self, hard: Level, coupled: Sequence[Equality], last: Equality | None, x: Array, leading: int
     ) -> Array | None:
         """Fill in x_2, and hold what has to be."""
-        count = len(x) - leading
         known = sum(len(e.b) for e in coupled)
-        wish = last.b / last.scale if last is not None else x[leading:]
-        T = np.zeros((count, count), order="F")
-        target = np.empty(count)
+        T, target = np.zeros((known, len(x) - leading)), np.empty(known)
         row = 0
         for e in coupled:
-            m, before = len(e.b), max(leading - e.start, 0)
-            end = e.start + e.A.shape[1] - leading
-            np.multiply(e.A[:, before:].T, e.scale, out=T[end - e.A.shape[1] + before : end, row : row + m])
-            target[row : row + m] = e.b
+            rows, before = slice(row, row + len(e.b)), max(leading - e.start, 0)
+            first = e.start + before - leading
+            np.multiply(e.A[:, before:], e.scale, out=T[rows, first : first + e.A.shape[1] - before])
+            target[rows] = e.b
             if before:
-                target[row : row + m] -= e.scale * (e.A[:, :before] @ x[e.start : leading])
-            row += m
-        # A bound that has gone, a ramp's at its end say, holds nothing any more.
-        held = {r: side for r, side in self.held.items() if isfinite(hard.upper[r] if side > 0.0 else hard.lower[r])}
-        for _ in range(ROUNDS):
-            rows = list(held)
-            used = known + len(rows)
-            if used > count:
-                return None
-            if rows:
-                T[:, known:used] = hard.C[rows, leading:].T
-                target[known:used] = [hard.upper[r] if side > 0.0 else hard.lower[r] for r, side in held.items()]
-            x[leading:] = wish
-            if used:
-                nearest = _nearest(T[:, :used], target[:used], wish, len(rows))
-                if nearest is None:
-                    return None
-                x[leading:], pushes = nearest
-                if pulls := [r for r, push in zip(rows, pushes.tolist(), strict=True) if held[r] * push < 0.0]:
-                    for r in pulls:
-                        del held[r]
-                    continue
-            value = hard.C @ x
-            above, below = value - hard.upper, hard.lower - value
-            excess = np.maximum(above, below)
-            worst = float(np.maximum.reduce(excess)) if len(excess) else 0.0
-            if worst <= self.tolerance:
-                self.held, self.excess = held, max(worst, 0.0)
-                return x if x @ x < np.inf else None
-            excess[hard.C[:, :leading].any(axis=1)] = 0.0
-            r = int(np.argmax(excess))
-            if not excess[r] > self.tolerance or r in held:
-                return None
-            held[r] = 1.0 if above[r] > below[r] else -1.0
-        return None
+                target[rows] -= e.scale * (e.A[:, :before] @ x[e.start : leading])
+            row = rows.stop
+        if last is not None:
+            np.divide(last.b, last.scale, out=x[leading:])
+        solved, self.excess = _fill_in(T, target, x, leading, hard.C, hard.lower, hard.upper, self.held, self.tolerance)
+        return x if solved else None
 
 
 def at_once(thin: Sequence[Equality], wide: Sequence[Equality], count: int) -> Array | None:
@@ -160,56 +126,102 @@ def at_once(thin: Sequence[Equality], wide: Sequence[Equality], count: int) -> A
         x, shape (count,), or None if rows depend on each other.
     """
     used = sum(len(e.b) for e in thin)
-    J, target = np.empty((count, used), order="F"), np.empty(used)
+    J, target = np.zeros((used, count)), np.empty(used)
     row = 0
     for e in thin:
-        end = row + len(e.b)
-        if e.A.shape[1] < count or e.start:
-            J[:, row:end] = 0.0
-        J[e.start : e.start + e.A.shape[1], row:end] = e.A.T
-        if e.scale != 1.0:
-            J[:, row:end] *= e.scale
-        target[row:end] = e.b
-        row = end
-    turned = np.zeros((count, 1 + count - used), order="F")
-    if used < count:
-        turned.reshape(-1, order="F")[count + used :: count + 1] = 1.0
-    if used:
-        qr, tau, _, _ = lapack.dgeqrf(J, lwork=_WORK, overwrite_a=1)
-        if not _independent(qr):
-            return None
-        turned[:used, 0], _ = lapack.dtrtrs(qr[:used], target, lower=0, trans=1)
-        turned, _, _ = lapack.dormqr("L", "N", qr, tau, turned, _WORK, overwrite_c=1)
-    x = turned[:, 0]
-    if wide:
-        Z = turned[:, 1:]
-        B, r = [e.times(Z[e.start : e.start + e.A.shape[1]]) for e in wide], [e.residual(x) for e in wide]
-        y = (
-            determined(B[0], r[0], INDEPENDENT)
-            if len(wide) == 1
-            else determined(np.vstack(B), np.hstack(r), INDEPENDENT)
-        )
-        if y is None:
-            return None
-        x = x - Z @ y
-    return x
-
-
-def _nearest(T: Array, target: Array, wish: Array, held: int) -> tuple[Array, Array] | None:
-    """The point nearest to `wish` with ``Tᵀ x = target``, and the last `held` of λ, ``wish − x = T λ``."""
-    missing, used = target - wish @ T, len(target)
-    qr, tau, _, _ = lapack.dgeqrf(T, lwork=_WORK)
-    if not _independent(qr):
+        rows = slice(row, row + len(e.b))
+        np.multiply(e.A, e.scale, out=J[rows, e.start : e.start + e.A.shape[1]])
+        target[rows] = e.b
+        row = rows.stop
+    X, solved = solutions(J, target)
+    if not solved:
         return None
-    R = qr[:used]
-    turned = np.zeros((len(T), 1), order="F")
-    turned[:used, 0], _ = lapack.dtrtrs(R, missing, lower=0, trans=1)
-    multipliers = -lapack.dtrtrs(R, turned[:used, 0], lower=0)[0][used - held :] if held else missing[:0]
-    turned, _, _ = lapack.dormqr("L", "N", qr, tau, turned, _WORK, overwrite_c=1)
-    return wish + turned[:, 0], multipliers
+    if not wide:
+        return X[0]
+    seen = [e.seen(X) for e in wide]
+    if len(seen) == 1:
+        x, solved = nearest(X, seen[0], wide[0].b)
+    else:
+        x, solved = nearest(X, np.hstack(seen), np.hstack([e.b for e in wide]))
+    return x if solved else None
 
 
-def _independent(qr: Array) -> bool:
-    """Whether the columns that were factorised are independent; what is not a number is not."""
-    size = [abs(r) for r in qr.diagonal().tolist()]
-    return min(size) > INDEPENDENT * max(size)
+@compiled
+def _fill_in(
+    T: Array,
+    target: Array,
+    x: Array,
+    leading: int,
+    C: Array,
+    lower: Array,
+    upper: Array,
+    held: Array,
+    tolerance: float,
+) -> tuple[bool, float]:
+    """x_2 nearest to its wish with ``T x_2 = target`` and the inequalities that have to be held.
+
+    Args:
+        T, target: Rows that hold, shapes (k, n_2) and (k,).
+        x: All variables, shape (n,): x_1, and the wish for x_2, which is replaced.
+        leading: Number of variables in x_1.
+        C, lower, upper: Inequalities on x, shapes (p, n), (p,) and (p,).
+        held: Side on which a row is held first, shape (p,); replaced by those that turned out right.
+        tolerance: Violation that counts as none.
+
+    Returns:
+        Whether that is the answer, and the largest violation in it.
+    """
+    known, count = T.shape
+    wish, side = x[leading:].copy(), held.copy()
+    for row in range(len(side)):
+        # A bound that has gone, a ramp's at its end say, holds nothing any more.
+        if side[row] != 0.0 and not abs(upper[row] if side[row] > 0.0 else lower[row]) < np.inf:
+            side[row] = 0.0
+    values = np.empty(len(side))
+    for _ in range(ROUNDS):
+        rows: list[int] = [row for row in range(len(side)) if side[row] != 0.0]
+        used = known + len(rows)
+        if used > count:
+            return False, 0.0
+        J, missing = np.empty((used, count)), np.empty(used)
+        J[:known], missing[:known] = T, target
+        for k, row in enumerate(rows):
+            J[known + k] = C[row, leading:]
+            missing[known + k] = upper[row] if side[row] > 0.0 else lower[row]
+        for k in range(used):
+            for i in range(count):
+                missing[k] -= J[k, i] * wish[i]
+        L, V, factors = lq(J)
+        if not independent(L):
+            return False, 0.0
+        step = np.zeros(count)
+        step[:used] = forward(L, missing)
+        pushes = -backward(L, step[:used])
+        turn(V, factors, step)
+        for i in range(count):
+            x[leading + i] = wish[i] + step[i]
+        pulls = False
+        for k, row in enumerate(rows):
+            if side[row] * pushes[known + k] < 0.0:
+                side[row] = 0.0
+                pulls = True
+        if pulls:
+            continue
+        worst, movable, chosen = -np.inf, tolerance, -1
+        for row in range(len(side)):
+            value = 0.0
+            for i in range(len(x)):
+                value += C[row, i] * x[i]
+            values[row] = value
+            excess = max(value - upper[row], lower[row] - value)
+            if not excess <= worst:
+                worst = excess
+            if excess > movable and not C[row, :leading].any():
+                movable, chosen = excess, row
+        if worst <= tolerance:
+            held[:] = side
+            return bool(x @ x < np.inf), max(worst, 0.0)
+        if chosen < 0 or side[chosen] != 0.0:
+            return False, 0.0
+        side[chosen] = 1.0 if values[chosen] > upper[chosen] else -1.0
+    return False, 0.0

@@ -96,6 +96,11 @@ class Equality:
         out = Z[self.selects] if self.selects is not None else self.A @ Z
         return out if self.scale == 1.0 else self.scale * out
 
+    def seen(self, X: Array) -> Array:
+        """``scale A x`` of all variables x in each row of X, shape (any, m)."""
+        part = X[:, self.start : self.start + self.A.shape[1]]
+        return self.scale * (part[:, self.selects] if self.selects is not None else part @ self.A.T)
+
     def residual(self, x: Array) -> Array:
         """``scale A x - b`` of all variables x, shape (m,)."""
         return self.times(x[self.start : self.start + self.A.shape[1]]) - self.b

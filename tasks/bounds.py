@@ -2,12 +2,16 @@
 
 import numpy as np
 
+from solvers.compiled import compiled
 from solvers.rows import Rows
 from sot.robot import Robot
 from sot.task import Task
 from sot.tick import Tick
 
 Array = np.ndarray
+
+RETURN_RATE = 10.0
+"""Rate [1/s] at which a joint that starts outside its range is led back."""
 
 
 class TorqueBounds(Task):
@@ -86,33 +90,40 @@ class AccelerationBounds:
     """
 
     def __init__(self, lower: Array, upper: Array, velocity: Array, brake: Array, hard: Array) -> None:
-        # Both ends at once: towards the upper one, and mirrored, towards the lower one.
-        self._ends = np.array([upper, -lower])
-        self._velocity, self._brake, self._most, self._least = velocity, brake, hard, -hard
-        self._inside = self.outside = np.zeros(len(lower))
+        self._limits = lower, upper, velocity, brake, hard
+        self.outside = np.zeros(len(lower))
 
     def __call__(self, q: Array, v: Array, period: float) -> tuple[Array, Array]:
         """Smallest and largest acceleration of joints at q, moving with v, for a period [s]; shapes (n,)."""
-        v = np.array((v, -v))
-        distance = self._ends - np.array((q, -q))
-        # With w = v + a T: w² + brake T w = 2 brake (distance − (v + w) T / 2), the larger root. The second term is
-        # what braking for whole periods takes beyond w² = 2 brake distance; without it the last of them is a kick.
-        reach = self._brake * period
-        room = 2.0 * distance - period * v
-        stopping = np.sqrt(np.maximum(self._brake * room + reach**2, 0.0)) - reach
-        most = (np.minimum(stopping, self._velocity) - v) / period
-        self.outside = self._inside
-        # The reductions themselves: `min` on top of them takes as long again.
-        if np.minimum.reduce(room, axis=None) < 0.0 or np.minimum.reduce(distance, axis=None) < 0.0:
-            self.outside = np.maximum(-distance[0], 0.0) - np.maximum(-distance[1], 0.0)
-            # Nearer than one period's travel: to be no further than the limit after it.
-            near = np.where(room >= 0.0, most, 2.0 * (distance - period * v) / period**2)
-            # Beyond the limit: back at a rate that dies out, not harder than one brakes.
-            returning = np.maximum((RETURN_RATE * distance - v) / period, -self._brake)
-            most = np.minimum(np.where(distance >= 0.0, near, returning), (self._velocity - v) / period)
-        up, down = np.maximum(np.minimum(most, self._most), self._least)
-        return np.minimum(-down, up), up
+        low, high, self.outside = _viable(q, v, period, *self._limits)
+        return low, high
 
 
-RETURN_RATE = 10.0
-"""Rate [1/s] at which a joint that starts outside its range is led back."""
+@compiled
+def _viable(
+    q: Array, v: Array, period: float, lower: Array, upper: Array, velocity: Array, brake: Array, hard: Array
+) -> tuple[Array, Array, Array]:
+    low, high, outside = np.empty(len(q)), np.empty(len(q)), np.zeros(len(q))
+    for k in range(len(q)):
+        high[k] = min(max(_largest(upper[k] - q[k], v[k], period, velocity[k], brake[k]), -hard[k]), hard[k])
+        low[k] = -min(max(_largest(q[k] - lower[k], -v[k], period, velocity[k], brake[k]), -hard[k]), hard[k])
+        low[k] = min(low[k], high[k])
+        outside[k] = max(q[k] - upper[k], 0.0) - max(lower[k] - q[k], 0.0)
+    return low, high, outside
+
+
+@compiled
+def _largest(distance: float, v: float, period: float, velocity: float, brake: float) -> float:
+    """Largest acceleration towards an end of the range that is a distance away, moving towards it with v."""
+    # With w = v + a T: w² + brake T w = 2 brake (distance − (v + w) T / 2), the larger root. The second term is what
+    # braking for whole periods takes beyond w² = 2 brake distance; without it the last of them is a kick.
+    reach, room = brake * period, 2.0 * distance - period * v
+    stopping = np.sqrt(max(brake * room + reach**2, 0.0)) - reach
+    most = (min(stopping, velocity) - v) / period
+    if room >= 0.0 and distance >= 0.0:
+        return most
+    if distance >= 0.0:  # nearer than one period's travel: to be no further than the limit after it
+        most = 2.0 * (distance - period * v) / period**2
+    else:  # beyond the limit: back at a rate that dies out, not harder than one brakes
+        most = max((RETURN_RATE * distance - v) / period, -brake)
+    return min(most, (velocity - v) / period)

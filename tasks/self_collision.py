@@ -48,8 +48,7 @@ class SelfCollision(Task):
         self._least, self._acceleration = least, robot.acceleration
         self._proximity, self._ahead = Proximity(robot), robot.model.createData()
         self.pairs = self._proximity.pairs
-        limits = (np.array([limit]) for limit in (least, np.inf, np.inf, BRAKE, np.inf))
-        self._bounds = AccelerationBounds(*limits)
+        self._bounds = self._braked(0)
         self._watched: list[int] = []
         self._looked = -np.inf
         self._A, self._lower, self._upper = np.zeros((0, robot.nv)), np.zeros(0), np.zeros(0)
@@ -75,7 +74,7 @@ class SelfCollision(Task):
         near, self.error = self._watched, _NONE
         if len(near) > len(self._lower):
             self._A, self._lower = np.zeros((len(near), len(tick.v))), np.full(len(near), -np.inf)
-            self._upper = np.full(len(near), np.inf)
+            self._upper, self._bounds = np.full(len(near), np.inf), self._braked(len(near))
         count = len(near)
         self._A[count:], self._lower[count:] = 0.0, -np.inf
         self.labels = [" and ".join(self.pairs[k]) for k in near]
@@ -87,6 +86,10 @@ class SelfCollision(Task):
             most = np.abs(self._A[:count, 6:]) @ self._acceleration
             self._lower[:count] = np.minimum(wanted, most)
         return self._rows(self._A, self._lower, self._upper)
+
+    def _braked(self, pairs: int) -> AccelerationBounds:
+        """Bounds for some pairs, or fewer."""
+        return AccelerationBounds(*(np.full(pairs, limit) for limit in (self._least, np.inf, np.inf, BRAKE, np.inf)))
 
     def _look(self, tick: Tick) -> list[int]:
         """Pairs whose approach may have to be braked before the next look."""
