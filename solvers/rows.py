@@ -152,6 +152,10 @@ class Level:
             self._b = parts[0] if len(parts) == 1 else np.concatenate(parts) if parts else np.zeros(0)
         return self._b
 
+    def renew(self) -> None:
+        """To be called when its numbers have been replaced."""
+        self._A = self._b = None
+
     @property
     def columns(self) -> int:
         """Number of leading variables that the equalities involve; all of them if there are none."""

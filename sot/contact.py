@@ -96,6 +96,11 @@ class Contact:
         return 3 * count if self.form == "pyramid" else 6 + count
 
     @property
+    def link_count(self) -> int:
+        """Number of equalities between the force variables in the present mode."""
+        return 3 if self.form == "unilateral" and self.mode == "fixed" else 0
+
+    @property
     def held(self) -> tuple[int, ...]:
         """Axes (x, y, z, roll, pitch, yaw) that the present mode holds."""
         return {"fixed": (0, 1, 2, 3, 4, 5), "sliding": (2, 3, 4), "off": ()}[self.mode]
@@ -119,7 +124,7 @@ class Contact:
 
     def force_equalities(self, tick: Tick) -> Array:
         """Rows E with ``E φ = 0``, shape (e, k): Ramos (7) for the unilateral form when fixed, else none."""
-        if self.form == "pyramid" or self.mode == "sliding":
+        if not self.link_count:
             return np.zeros((0, self.force_count))
         arms = self.vertices @ tick.frame(self.point).rotation.T
         E = np.zeros((3, self.force_count))

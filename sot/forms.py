@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.rows import Block, Equality, Rows
+from solvers.rows import Block, Rows
 from sot.robot import Robot
 from sot.task import On
 from sot.tick import GRAVITY
@@ -48,13 +48,13 @@ class Units:
 class Linear(NamedTuple):
     """``y = (scale / weight) A x[start : start + k] + offset``, with the weight of the task's rows.
 
-    Where `selects` is given, A is these rows of the identity."""
+    Where `selects` is given, A is these rows of the identity; no offset is 0."""
 
     A: Array
     scale: float
     start: int = 0
     selects: slice | None = None
-    offset: Array | float = 0.0
+    offset: Array | None = None
 
 
 class Form(ABC):
@@ -67,13 +67,14 @@ class Form(ABC):
 
     Attributes:
         size: Number of variables.
+        share: Scale of the equation of motion's rows [1/N].
         motion: ``M v̇ − Jᵀ φ`` as a matrix on (v̇, φ), φ in `Units.force`, shape (nv, nv + forces); to be filled in.
         bias: h, shape (nv,) [N, N m].
     """
 
     def __init__(self, robot: Robot, units: Units, forces: int) -> None:
         self.units, self.nv, self.na, self.forces = units, robot.nv, robot.na, forces
-        self.size = self._size()
+        self.size, self.share = self._size(), 1.0 / units.weight
         self.motion = np.empty((robot.nv, robot.nv + forces))
         self.bias = np.empty(robot.nv)
 
@@ -85,9 +86,13 @@ class Form(ABC):
             return Linear(rows.A, rows.weight * self.units.force, self.nv, rows.selects)
         return self._torques(rows)
 
+    def block(self) -> Block:
+        """Whose the rows of `equation` are."""
+        return Block("Dynamics", "N", self.share, True, slice(0), labels=_OF_BASE)
+
     @abstractmethod
-    def equalities(self) -> list[tuple[Block, Equality]]:
-        """What the equation of motion leaves to level 0."""
+    def equation(self) -> tuple[Array, Array]:
+        """What the equation of motion leaves to level 0, ``share A x = b``: A and b."""
 
     @abstractmethod
     def torque(self, x: Array) -> Array:
@@ -106,9 +111,9 @@ class Condensed(Form):
     def _size(self) -> int:
         return self.nv + self.forces
 
-    def equalities(self) -> list[tuple[Block, Equality]]:
+    def equation(self) -> tuple[Array, Array]:
         """The base's rows."""
-        return [_dynamics(self.motion[:6], self.bias[:6], self.units)]
+        return self.motion[:6], -self.share * self.bias[:6]
 
     def torque(self, x: Array) -> Array:
         """From the joints' rows."""
@@ -127,11 +132,11 @@ class Full(Form):
     def _size(self) -> int:
         return self.nv + self.forces + self.na
 
-    def equalities(self) -> list[tuple[Block, Equality]]:
+    def equation(self) -> tuple[Array, Array]:
         """All rows."""
         driven = np.zeros((self.nv, self.na))
         driven[6:] = -self.units.torque * np.eye(self.na)
-        return [_dynamics(np.hstack([self.motion, driven]), self.bias, self.units)]
+        return np.hstack([self.motion, driven]), -self.share * self.bias
 
     def torque(self, x: Array) -> Array:
         """As they stand there."""
@@ -142,10 +147,3 @@ class Full(Form):
 
 
 _OF_BASE = ("force x", "force y", "force z", "moment x", "moment y", "moment z")
-
-
-def _dynamics(rows: Array, bias: Array, units: Units) -> tuple[Block, Equality]:
-    share = 1.0 / units.weight
-    return Block("Dynamics", "N", share, True, slice(0, len(bias)), labels=_OF_BASE), Equality(
-        rows, -share * bias, share
-    )

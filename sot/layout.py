@@ -1,0 +1,207 @@
+"""Where a tick's rows stand, for as long as the contacts, the tasks and their numbers of rows stay what they are.
+
+Matrices are kept from tick to tick, and only what moves is written again.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from solvers.rows import Block, Equality, Level, Rows
+from sot.contact import Contact
+from sot.forms import Form
+from sot.task import Task
+from sot.tick import Tick
+
+Array = np.ndarray
+
+FRICTION_GIVES_WAY = 3
+"""Place of the friction pyramids in the order in which level 0 is relaxed: the last."""
+_ANY = slice(0)
+_NOTHING = np.empty(0)
+
+
+class Layout:
+    """The levels of ticks that are alike.
+
+    Args:
+        form: The variables.
+        contacts: Contacts, those that are off included.
+        levels: Names and tasks of all levels, level 0 first.
+        rows: What the tasks ask for, one after the other, at such a tick.
+
+    Attributes:
+        levels: As they were written last.
+        footings: Of the contacts that are not off, each with its place among all.
+    """
+
+    def __init__(
+        self,
+        form: Form,
+        contacts: Sequence[Contact],
+        levels: Sequence[tuple[str, Sequence[Task]]],
+        rows: Sequence[Rows],
+    ) -> None:
+        self.form = form
+        self.levels: list[Level] = []
+        self.footings: list[tuple[int, Footing]] = []
+        self._equalities: list[tuple[int, Task, Equality]] = []
+        self._bounds: list[tuple[int, Task, _Bounds]] = []
+        asked = iter(enumerate(rows))
+        for name, tasks in levels:
+            pile = _Pile()
+            if not self.levels:
+                self._stand(contacts, pile)
+                self._dynamics = pile.equality(form.block(), Equality(*form.equation(), form.share))
+            for task in tasks:
+                k, own = next(asked)
+                block = Block(task.name, task.unit, task.weight, task.equality, _ANY, task.gives_way, task.labels)
+                seen = form.seen(task.on, own)
+                if task.equality:
+                    equality = Equality(seen.A, own.lower, seen.scale, seen.start, seen.selects)
+                    self._equalities.append((k, task, pile.equality(block, equality)))
+                else:
+                    constant = own.selects is not None and seen.selects is not None
+                    bounds = _Bounds(block, len(own.lower), seen.start, constant)
+                    self._bounds.append((k, task, pile.inequality(bounds)))
+            self.levels.append(pile.level(name, form.size))
+
+    def write(self, tick: Tick, rows: Sequence[Rows]) -> list[Level]:
+        """The levels of a tick; its mass matrix and bias are in the form already."""
+        form, dynamics = self.form, self._dynamics
+        for _, footing in self.footings:
+            footing.write(tick)
+        dynamics.A, dynamics.b = form.equation()
+        for k, task, equality in self._equalities:
+            own = rows[k]
+            seen = form.seen(task.on, own)
+            equality.A, equality.scale = seen.A, seen.scale
+            wanted = own.lower if seen.offset is None else own.lower - seen.offset
+            equality.b = wanted if own.weight == 1.0 else own.weight * wanted
+        for k, task, bounds in self._bounds:
+            own = rows[k]
+            seen, lower, upper = form.seen(task.on, own), own.lower, own.upper
+            if seen.offset is not None:
+                lower, upper = lower - seen.offset, upper - seen.offset
+            bounds.write(seen.A, seen.scale, lower, upper, own.weight)
+            bounds.block.labels = task.labels
+        for level in self.levels:
+            level.renew()
+        return self.levels
+
+    def _stand(self, contacts: Sequence[Contact], pile: "_Pile") -> None:
+        """What contacts ask of level 0."""
+        end = self.form.nv
+        for k, contact in enumerate(contacts):
+            columns = slice(end, end := end + contact.force_count)
+            if contact.mode != "off":
+                self.footings.append((k, Footing(contact, self.form, columns, pile)))
+
+
+class Footing:
+    """A contact's part of level 0, and of the equation of motion.
+
+    Attributes:
+        columns: Its forces φ among the variables.
+        map: From φ [N] to the wrench of the floor on its point, world axes, shape (6, k).
+    """
+
+    def __init__(self, contact: Contact, form: Form, columns: slice, pile: "_Pile") -> None:
+        self.contact, self.columns, self.map = contact, columns, np.zeros((6, 0))
+        self._units = form.units
+        self._axes = list(contact.held)
+        self._on_motion = form.motion[:, columns]
+        block = Block(f"Contact {contact.point}", "m/s²", 1.0, True, _ANY, labels=contact.axes)
+        self._held = pile.equality(block, Equality(np.empty((len(self._axes), form.nv)), np.empty(len(self._axes))))
+        self._pressure: Equality | None = None
+        if columns.start == columns.stop:
+            return
+        share = 1.0 / form.units.force
+        if links := contact.link_count:
+            E = np.empty((links, contact.force_count))
+            block = Block(f"Pressure {contact.point}", "N", share, True, _ANY)
+            self._pressure = pile.equality(block, Equality(E, np.zeros(links), start=columns.start))
+        count = len(contact.force_inequalities(1.0)[1])
+        labels = contact.force_labels(count)
+        block = Block(f"Friction {contact.point}", "N", share, False, _ANY, FRICTION_GIVES_WAY, labels)
+        self._friction = pile.inequality(_Bounds(block, count, columns.start, constant=True))
+
+    def write(self, tick: Tick) -> None:
+        """Its rows at a tick."""
+        contact, held = self.contact, self._held
+        frame = tick.frame(contact.point)
+        held.A, held.b = frame.jacobian, contact.acceleration(tick) - frame.drift
+        if len(self._axes) < 6:
+            held.A, held.b = held.A[self._axes], held.b[self._axes]
+        if self.columns.start == self.columns.stop:
+            return
+        self.map = contact.wrench_map(tick)
+        np.matmul(frame.jacobian.T, -self._units.force * self.map, out=self._on_motion)
+        if self._pressure is not None:
+            self._pressure.A = contact.force_equalities(tick)
+        F, lower, upper = contact.force_inequalities(self._units.weight)
+        self._friction.write(F, 1.0, lower, upper, 1.0 / self._units.force)
+
+
+class _Bounds:
+    """One owner's inequalities, in their place among those of a level.
+
+    Args:
+        block: Whose they are.
+        count: Of rows.
+        start: The first variable that they involve.
+        constant: Whether their matrix stays what it is, but for its scale.
+    """
+
+    def __init__(self, block: Block, count: int, start: int, constant: bool) -> None:
+        self.block, self.count, self._start, self._constant = block, count, start, constant
+        self._scale: float | None = None  # at which the matrix was written
+        self._seen: Array | None = None  # whose numbers the upper bounds are
+
+    def place(self, C: Array, lower: Array, upper: Array) -> None:
+        """Where to write."""
+        self._C, self._lower, self._upper = C, lower, upper
+
+    def write(self, A: Array, scale: float, lower: Array, upper: Array, share: float) -> None:
+        """Write ``share lower <= scale A x[start : ...] <= share upper``."""
+        if not self._constant or scale != self._scale:
+            np.multiply(A, scale, out=self._C[:, self._start : self._start + A.shape[1]])
+        # Arrays that nobody can write to are the same as last time.
+        if upper is not self._seen or scale != self._scale or upper.flags.writeable:
+            np.multiply(lower, share, out=self._lower)
+            np.multiply(upper, share, out=self._upper)
+        self._scale, self._seen = scale, upper
+
+
+class _Pile:
+    """A level that is being put together."""
+
+    def __init__(self) -> None:
+        self._equalities: list[Equality] = []
+        self._blocks: list[Block] = []
+        self._bounds: list[_Bounds] = []
+
+    def equality(self, block: Block, equality: Equality) -> Equality:
+        """Add rows that hold with equality."""
+        start = self._blocks[-1].rows.stop if self._blocks else 0
+        block.rows = slice(start, start + len(equality.b))
+        self._blocks.append(block)
+        self._equalities.append(equality)
+        return equality
+
+    def inequality(self, bounds: _Bounds) -> _Bounds:
+        """Add others."""
+        start = self._bounds[-1].block.rows.stop if self._bounds else 0
+        bounds.block.rows = slice(start, start + bounds.count)
+        self._bounds.append(bounds)
+        return bounds
+
+    def level(self, name: str, size: int) -> Level:
+        """The level, with room for what will be written."""
+        count = sum(bounds.count for bounds in self._bounds)
+        C, lower, upper = np.zeros((count, size)), np.empty(count), np.empty(count)
+        for bounds in self._bounds:
+            rows = bounds.block.rows
+            bounds.place(C[rows], lower[rows], upper[rows])
+        blocks = self._blocks + [bounds.block for bounds in self._bounds]
+        return Level(name, size, self._equalities, C, lower, upper, blocks)
