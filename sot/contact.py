@@ -3,8 +3,8 @@
 from typing import Literal
 
 import numpy as np
-import pinocchio as pin
 
+from solvers.compiled import compiled
 from sot.task import AXIS_NAMES, PoseReference
 from sot.tick import Tick
 
@@ -81,8 +81,6 @@ class Contact:
             len(part) * len(vertices): [f"vertex {k} {side}" for k in range(len(vertices)) for side in part]
             for part in (sides, sides[-1:])
         }
-        arms = np.hstack([pin.skew(vertex) for vertex in self.vertices])
-        self._map = np.array([np.tile(np.eye(3), len(vertices)), arms])
         self._cone = (
             self._pyramids() if form == "pyramid" else np.hstack([np.zeros((len(vertices), 6)), np.eye(len(vertices))])
         )
@@ -120,7 +118,7 @@ class Contact:
             return self._sliding_map(tick)
         if self.form == "unilateral":
             return np.hstack([np.eye(6), np.zeros((6, len(self.vertices)))])
-        return (tick.frame(self.point).rotation @ self._map).reshape(6, -1)
+        return _wrenches(tick.frame(self.point).rotation, self.vertices)
 
     def force_equalities(self, tick: Tick) -> Array:
         """Rows E with ``E φ = 0``, shape (e, k): Ramos (7) for the unilateral form when fixed, else none."""
@@ -163,12 +161,7 @@ class Contact:
         Velocity damping alone would hold a foot in whatever tilt it has landed.
         """
         frame = tick.frame(self.point)
-        k, d = self.stiffness, self.damping
-        nx, ny, _ = frame.rotation[:, 2].tolist()
-        vx, vy, vz, wx, wy, wz = frame.velocity.tolist()
-        # The floor's normal seen from the sole's: n × e_z is the rotation that brings the sole flat.
-        height = float(frame.position[2])
-        return np.array((-d * vx, -d * vy, -d * vz - k * height, k * ny - d * wx, -k * nx - d * wy, -d * wz))
+        return _lying(frame.position, frame.rotation, frame.velocity, self.stiffness, self.damping)
 
     def _sliding_map(self, tick: Tick) -> Array:
         """Normal forces, and the friction that goes with them, as wrenches (6, nc)."""
@@ -185,3 +178,31 @@ class Contact:
         mu = self.friction / np.sqrt(2.0)  # inscribed: on its diagonals the pyramid reaches the cone, not beyond
         corner = np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu], [0, 0, 1]])
         return np.kron(np.eye(len(self.vertices)), corner)
+
+
+@compiled
+def _lying(position: Array, rotation: Array, velocity: Array, stiffness: float, damping: float) -> Array:
+    wanted = -damping * velocity
+    wanted[2] -= stiffness * position[2]
+    # The floor's normal seen from the sole's: n × e_z is the rotation that brings the sole flat.
+    wanted[3] += stiffness * rotation[1, 2]
+    wanted[4] -= stiffness * rotation[0, 2]
+    return wanted
+
+
+@compiled
+def _wrenches(rotation: Array, vertices: Array) -> Array:
+    """Forces at vertices, all in the point's axes, as wrenches at the point, world axes: shape (6, 3 n)."""
+    out = np.empty((6, 3 * len(vertices)))
+    for k in range(len(vertices)):
+        x, y, z = vertices[k]
+        for i in range(3):
+            a, b, c = rotation[i, 0], rotation[i, 1], rotation[i, 2]
+            out[i, 3 * k], out[i, 3 * k + 1], out[i, 3 * k + 2] = a, b, c
+            # The rows of R [p]×.
+            out[3 + i, 3 * k], out[3 + i, 3 * k + 1], out[3 + i, 3 * k + 2] = (
+                b * z - c * y,
+                c * x - a * z,
+                a * y - b * x,
+            )
+    return out

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from solvers.compiled import compiled
+
 Array = np.ndarray
 
 
@@ -55,21 +57,36 @@ class Polygon:
 
     def nearest(self, point: Array) -> Array:
         """The point of the polygon that is nearest to a point (2,); the point itself if the polygon is empty."""
-        excess = self.normals @ point - self.offsets
-        if max(excess.tolist()) <= 0.0:
-            return point
-        # Along each edge's line, from the projection of the point, how far the other edges (rows) let it go.
-        along = self.normals @ [[0.0, 1.0], [-1.0, 0.0]]
-        projections = point - excess[:, None] * self.normals
-        slope = self.normals @ along.T
-        room = self.offsets[:, None] - self.normals @ projections.T
-        crosses = np.abs(slope) > 1e-9
-        stop = room / np.where(crosses, slope, 1.0)
-        low = np.where(crosses & (slope < 0.0), stop, -np.inf).max(axis=0)
-        high = np.where(crosses & (slope > 0.0), stop, np.inf).min(axis=0)
-        exists = (low <= high + 1e-9) & (crosses | (room > -1e-9)).all(axis=0)
-        if not exists.any():
-            return point
-        shift = np.clip(0.0, low, high)
-        k = int(np.argmin(np.where(exists, excess**2 + shift**2, np.inf)))
-        return projections[k] + shift[k] * along[k]
+        return nearest(self.normals, self.offsets, point)
+
+
+ANYWHERE = Polygon(np.zeros((0, 2)), np.zeros(0))
+"""The whole floor."""
+
+
+@compiled
+def nearest(normals: Array, offsets: Array, point: Array) -> Array:
+    """`Polygon.nearest`."""
+    x, y = point[0], point[1]
+    best_x, best_y, least = x, y, np.inf
+    for k in range(len(normals)):
+        nx, ny = normals[k, 0], normals[k, 1]
+        excess = nx * x + ny * y - offsets[k]
+        if excess <= 0.0:
+            continue
+        # Along the edge's line, from the projection of the point, how far the other edges let it go.
+        on_x, on_y = x - excess * nx, y - excess * ny
+        low, high, exists = -np.inf, np.inf, True
+        for j in range(len(normals)):
+            slope = normals[j, 1] * nx - normals[j, 0] * ny
+            room = offsets[j] - normals[j, 0] * on_x - normals[j, 1] * on_y
+            if slope > 1e-9:
+                high = min(high, room / slope)
+            elif slope < -1e-9:
+                low = max(low, room / slope)
+            elif room < -1e-9:
+                exists = False
+        shift = min(max(0.0, low), high)
+        if exists and low <= high + 1e-9 and excess**2 + shift**2 < least:
+            best_x, best_y, least = on_x - shift * ny, on_y + shift * nx, excess**2 + shift**2
+    return np.array((best_x, best_y))

@@ -6,6 +6,7 @@ from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 
+from solvers.compiled import compiled
 from solvers.rows import Rows
 from sot.tick import Tick
 
@@ -94,5 +95,10 @@ class MotionTask(Task):
     def rows(self, tick: Tick) -> Rows:
         """Acceleration rows."""
         self.error, rate, J, drift, feedforward = self.observe(tick)
-        wanted = feedforward + self.kp * self.error + self.kd * rate - drift
+        wanted = _led_back(self.error, rate, drift, feedforward, self.kp, self.kd)
         return self._rows(J, wanted, wanted)
+
+
+@compiled
+def _led_back(error: Array, rate: Array, drift: Array, feedforward: Array, kp: float, kd: float) -> Array:
+    return feedforward + kp * error + kd * rate - drift

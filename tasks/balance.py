@@ -1,12 +1,12 @@
 """The centre of mass kept where the feet can hold it, by its divergent component."""
 
 from collections.abc import Callable, Mapping
-from math import sqrt
 
 import numpy as np
 
+from solvers.compiled import compiled
 from solvers.rows import Rows
-from sot.polygon import Polygon
+from sot.polygon import ANYWHERE, Polygon, nearest
 from sot.task import Task
 from sot.tick import GRAVITY, Tick
 
@@ -56,32 +56,14 @@ class Balance(Task):
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
-        c, velocity, acceleration, z = self._reference(tick.t)
-        crept = self._crept(tick)
-        self.error = error = c - tick.com
-        rate = velocity - tick.com_velocity
-        wanted = acceleration - tick.com_drift
-        x, y, height = error.tolist()
-        rate_x, rate_y, rise = rate.tolist()
-        if crept is not None:
-            x, y = x + crept[0], y + crept[1]
-            error[0], error[1] = x, y
-            z = z + crept
-        omega = sqrt(GRAVITY / max(float(tick.com[2]), 0.1))
-        # The deviation from the plan, and the ZMP that leads the divergent component back.
-        gain = 1.0 + self.k / omega
-        lag = np.array((-gain * (x + rate_x / omega), -gain * (y + rate_y / omega)))
-        polygon = self._support(tick)
-        if polygon is not None:
-            lag = _admitted(lag, polygon, z, c[:2] - acceleration[:2] * c[2] / (GRAVITY + acceleration[2]))
-        wanted -= (
-            omega**2 * (x + float(lag[0])),
-            omega**2 * (y + float(lag[1])),
-            -self.kp * height - 2.0 * sqrt(self.kp) * rise,
+        plan, polygon = self._reference(tick.t), self._support(tick)
+        state = tick.com, tick.com_velocity, tick.com_drift
+        self.error, wanted = _led_back(
+            *plan, *state, self._crept(tick), self.k, self.kp, polygon.normals, polygon.offsets
         )
         return self._rows(tick.com_jacobian, wanted, wanted)
 
-    def _crept(self, tick: Tick) -> tuple[float, float] | None:
+    def _crept(self, tick: Tick) -> tuple[float, float]:
         """How far the contacts that stand are from where the plan has them [m], on average, by the load they may take:
         where a foot comes down beside its place, the plan is to move over as gradually as it takes its load."""
         x = y = weight = 0.0
@@ -91,16 +73,16 @@ class Balance(Task):
                 place_x, place_y, _ = self._feet[contact.point](tick.t).tolist()
                 x, y = x + contact.load * (at_x - place_x), y + contact.load * (at_y - place_y)
                 weight += contact.load
-        return (x / weight, y / weight) if weight else None
+        return (x / weight, y / weight) if weight else (0.0, 0.0)
 
-    def _support(self, tick: Tick) -> Polygon | None:
-        """Where the contacts let the zero-moment point be, drawn in by the margin; none if nothing carries.
+    def _support(self, tick: Tick) -> Polygon:
+        """Where the contacts let the zero-moment point be, drawn in by the margin; anywhere if nothing carries.
 
         A contact in a ramp widens the support of the others by as much as it may bear: no jump when the ramp ends.
         """
         standing = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load > 0.0]
         if not standing:
-            return None
+            return ANYWHERE
         frames = [tick.frame(contact.point) for contact in standing]
         # Standing feet creep by fractions of a millimetre: no reason for another hull.
         places = [
@@ -124,20 +106,48 @@ class Balance(Task):
         return self._polygon
 
 
-def _admitted(lag: Array, polygon: Polygon, z: Array, pivot: Array) -> Array:
+@compiled
+def _led_back(
+    c: Array,
+    velocity: Array,
+    acceleration: Array,
+    z: Array,
+    com: Array,
+    com_velocity: Array,
+    com_drift: Array,
+    crept: tuple[float, float],
+    k: float,
+    kp: float,
+    normals: Array,
+    offsets: Array,
+) -> tuple[Array, Array]:
+    """The error c − com of a plan that creeps with the feet, and the wanted acceleration less its drift, (3,) each."""
+    error, rate, wanted = c - com, velocity - com_velocity, acceleration - com_drift
+    z = z.copy()
+    for i in range(2):
+        error[i] += crept[i]
+        z[i] += crept[i]
+    omega = np.sqrt(GRAVITY / max(com[2], 0.1))
+    # The deviation from the plan, and the zero-moment point's lag that leads the divergent component back.
+    lag = -(1.0 + k / omega) * (error[:2] + rate[:2] / omega)
+    pivot = c[:2] - acceleration[:2] * c[2] / (GRAVITY + acceleration[2])
+    lag = _admitted(lag, z, pivot, normals, offsets)
+    for i in range(2):
+        wanted[i] -= omega**2 * (error[i] + lag[i])
+    wanted[2] += kp * error[2] + 2.0 * np.sqrt(kp) * rate[2]
+    return error, wanted
+
+
+@compiled
+def _admitted(lag: Array, z: Array, pivot: Array, normals: Array, offsets: Array) -> Array:
     """As much of a wanted lag of the zero-moment point (2,) [m] as the support polygon admits.
 
     The plan's zero-moment point z differs from its pivot, the point that the floor's force on the centre of mass comes
     from, by what its angular momentum changes. When that leaves too little room, the change is given up: then the
     pivot alone has to stay inside.
     """
-    wish = z + lag
-    nearest = polygon.nearest(wish)
-    if nearest is wish:  # inside
-        return lag
-    kept = nearest - z
-    given_up = polygon.nearest(pivot + lag) - pivot
-    return kept if np.linalg.norm(kept - lag) <= np.linalg.norm(given_up - lag) else given_up
+    kept, given_up = nearest(normals, offsets, z + lag) - z - lag, nearest(normals, offsets, pivot + lag) - pivot - lag
+    return lag + (kept if kept @ kept <= given_up @ given_up else given_up)
 
 
 def _near(some: list[Place], others: list[Place]) -> bool:
