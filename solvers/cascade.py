@@ -5,7 +5,7 @@ Level 0 holds, the others are least squares of decreasing priority:
     min ‖w_k‖   subject to   A_k x - b_k = w_k,   lower_k <= C_k x - w_k <= upper_k,
                              levels above keep the violation w* they have reached.
 
-*The usual tick.* Where inequalities bite at the last level only, `Direct` needs one factorisation for all levels.
+*The usual tick.* Where inequalities bite at the last two levels only, `Direct` needs one factorisation for all levels.
 
 *Level 0's equalities* are taken out by a change of variables, `Reduction`, before anything else is tried.
 
@@ -90,12 +90,13 @@ class Cascade:
         for level, result in zip(levels, solution.levels, strict=True):
             result.level, result.x = level, reduction.back(result.x)
         if self._held is not None:
-            self._direct.expect(self._held[-1].rows, self._held[-1].side)
+            last = self._held[-2:]
+            self._direct.expect(np.concatenate([h.rows for h in last]), np.concatenate([h.side for h in last]))
         return solution
 
     def _bites_above(self) -> bool:
-        """Whether inequalities were held above the last level when null spaces were last needed."""
-        return self._held is not None and any(len(held.rows) for held in self._held[:-1])
+        """Whether inequalities were held above the last two levels when null spaces were last needed."""
+        return self._held is not None and any(len(held.rows) for held in self._held[:-2])
 
     def _strict(self, levels: Sequence[Level]) -> Solution:
         """Solve, and let rows of level 0 give way if there is no solution."""

@@ -8,42 +8,51 @@ import numpy as np
 from solvers.compiled import compiled
 from solvers.rows import Array
 
+DEPENDENT = 1e-9
+"""A row counts as depending on those before it if it is closer to their span than this, relative to its length."""
 INDEPENDENT = 1e-5
-"""Rows are taken to be independent if none is closer to the others' span than this, relative to the farthest."""
+"""And as independent if it is farther than this; in between nobody knows."""
 WELL = 1e-3
 """Normal equations whose shortest direction is longer than this, relative to the longest, are solved in one step."""
 
 
 @compiled
-def lq(J: Array) -> tuple[Array, Array, Array]:
-    """``J = [L 0] Q`` of m rows of n variables, m ≤ n, by Householder reflections.
+def lq(J: Array) -> tuple[Array, Array, Array, Array, bool]:
+    """``J = L Q`` of m rows of n variables by Householder reflections, row after row.
 
     Returns:
-        L, lower triangular (m, m); the reflections' vectors V (m, n) and factors (m,):
-        ``Qᵀ = (1 − f_0 v_0 v_0ᵀ) (1 − f_1 v_1 v_1ᵀ) …``.
+        L, shape (m, m), of which row k uses the columns up to its rank, lower triangular in the independent rows;
+        the reflections' vectors V (m, n) and factors (m,), ``Qᵀ = (1 − f_0 v_0 v_0ᵀ) (1 − f_1 v_1 v_1ᵀ) …``; the rows
+        that are independent of those before, shape (rank,); and whether there is no doubt about that.
     """
     m, n = J.shape
-    L, V, factors = np.zeros((m, m)), J.copy(), np.zeros(m)
+    L, V, factors, rows, rank, certain = np.zeros((m, m)), np.zeros((m, n)), np.zeros(m), np.zeros(m, np.int64), 0, True
+    v = np.empty(n)
     for k in range(m):
-        v = V[k]
-        for i in range(k):
+        length = 0.0
+        for i in range(n):
+            v[i] = J[k, i]
+            length += v[i] * v[i]
+        for j in range(rank):
+            _reflect(V[j], factors[j], v)
+        square = 0.0
+        for i in range(rank):
             L[k, i] = v[i]
             v[i] = 0.0
-        square = 0.0
         for i in range(n):
             square += v[i] * v[i]
-        diagonal = -np.sqrt(square) if v[k] > 0.0 else np.sqrt(square)
-        L[k, k] = diagonal
-        if diagonal == 0.0:
+        if not square > DEPENDENT**2 * length:
+            certain &= square < np.inf
             continue
-        first = v[k] - diagonal
+        certain &= square > INDEPENDENT**2 * length
+        diagonal = -np.sqrt(square) if v[rank] > 0.0 else np.sqrt(square)
+        first = v[rank] - diagonal
         for i in range(n):
-            v[i] /= first
-        v[k] = 1.0
-        factors[k] = -first / diagonal
-        for j in range(k + 1, m):
-            _reflect(v, factors[k], V[j])
-    return L, V, factors
+            V[rank, i] = v[i] / first
+        V[rank, rank] = 1.0
+        L[k, rank], factors[rank], rows[rank] = diagonal, -first / diagonal, k
+        rank += 1
+    return L, V, factors, rows[:rank], certain
 
 
 @compiled
@@ -57,43 +66,32 @@ def _reflect(v: Array, factor: float, x: Array) -> None:
 
 
 @compiled
-def turn(V: Array, factors: Array, x: Array) -> None:
+def turn(V: Array, factors: Array, rank: int, x: Array) -> None:
     """``x ← Qᵀ x``, shape (n,)."""
-    for k in range(len(factors) - 1, -1, -1):
+    for k in range(rank - 1, -1, -1):
         _reflect(V[k], factors[k], x)
 
 
 @compiled
-def independent(L: Array) -> bool:
-    """Whether the rows that were factorised are; those that hold what is not a number are not."""
-    shortest, longest = np.inf, 0.0
-    for k in range(len(L)):
-        size = abs(L[k, k])
-        if not size < np.inf:
-            return False
-        shortest, longest = min(shortest, size), max(longest, size)
-    return shortest > INDEPENDENT * longest or not len(L)
-
-
-@compiled
-def forward(L: Array, b: Array) -> Array:
-    """y with ``L y = b``, L lower triangular (m, m)."""
-    y = b.copy()
-    for k in range(len(y)):
+def forward(L: Array, rows: Array, b: Array) -> Array:
+    """y with ``L y = b`` in the independent rows, shape (rank,); b has shape (m,)."""
+    y = np.empty(len(rows))
+    for k, row in enumerate(rows):
+        y[k] = b[row]
         for i in range(k):
-            y[k] -= L[k, i] * y[i]
-        y[k] /= L[k, k]
+            y[k] -= L[row, i] * y[i]
+        y[k] /= L[row, k]
     return y
 
 
 @compiled
-def backward(L: Array, b: Array) -> Array:
-    """y with ``Lᵀ y = b``, L lower triangular (m, m)."""
+def backward(L: Array, rows: Array, b: Array) -> Array:
+    """y with ``Lᵀ y = b``, L the independent rows, shapes (rank,)."""
     y = b.copy()
-    for k in range(len(y) - 1, -1, -1):
-        y[k] /= L[k, k]
+    for k in range(len(rows) - 1, -1, -1):
+        y[k] /= L[rows[k], k]
         for i in range(k):
-            y[i] -= L[k, i] * y[k]
+            y[i] -= L[rows[k], i] * y[k]
     return y
 
 
@@ -106,15 +104,38 @@ def solutions(J: Array, b: Array) -> tuple[Array, bool]:
     """
     m, n = J.shape
     X = np.zeros((1 + n - m, n))
-    L, V, factors = lq(J)
-    if not independent(L):
+    L, V, factors, rows, certain = lq(J)
+    if len(rows) < m or not certain:
         return X, False
-    X[0, :m] = forward(L, b)
+    X[0, :m] = forward(L, rows, b)
     for k in range(n - m):
         X[1 + k, m + k] = 1.0
     for k in range(len(X)):
-        turn(V, factors, X[k])
+        turn(V, factors, m, X[k])
     return X, True
+
+
+@compiled
+def cholesky(B: Array) -> tuple[Array, float]:
+    """L with ``L Lᵀ = B Bᵀ``, lower triangular, and its shortest direction, relative to the longest or to 1 if that is
+    more; 0 if there is no such L."""
+    m, n = B.shape
+    L, shortest, longest = np.zeros((m, m)), np.inf, 1.0
+    for i in range(m):
+        for j in range(i + 1):
+            along = 0.0
+            for k in range(n):
+                along += B[i, k] * B[j, k]
+            for k in range(j):
+                along -= L[i, k] * L[j, k]
+            if i > j:
+                L[i, j] = along / L[j, j]
+                continue
+            if not 0.0 < along < np.inf:
+                return L, 0.0
+            L[i, i] = np.sqrt(along)
+            shortest, longest = min(shortest, L[i, i]), max(longest, L[i, i])
+    return L, shortest / longest
 
 
 @compiled
@@ -126,54 +147,30 @@ def nearest(X: Array, B: Array, b: Array) -> tuple[Array, bool]:
     Returns:
         Shape (n,), and whether W determines it.
     """
-    x, free, m = X[0].copy(), len(X) - 1, len(b)
+    x, free = X[0].copy(), len(X) - 1
     if not free:
         return x, True
-    L = np.zeros((free, free))
-    for i in range(free):
-        for j in range(i + 1):
-            along = 0.0
-            for k in range(m):
-                along += B[1 + i, k] * B[1 + j, k]
-            L[i, j] = along
-    if m < free or not _cholesky(L):
+    L, shortest = cholesky(B[1:])
+    if len(b) < free or not shortest > INDEPENDENT:
         return x, False
-    rest = b - B[0]
+    rows, rest = np.arange(free), b - B[0]
     for _ in range(2):
-        y = np.zeros(free)
-        for i in range(free):
-            for k in range(m):
-                y[i] += B[1 + i, k] * rest[k]
-        y = backward(L, forward(L, y))
+        y = backward(L, rows, forward(L, rows, times(B[1:], rest)))
         for i in range(free):
             for k in range(len(x)):
                 x[k] += y[i] * X[1 + i, k]
-            for k in range(m):
+            for k in range(len(b)):
                 rest[k] -= y[i] * B[1 + i, k]
-        if _shortest(L) > WELL:
+        if shortest > WELL:
             break
     return x, True
 
 
 @compiled
-def _cholesky(L: Array) -> bool:
-    """Replace a symmetric matrix, whose lower half counts, by its factor; whether it is well enough defined."""
-    for j in range(len(L)):
-        for i in range(j, len(L)):
-            for k in range(j):
-                L[i, j] -= L[i, k] * L[j, k]
-        if not 0.0 < L[j, j] < np.inf:
-            return False
-        scale = np.sqrt(L[j, j])
-        for i in range(j, len(L)):
-            L[i, j] /= scale
-    return _shortest(L) > INDEPENDENT
-
-
-@compiled
-def _shortest(L: Array) -> float:
-    """Shortest of a factor's directions, relative to the longest, or to 1 if that is more."""
-    shortest, longest = np.inf, 1.0
-    for k in range(len(L)):
-        shortest, longest = min(shortest, L[k, k]), max(longest, L[k, k])
-    return shortest / longest
+def times(A: Array, x: Array) -> Array:
+    """``A x``."""
+    out = np.zeros(len(A))
+    for i in range(len(A)):
+        for k in range(len(x)):
+            out[i] += A[i, k] * x[k]
+    return out

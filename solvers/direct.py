@@ -1,18 +1,20 @@
-"""The cascade of a tick on which inequalities bite at its last level only, or not at all.
+"""The cascade of a tick on which inequalities bite at its last two levels only, or not at all.
 
 Most ticks are of that kind, and they need no null-space basis between levels. With variables (x_1, x_2) as in
 `Reduction`, and as long as each level's rows J_k can be met exactly, the lexicographic optimum of
 
     J_0 x_1 = b_0,  J_1 x_1 = b_1,  ...
 
-is the least-norm solution of all of them together: one factorisation ``[J_0; J_1; ...]ᵀ = Q R``, one triangular solve.
-The first level with more rows than there are variables left takes these by least squares. Then x_2 has to answer
-what level 0 asks of it, ``R x_2 = r − P x_1``, and the last level, which wants ``x_2 = b``, gets the nearest point:
+are the solutions of all of them together: one factorisation. The first level with more rows than there are variables
+left, ``W x_1 = b``, takes these by least squares: that determines x_1. Then x_2 has to answer what level 0 asks of it,
+``R x_2 = r − P x_1``, and the last level, which wants ``x_2 = w``, gets the nearest point that does.
 
-    x_2 = b + T⁺ (t − T b),   T the rows R and those inequalities on x_2 that are held.
+Inequalities that bite are held as equalities. Rows that x_2 can answer beside R cost the last level something. Where
+they are more than x_2 can answer, combinations of them that leave x_2 out are rows on x_1, and cost the level of W.
 
-The result is checked exactly: all inequalities of level 0 hold, and the held ones push the right way. What does not
-fit is left to others: rows that contradict each other, a level of another kind, an inequality that bites higher up.
+The result is checked exactly: all inequalities of level 0 hold, and the held ones push the right way at the level that
+they cost first. What does not fit is left to others: rows that contradict each other, a level of another kind, an
+inequality that bites higher up.
 """
 
 from collections.abc import Sequence
@@ -20,10 +22,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from solvers.compiled import compiled
-from solvers.dense import backward, forward, independent, lq, nearest, solutions, turn
+from solvers.dense import DEPENDENT, INDEPENDENT, WELL, backward, cholesky, forward, lq, nearest, solutions, times, turn
 from solvers.rows import Array, Equality, Level
 
-ROUNDS = 8
+ROUNDS = 12
 """Changes of the held inequalities before it is given up."""
 
 
@@ -34,7 +36,7 @@ class Direct:
         tolerance: Violation that counts as none.
 
     Attributes:
-        held: Inequalities of level 0 held at the last level: +1 at their upper bound, -1 at the lower one, 0 if not.
+        held: Inequalities of level 0 that are held: +1 at their upper bound, -1 at the lower one, 0 if not.
         excess: Largest violation of an inequality in the last answer.
         met: How many levels, level 0 included, have all their rows met by the last answer.
     """
@@ -87,31 +89,15 @@ class Direct:
         if used < leading or (last is None and size > leading) or sum(len(e.b) for e in thin) > leading:
             return None
         x = np.empty(size)
-        first = at_once(thin, wide, leading)
-        if first is None:
-            return None
-        x[:leading] = first
-        return self._trailing(hard, coupled, last, x, leading)
-
-    def _trailing(
-        self, hard: Level, coupled: Sequence[Equality], last: Equality | None, x: Array, leading: int
-    ) -> Array | None:
-        """Fill in x_2, and hold what has to be."""
-        known = sum(len(e.b) for e in coupled)
-        T, target = np.zeros((known, len(x) - leading)), np.empty(known)
-        row = 0
-        for e in coupled:
-            rows, before = slice(row, row + len(e.b)), max(leading - e.start, 0)
-            first = e.start + before - leading
-            np.multiply(e.A[:, before:], e.scale, out=T[rows, first : first + e.A.shape[1] - before])
-            target[rows] = e.b
-            if before:
-                target[rows] -= e.scale * (e.A[:, :before] @ x[e.start : leading])
-            row = rows.stop
         if last is not None:
             np.divide(last.b, last.scale, out=x[leading:])
-        solved, self.excess = _fill_in(T, target, x, leading, hard.C, hard.lower, hard.upper, self.held, self.tolerance)
-        return x if solved else None
+        X, independent = solutions(*_stacked(thin, leading))
+        if not independent:
+            return None
+        K, r = _stacked(coupled, size)
+        bounds = hard.C, hard.lower, hard.upper
+        found, self.excess = _optimum(X, *_seen(wide, X), K, r, x, *bounds, self.held, self.tolerance)
+        return x if found else None
 
 
 def at_once(thin: Sequence[Equality], wide: Sequence[Equality], count: int) -> Array | None:
@@ -125,45 +111,64 @@ def at_once(thin: Sequence[Equality], wide: Sequence[Equality], count: int) -> A
     Returns:
         x, shape (count,), or None if rows depend on each other.
     """
-    used = sum(len(e.b) for e in thin)
-    J, target = np.zeros((used, count)), np.empty(used)
-    row = 0
-    for e in thin:
-        rows = slice(row, row + len(e.b))
-        np.multiply(e.A, e.scale, out=J[rows, e.start : e.start + e.A.shape[1]])
-        target[rows] = e.b
-        row = rows.stop
-    X, solved = solutions(J, target)
-    if not solved:
-        return None
-    if not wide:
-        return X[0]
-    seen = [e.seen(X) for e in wide]
-    if len(seen) == 1:
-        x, solved = nearest(X, seen[0], wide[0].b)
-    else:
-        x, solved = nearest(X, np.hstack(seen), np.hstack([e.b for e in wide]))
+    X, solved = solutions(*_stacked(thin, count))
+    if not solved or not wide:
+        return X[0] if solved else None
+    x, solved = nearest(X, *_seen(wide, X))
     return x if solved else None
 
 
+def _stacked(equalities: Sequence[Equality], count: int) -> tuple[Array, Array]:
+    """Rows as one matrix on a number of leading variables, and their right-hand side."""
+    used = 0
+    for e in equalities:
+        used += len(e.b)
+    J, target = np.zeros((used, count)), np.empty(used)
+    row = 0
+    for e in equalities:
+        _put(J, target, row, e.start, e.A, e.scale, e.b)
+        row += len(e.b)
+    return J, target
+
+
 @compiled
-def _fill_in(
-    T: Array,
-    target: Array,
+def _put(J: Array, target: Array, row: int, start: int, A: Array, scale: float, b: Array) -> None:
+    for i in range(len(b)):
+        target[row + i] = b[i]
+        for k in range(A.shape[1]):
+            J[row + i, start + k] = scale * A[i, k]
+
+
+def _seen(equalities: Sequence[Equality], X: Array) -> tuple[Array, Array]:
+    """Rows W and right-hand side b of the leading variables as ``X Wᵀ`` and b."""
+    if len(equalities) == 1:
+        return equalities[0].seen(X), equalities[0].b
+    if not equalities:
+        return np.empty((len(X), 0)), np.empty(0)
+    return np.hstack([e.seen(X) for e in equalities]), np.hstack([e.b for e in equalities])
+
+
+@compiled
+def _optimum(
+    X: Array,
+    B: Array,
+    b: Array,
+    K: Array,
+    r: Array,
     x: Array,
-    leading: int,
     C: Array,
     lower: Array,
     upper: Array,
     held: Array,
     tolerance: float,
 ) -> tuple[bool, float]:
-    """x_2 nearest to its wish with ``T x_2 = target`` and the inequalities that have to be held.
+    """x with the inequalities held that have to be.
 
     Args:
-        T, target: Rows that hold, shapes (k, n_2) and (k,).
-        x: All variables, shape (n,): x_1, and the wish for x_2, which is replaced.
-        leading: Number of variables in x_1.
+        X: What x_1 may be, see `solutions`, shape (1 + f, n_1).
+        B, b: ``X Wᵀ`` and the right-hand side of W, shapes (1 + f, w) and (w,).
+        K, r: Level 0's rows ``P x_1 + R x_2 = r`` as a matrix on x, shapes (c, n) and (c,).
+        x: Ends with the wish for x_2, shape (n,); replaced by the answer.
         C, lower, upper: Inequalities on x, shapes (p, n), (p,) and (p,).
         held: Side on which a row is held first, shape (p,); replaced by those that turned out right.
         tolerance: Violation that counts as none.
@@ -171,57 +176,133 @@ def _fill_in(
     Returns:
         Whether that is the answer, and the largest violation in it.
     """
-    known, count = T.shape
-    wish, side = x[leading:].copy(), held.copy()
+    leading = X.shape[1]
+    first, determined = nearest(X, B, b)
+    if not determined:
+        return False, 0.0
+    wish, side, x_1 = x[leading:].copy(), held.copy(), first
+    factor, shortest = np.zeros((0, 0)), 1.0
     for row in range(len(side)):
         # A bound that has gone, a ramp's at its end say, holds nothing any more.
         if side[row] != 0.0 and not abs(upper[row] if side[row] > 0.0 else lower[row]) < np.inf:
             side[row] = 0.0
-    values = np.empty(len(side))
     for _ in range(ROUNDS):
-        rows: list[int] = [row for row in range(len(side)) if side[row] != 0.0]
-        used = known + len(rows)
-        if used > count:
+        count = len(r)
+        for row in range(len(side)):
+            count += side[row] != 0.0
+        rows, target = np.empty((count, len(x))), np.empty(count)
+        owner = np.full(count, -1)
+        rows[: len(r)], target[: len(r)] = K, r
+        k = len(r)
+        for row in range(len(side)):
+            if side[row] != 0.0:
+                rows[k], target[k], owner[k] = C[row], upper[row] if side[row] > 0.0 else lower[row], row
+                k += 1
+        L, V, factors, kept, certain = lq(rows[:, leading:].copy())
+        if not certain or len(kept) < len(r) or (len(r) and kept[len(r) - 1] >= len(r)):
             return False, 0.0
-        J, missing = np.empty((used, count)), np.empty(used)
-        J[:known], missing[:known] = T, target
-        for k, row in enumerate(rows):
-            J[known + k] = C[row, leading:]
-            missing[known + k] = upper[row] if side[row] > 0.0 else lower[row]
-        for k in range(used):
-            for i in range(count):
-                missing[k] -= J[k, i] * wish[i]
-        L, V, factors = lq(J)
-        if not independent(L):
-            return False, 0.0
-        step = np.zeros(count)
-        step[:used] = forward(L, missing)
-        pushes = -backward(L, step[:used])
-        turn(V, factors, step)
-        for i in range(count):
+        costs = np.zeros(count)  # multipliers of the rows at the level of W
+        x_1 = first
+        if len(kept) < count:
+            if not len(factor):
+                factor, shortest = cholesky(B[1:])
+            if not shortest > WELL:
+                return False, 0.0
+            x_1, costs, certain = _constrained(X, first, factor, rows, target, L, kept)
+            if not certain:
+                return False, 0.0
+        missing = target - times(rows[:, :leading], x_1) - times(rows[:, leading:], wish)
+        step = np.zeros(len(wish))
+        step[: len(kept)] = forward(L, kept, missing)
+        pushes = backward(L, kept, step[: len(kept)])
+        turn(V, factors, len(kept), step)
+        for i in range(leading):
+            x[i] = x_1[i]
+        for i in range(len(wish)):
             x[leading + i] = wish[i] + step[i]
         pulls = False
-        for k, row in enumerate(rows):
-            if side[row] * pushes[known + k] < 0.0:
-                side[row] = 0.0
+        for k in range(count):
+            if owner[k] >= 0 and side[owner[k]] * costs[k] > tolerance:
+                side[owner[k]] = 0.0
                 pulls = True
         if pulls:
             continue
-        worst, movable, chosen = -np.inf, tolerance, -1
+        for k, row in enumerate(kept):
+            if owner[row] >= 0 and abs(costs[row]) <= tolerance and side[owner[row]] * pushes[k] > 0.0:
+                side[owner[row]] = 0.0
+                pulls = True
+        if pulls:
+            continue
+        worst, chosen, above = -np.inf, -1, False
         for row in range(len(side)):
             value = 0.0
             for i in range(len(x)):
                 value += C[row, i] * x[i]
-            values[row] = value
             excess = max(value - upper[row], lower[row] - value)
             if not excess <= worst:
-                worst = excess
-            if excess > movable and not C[row, :leading].any():
-                movable, chosen = excess, row
+                worst, chosen, above = excess, row, value > upper[row]
         if worst <= tolerance:
             held[:] = side
             return bool(x @ x < np.inf), max(worst, 0.0)
-        if chosen < 0 or side[chosen] != 0.0:
+        if side[chosen] != 0.0:
             return False, 0.0
-        side[chosen] = 1.0 if values[chosen] > upper[chosen] else -1.0
+        side[chosen] = 1.0 if above else -1.0
     return False, 0.0
+
+
+@compiled
+def _constrained(
+    X: Array, first: Array, factor: Array, rows: Array, target: Array, L: Array, kept: Array
+) -> tuple[Array, Array, bool]:
+    """x_1 nearest to its first choice, by the level of W, for which x_2 can answer all rows.
+
+    Args:
+        X: What x_1 may be.
+        first: What it would be without the rows, shape (n_1,).
+        factor: Cholesky's, of W in X.
+        rows, target: On x, shapes (m, n) and (m,).
+        L, kept: Factor of the rows as far as they are on x_2, and which of them x_2 can answer.
+
+    Returns:
+        x_1, the rows' multipliers at that level, shape (m,), and whether there is no doubt about them.
+    """
+    free, leading, m = len(X) - 1, X.shape[1], len(rows)
+    answered = np.zeros(m, np.bool_)
+    answered[kept] = True
+    over = np.flatnonzero(~answered)
+    shares = np.zeros((len(over), len(kept)))
+    A, missing = np.zeros((len(over), free)), np.zeros(len(over))
+    order, longest = np.arange(free), np.sqrt(np.sum(rows[:, :leading] ** 2))
+    for k, row in enumerate(over):
+        shares[k] = backward(L, kept, L[row, : len(kept)].copy())
+        combined, gap = rows[row, :leading].copy(), target[row]
+        for j, other in enumerate(kept):
+            if shares[k, j] != 0.0:
+                gap -= shares[k, j] * target[other]
+                for i in range(leading):
+                    combined[i] -= shares[k, j] * rows[other, i]
+        size, most = 0.0, 1.0
+        for i in range(leading):
+            gap -= combined[i] * first[i]
+            size += combined[i] ** 2
+        for j in range(len(kept)):
+            most = max(most, abs(shares[k, j]))
+        movable = times(X[1:], combined)
+        # What is left of a row that others imply, or that no x_1 can change, is rounding.
+        if size > (DEPENDENT * most * longest) ** 2 and movable @ movable > INDEPENDENT**2 * size:
+            A[k], missing[k] = forward(factor, order, movable), gap  # where the level of W is a distance
+    L_1, V, factors, held, certain = lq(A)
+    step = np.zeros(free)
+    step[: len(held)] = forward(L_1, held, missing)
+    nu = backward(L_1, held, step[: len(held)])
+    turn(V, factors, len(held), step)
+    y = backward(factor, order, step)
+    x_1, costs = first.copy(), np.zeros(m)
+    for i in range(free):
+        for k in range(leading):
+            x_1[k] += y[i] * X[1 + i, k]
+    for k in range(len(held)):
+        costs[over[held[k]]] += nu[k]
+        for j in range(len(kept)):
+            costs[kept[j]] -= shares[held[k], j] * nu[k]
+    return x_1, costs, certain
