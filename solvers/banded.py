@@ -15,6 +15,9 @@ from scipy.linalg.lapack import dpbtrf, dpbtrs
 Array = NDArray[np.float64]
 
 TO_THE_BOUNDARY = 0.995
+START = 100.0  # multiplier of a limit at first, in half the room
+VIOLATION = 1e-5  # of half the room, what a limit may be missed by
+STATIONARY, ROUNDING = 1e-9, 1e-13  # what may be left of the gradient, of its start and of the largest curvature
 
 
 @dataclass(frozen=True)
@@ -31,7 +34,8 @@ class BandedQP:
     """min ½ xᵀH x + gᵀx  subject to  lower <= A x <= upper, with banded H and AᵀA.
 
     The structure of the limits is analysed once; `solve` may then be called with many H and g. The method is
-    Mehrotra's predictor-corrector; where no limit is active, the unconstrained minimum is returned at once.
+    Mehrotra's predictor-corrector; where no limit is active, the unconstrained minimum is returned at once. Objectives
+    are expected to count squares of errors, in errors that one is ready to accept: START and `solve`'s tolerance do.
     """
 
     def __init__(self, A: sp.sparray, lower: Array, upper: Array, band: int):
@@ -54,12 +58,12 @@ class BandedQP:
         A = sp.diags_array(1.0 / unit) @ A  # slacks of the order of one, whatever the units of the rows
         self._unit = np.concatenate([unit[above], unit[below]])
         self._G = sp.vstack([A[above], -A[below]], format="csr")  # every limit as a row of G x <= h
-        self._Gt = self._G.T.tocsr()
         self._h = np.concatenate([upper[above], -lower[below]]) / self._unit
-        self._fold = _folding(self._G, band)
+        self._Gt = self._G.T.tocsr()
+        self._cells, self._fold = _folding(self._G, band)
 
     def solve(
-        self, H: Array, g: Array, around: Array | None = None, iterations: int = 60, tolerance: float = 1e-7
+        self, H: Array, g: Array, around: Array | None = None, iterations: int = 60, tolerance: float = 1e-3
     ) -> BandedSolution:
         """The minimum, for a Hessian and a gradient of one's own.
 
@@ -68,29 +72,29 @@ class BandedQP:
             g: (n,) gradient at `around`.
             around: (n,) point about which the objective is expanded, zero unless given.
             iterations: most Newton steps.
-            tolerance: of complementarity and stationarity, both relative to g, and of the violation of a limit.
+            tolerance: of complementarity: what a limit costs, times what is left to it in half the room, on average.
         """
-        G, Gt, band = self._G, self._Gt, self.band
+        G, Gt, cells = self._G, self._Gt, self._cells
         origin = np.zeros(self.n) if around is None else around
         h = self._h - G @ origin
         x = _solve(_factor(H.copy()), -g)
         slack = h - G @ x
         if slack.size == 0 or slack.min() >= 0.0:
             return BandedSolution(origin + x, True, 0, 0.0)
-
-        scale = 1.0 + float(np.abs(g).max())
-        s = np.maximum(slack, 1.0)
-        z = np.full(s.size, 0.1 * scale)
+        stationary = STATIONARY * (1.0 + _largest(g)) + ROUNDING * _largest(H)
+        s, z = np.maximum(slack, 1.0), np.full(slack.size, START)
         solved, iteration = False, 0
         while iteration < iterations:
-            dual = dsbmv(band, 1.0, H.T, x, lower=1) + g + Gt @ z
+            dual = dsbmv(self.band, 1.0, H.T, x, lower=1) + g + Gt @ z
             primal = h - G @ x - s
             gap = float(s @ z) / s.size
-            solved = gap < tolerance * scale and _largest(dual) < tolerance * scale and _largest(primal) < tolerance
+            solved = gap < tolerance and _largest(dual) < stationary and _largest(primal) < VIOLATION
             if solved:
                 break
             iteration += 1
-            factor = _factor(H + (self._fold @ (z / s)).reshape(H.shape))
+            normal = H.copy()
+            normal.ravel()[cells] += self._fold @ (z / s)
+            factor = _factor(normal)
 
             def newton(
                 target: Array,
@@ -113,8 +117,9 @@ class BandedQP:
         return BandedSolution(origin + x, solved, iteration, violation)
 
 
-def _folding(G: sp.csr_array, band: int) -> sp.csr_array:
-    """The linear map from row weights w to the lower diagonals of GᵀWG, flattened as `H` is."""
+def _folding(G: sp.csr_array, band: int) -> tuple[NDArray[np.int64], sp.csr_array]:
+    """Where the lower diagonals of GᵀWG are not zero, flattened as `H` is, and the linear map from row weights w to
+    what they are there."""
     products, cells, rows = [], [], []
     counts = np.diff(G.indptr)
     for count in np.unique(counts[counts > 0]):
@@ -130,10 +135,11 @@ def _folding(G: sp.csr_array, band: int) -> sp.csr_array:
                 products.append(value[lower, a] * value[lower, b])
                 cells.append(column[lower, b].astype(np.int64) * (band + 1) + offset)
                 rows.append(row[lower])
-    shape = (G.shape[1] * (band + 1), G.shape[0])
     if not products:
-        return sp.csr_array(shape)
-    return sp.csr_array((np.concatenate(products), (np.concatenate(cells), np.concatenate(rows))), shape=shape)
+        return np.zeros(0, np.int64), sp.csr_array((0, G.shape[0]))
+    used, own = np.unique(np.concatenate(cells), return_inverse=True)
+    entries = np.concatenate(products), (own, np.concatenate(rows))
+    return used, sp.csr_array(entries, shape=(len(used), G.shape[0]))
 
 
 def _factor(H: Array) -> Array:

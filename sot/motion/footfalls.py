@@ -10,7 +10,7 @@ from sot.motion.contacts import Phase
 
 
 @dataclass(frozen=True)
-class Footfall:
+class Stance:
     """A stance of one foot.
 
     Attributes:
@@ -32,29 +32,29 @@ class Footfalls:
     """
 
     def __init__(self, phases: Sequence[Phase], foot: str) -> None:
-        stances: list[Footfall] = []
+        stances: list[Stance] = []
         for phase in phases:
             if foot not in phase.feet:
                 continue
             pose = phase.feet[foot]
             if stances and stances[-1].end >= phase.start - 1e-9:
-                stances[-1] = Footfall(stances[-1].start, phase.end, pose)
+                stances[-1] = Stance(stances[-1].start, phase.end, pose)
             else:
-                stances.append(Footfall(phase.start, phase.end, pose))
+                stances.append(Stance(phase.start, phase.end, pose))
         self.stances = tuple(stances)
         self._starts = [stance.start for stance in stances]
 
     def __len__(self) -> int:
         return len(self.stances)
 
-    def __getitem__(self, index: int) -> Footfall:
+    def __getitem__(self, index: int) -> Stance:
         return self.stances[index]
 
     def begun(self, t: float) -> int:
         """How many stances have begun by a time [s]."""
         return bisect_right(self._starts, t + 1e-9)
 
-    def nearest(self, t: float) -> Footfall | None:
+    def nearest(self, t: float) -> Stance | None:
         """The stance at a time [s], or the one nearest in time to it; none if the foot never stands."""
         if not self.stances:
             return None
