@@ -10,9 +10,9 @@ from sim.log import FOOT_FIXED, FOOT_OFF, RunInfo, RunLog, nearest_frames
 from sim.support import planned_support
 from solvers.rows import Status
 from sot.motion.likeness import hand_path_ratio, segment_deg
+from sot.motion.path import path_length
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
-from sot.motion.travel import path_length
 from sot.robot import Robot
 
 Figures = dict[str, float | int | None]

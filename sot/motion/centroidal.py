@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from sot.motion.coordinates import rate_matrix, to_configuration, to_rotation
 from sot.robot import Robot
 from sot.tick import GRAVITY
 
@@ -62,3 +63,12 @@ class Centroidal:
         """Zero moment point on z = 0, (T, 2) [m]."""
         height, offset = self.pendulum()
         return self.com[:, :2] - height[:, None] * self.acceleration[:, :2] + offset
+
+
+def momentum_maps(robot: Robot, y: Array) -> Array:
+    """Maps (T, 6, nv) from the rates of coordinates y (T, nv) (see coordinates) to linear and angular momentum."""
+    model, data = robot.model, robot.model.createData()
+    maps = np.array([pin.computeCentroidalMap(model, data, q) for q in to_configuration(y)])
+    maps[:, :, :3] = maps[:, :, :3] @ to_rotation(y[:, 3:6]).transpose(0, 2, 1)
+    maps[:, :, 3:6] = maps[:, :, 3:6] @ rate_matrix(y[:, 3:6])
+    return maps

@@ -13,7 +13,7 @@ from sot.motion.human import Human
 from sot.motion.slides import Slide, slid_paths, slid_phases
 from sot.motion.stance import Build
 from sot.motion.swing import FootPath, foot_paths, phases_of, standing
-from sot.motion.travel import Travel, travel
+from sot.motion.travel import Travel, slowed_travel, travel
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
@@ -50,13 +50,23 @@ def slid(course: Course, robot: Robot, slides: Sequence[Slide]) -> Course:
     return replace(course, phases=phases, feet=slid_paths(course.feet, slides, robot, course.human.times))
 
 
-def go(human: Human, robot: Robot, build: Build, contacts: Sequence[Step] | None, slow: Array) -> Course:
-    """The feet step where and when the human's do, at least so many times slower (n,) than the human's frames (n,).
+def go(human: Human, robot: Robot, build: Build, contacts: Sequence[Step] | None) -> Course:
+    """The feet step where and when the human's do.
 
     contacts: the steps to make, in the clip's time, instead of those found.
     """
-    reach = Reach.of(robot)
-    going = travel(human, build, reach, slow, contacts)
-    phases = phases_of(robot, going.stands, going.steps, going.human.duration)
-    feet = foot_paths(robot, going.stands, going.steps, going.lifts, reach, going.human.times)
-    return Course(going.human, phases, feet, going.clock, going)
+    return _along(travel(human, build, Reach.of(robot), contacts), robot)
+
+
+def slowed_down(course: Course, robot: Robot, clock: Array) -> Course:
+    """A course that steps, at the times (T,) that a clock shows at its frames, later than its own."""
+    if course.travel is None:
+        raise ValueError("feet that stay have no steps to slow down")
+    return _along(slowed_travel(course.travel, clock), robot)
+
+
+def _along(going: Travel, robot: Robot) -> Course:
+    human, reach = going.human, Reach.of(robot)
+    phases = phases_of(robot, going.stands, going.steps, human.duration)
+    feet = foot_paths(robot, going.stands, going.steps, going.lifts, reach, human.times)
+    return Course(human, phases, feet, going.clock, going)

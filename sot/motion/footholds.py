@@ -20,6 +20,10 @@ CLEARANCE = 0.02  # m between the soles
 ROOM = 0.8  # of the range in which a foot can turn against the pelvis, for both feet at once
 HURRY = 0.5  # mean speed of a swinging leg's joints over their limit: a swing starts and ends at rest
 SPINNING = 0.75  # mean speed of a turning foot over its hip's limit: the pelvis turns as well
+SHORTEST = 0.25  # of the dancer's path in the robot's size, least that a piece of it is scaled to
+OFF = 0.13  # m that a foothold may be off its place
+DEARER, DEAREST = 4.0, 64.0  # what a foothold's distance gets dearer by where it is farther off, and up to
+LEFT = 0.05  # price where that does not help
 EDGES = 12  # of the polygon inside the circle of strides
 
 
@@ -109,42 +113,92 @@ def headings(wanted: Mapping[str, Sequence[Stand]], steps: Sequence[Step], reach
 
 
 def places(
-    wanted: Mapping[str, Sequence[Stand]], turned: Mapping[str, Array], steps: Sequence[Step], reach: Reach
-) -> dict[str, list[Stand]]:
-    """The stands nearest to the wanted ones that the legs reach from one another, without crossing or touching.
+    wanted: Mapping[str, Sequence[Stand]],
+    turned: Mapping[str, Array],
+    steps: Sequence[Step],
+    reach: Reach,
+    carried: Mapping[str, Array],
+    stiffness: Array,
+) -> tuple[dict[str, list[Stand]], Array]:
+    """The stands that the legs reach from one another, without crossing or touching, nearest to the wanted ones along
+    a path that is scaled by as little as that needs.
 
     A convex programme: each pair of stands that are on the floor together keeps, in the axes between their headings,
-    its left foot to the left by what both soles need, and no farther than a stride.
+    its left foot to the left by what both soles need, and no farther than a stride. With C, by which the scales s of
+    the pieces of the path carry the wanted places w along, it minimises over places p and scales s
+
+        Σ v ‖p − w − C (s − 1)‖² + (s − 1)ᵀ K (s − 1).
+
+    Legs that cross want two feet where each other's is: rather than that both miss their place by half of that, one
+    after the other of those that do by more than OFF is given up, v = LEFT instead of 1, until none is left.
+
+    Args:
+        wanted: stands of both feet along the path as it is.
+        turned: their headings.
+        steps: in order of time.
+        reach: of the robot.
+        carried: foot -> (n, 2, K), C [m].
+        stiffness: (K, K) of the scales [m²].
+
+    Returns:
+        The stands, and the scales (K,), SHORTEST to 1.
     """
     index = _Index(wanted)
-    rows, least = [], []
+    rows, least = _reachable(index, turned, steps, reach)
+    target = index.gather({foot: np.array([(stand.x, stand.y) for stand in wanted[foot]]) for foot in wanted}).ravel()
+    C = index.gather(carried).reshape(len(target), -1)
+    target = target - C.sum(axis=1)
+    spots, count = len(target), C.shape[1]
+    scales = np.hstack([np.zeros((count, spots)), np.eye(count)])
+    limits = np.vstack([np.hstack([rows, np.zeros((len(rows), count))]), scales, -scales])
+    ends = np.concatenate([least, np.full(count, SHORTEST), -np.ones(count)])
+    value = np.ones(index.count)
+    while True:
+        v = np.repeat(value, 2)[:, None]
+        H = np.block([[np.diag(v[:, 0]), -v * C], [-(v * C).T, C.T @ (v * C) + stiffness]])
+        aim = np.concatenate([v[:, 0] * target, stiffness.sum(axis=1) - (v * C).T @ target])
+        place, scale = np.split(quadprog.solve_qp(H, aim, limits.T, ends)[0], [spots])
+        off = np.linalg.norm((place - target - C @ scale).reshape(-1, 2), axis=1)
+        far = (off > OFF) & (value > LEFT)
+        if not far.any():
+            break
+        if value[far].max() < DEAREST:
+            value[far] *= DEARER
+        else:
+            value[np.flatnonzero(far)[(off * (value >= DEAREST))[far].argmax()]] = LEFT
+    found = index.split(place.reshape(-1, 2))
+    return {
+        foot: [Stand(float(x), float(y), float(yaw)) for (x, y), yaw in zip(found[foot], turned[foot], strict=True)]
+        for foot in wanted
+    }, np.clip(scale, SHORTEST, 1.0)
 
-    def apart(left: int, right: int, axis: Array) -> Array:
-        parts = [("left_foot", left, 1.0), ("right_foot", right, -1.0)]
-        return np.kron(index.row(*parts), axis).astype(float)
 
+def _reachable(
+    index: "_Index", turned: Mapping[str, Array], steps: Sequence[Step], reach: Reach
+) -> tuple[Array, Array]:
+    """Rows (m, 2n) over all places, and what each is to be at least (m,), for pairs of stands and for steps."""
+    parts: list[tuple[int, int, Array, Array]] = []  # two stands, ways from the second one, least along each
+    circle = 2.0 * np.pi * np.arange(EDGES) / EDGES
     for left, right in together(steps):
         yaws = turned["left_foot"][left], turned["right_foot"][right]
         middle = 0.5 * (yaws[0] + yaws[1])
         across = np.array([-np.sin(middle), np.cos(middle)])
-        rows.append(apart(left, right, across))
-        least.append(separation(yaws, reach, across))
-        for angle in middle + 2.0 * np.pi * (np.arange(EDGES) + 0.5) / EDGES:
-            way = np.array([np.cos(angle), np.sin(angle)])
-            rows.append(apart(left, right, -way))
-            least.append(-reach.stride * np.cos(np.pi / EDGES) - reach.hips * float(way @ across))
+        angles = middle + circle + np.pi / EDGES
+        ways = np.column_stack([np.cos(angles), np.sin(angles)])
+        pair = index.number("left_foot", left), index.number("right_foot", right)
+        far = -reach.stride * np.cos(np.pi / EDGES) - reach.hips * ways @ across
+        parts.append((*pair, across[None], np.array([separation(yaws, reach, across)])))
+        parts.append((*pair, -ways, far))
+    ways = np.column_stack([np.cos(circle), np.sin(circle)])
     for before, after, step in index.moves(steps):
-        for angle in 2.0 * np.pi * np.arange(EDGES) / EDGES:
-            way = np.array([np.cos(angle), np.sin(angle)])
-            rows.append(np.kron(index.row((step.foot, before, 1.0), (step.foot, after, -1.0)), way))
-            least.append(-reach.speed * (step.land - step.lift))
-    target = index.gather({foot: np.array([(stand.x, stand.y) for stand in wanted[foot]]) for foot in wanted})
-    nearest = _nearest(target.ravel(), rows, least)
-    found = index.split(nearest.reshape(-1, 2))
-    return {
-        foot: [Stand(float(x), float(y), float(yaw)) for (x, y), yaw in zip(found[foot], turned[foot], strict=True)]
-        for foot in wanted
-    }
+        far = np.full(EDGES, -reach.speed * (step.land - step.lift))
+        parts.append((index.number(step.foot, before), index.number(step.foot, after), ways, far))
+    rows, count = np.zeros((sum(len(far) for *_, far in parts), index.count, 2)), 0
+    for first, second, ways, far in parts:
+        rows[count : count + len(far), first] = ways
+        rows[count : count + len(far), second] = -ways
+        count += len(far)
+    return rows.reshape(count, -1), np.concatenate([far for *_, far in parts])
 
 
 def separation(yaws: tuple[float, float], reach: Reach, across: Array) -> float:
@@ -161,7 +215,8 @@ class _Index:
     """Numbers the stands of both feet in one vector."""
 
     def __init__(self, stands: Mapping[str, Sequence[Stand]]):
-        self._first, self.count = {}, 0
+        self._first: dict[str, int] = {}
+        self.count = 0
         self._counts = {foot: len(own) for foot, own in stands.items()}
         for foot, own in self._counts.items():
             self._first[foot] = self.count
@@ -173,6 +228,9 @@ class _Index:
         for foot, number, weight in parts:
             row[self._first[foot] + number] = weight
         return row
+
+    def number(self, foot: str, stand: int) -> int:
+        return self._first[foot] + stand
 
     def moves(self, steps: Sequence[Step]) -> Iterator[tuple[int, int, Step]]:
         """The stands that each step leaves and reaches."""

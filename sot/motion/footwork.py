@@ -110,23 +110,30 @@ def steps(feet: Mapping[str, Ground], rate: float, leg: float) -> tuple[Step, ..
 
 def stands(feet: Mapping[str, Ground], moves: Sequence[Step], rate: float) -> dict[str, list[Stand]]:
     """Where the dancer's feet stand before, between and after their steps."""
-    return {foot: _stands(track, [move for move in moves if move.foot == foot], rate) for foot, track in feet.items()}
+    return {
+        foot: [_stand(track, frames) for frames in standing(track, [move for move in moves if move.foot == foot], rate)]
+        for foot, track in feet.items()
+    }
 
 
-def _stands(track: Ground, moves: Sequence[Step], rate: float) -> list[Stand]:
+def standing(track: Ground, moves: Sequence[Step], rate: float) -> list[NDArray[np.int_]]:
+    """The frames that count for where a foot stands before, between and after its moves: fixed ones where there are."""
     count = len(track.mode)
     edges = [0, *(round(t * rate) for move in moves for t in (move.lift, move.land)), count]
     return [
-        _stand(track, min(first, count - 1), max(last, min(first, count - 1) + 1))
+        _counting(track, min(first, count - 1), max(last, min(first, count - 1) + 1))
         for first, last in zip(edges[::2], edges[1::2], strict=True)
     ]
 
 
-def _stand(track: Ground, first: int, last: int) -> Stand:
-    """Median of a stance, of its fixed frames where there are any."""
+def _counting(track: Ground, first: int, last: int) -> NDArray[np.int_]:
     frames = np.arange(first, last)
     fixed = frames[track.mode[frames] == FIXED]
-    frames = fixed if len(fixed) else frames
+    return fixed if len(fixed) else frames
+
+
+def _stand(track: Ground, frames: NDArray[np.int_]) -> Stand:
+    """Median over frames."""
     x, y = np.median(track.place[frames], axis=0)
     return Stand(float(x), float(y), float(np.median(track.heading[frames])))
 
@@ -145,7 +152,9 @@ def _moves(track: Ground, shortest: int, leg: float) -> list[tuple[int, int]]:
     stood = 0
     for k, (first, last) in enumerate(joined):
         until = joined[k + 1][0] if k + 1 < len(joined) else len(moving)
-        before, after = _stand(track, stood, first), _stand(track, last, max(until, last + 1))
+        before, after = (
+            _stand(track, _counting(track, *span)) for span in ((stood, first), (last, max(until, last + 1)))
+        )
         free = bool((track.mode[first:last] == FREE).any())
         moved = float(np.hypot(after.x - before.x, after.y - before.y))
         worth = moved > WORTH[0 if free else 1] * leg or abs(after.heading - before.heading) > TURN

@@ -11,7 +11,7 @@ from sot.errors import InputError
 from sot.motion.centroidal import Centroidal
 from sot.motion.contacts import Phase
 from sot.motion.coordinates import to_pinocchio
-from sot.motion.course import Course, go, slid, stay
+from sot.motion.course import Course, go, slid, slowed_down, stay
 from sot.motion.flight import Flight, flights
 from sot.motion.footwork import Step
 from sot.motion.human import Human
@@ -22,17 +22,18 @@ from sot.motion.spline import Spline
 from sot.motion.stance import LEAD, TAIL, Build, on_time_line, over_feet
 from sot.motion.swing import facing, moving
 from sot.motion.targets import Targets, key_points, targets
-from sot.motion.tempo import slowed
+from sot.motion.tempo import clock_of, slowed
 from sot.motion.trajectory import Motion
 from sot.motion.travel import Travel
-from sot.motion.whole_body import balanced, limbs_fitted, retarget, strained
+from sot.motion.whole_body import ROUNDS, balanced, limbs_fitted, retarget
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
 
 FEET = ("auto", "steps", "planted")
 PLAN_RATE = 50.0  # knots per second
-MENDS = 3  # most plans made anew, with more time where the body could not follow
+BRIEF = 3  # rounds of balance before more time is given
+MENDS, LAST_MENDS = 4, 2  # most times that a body gets more time where it cannot follow, before and after its arms
 MEND, SLOWEST = 1.3, 3.0  # how much more time, and how many times slower than the dancer at most
 REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
 NOISE_HZ = 6.0  # faster than this, a capture is noise
@@ -117,16 +118,10 @@ def plan(
         course = fit.slid(course, whole, slide)
         wanted, whole = fit.looks(course)
     retargeted = time.perf_counter()
-    whole = fit.balanced(course, wanted, whole)
-    for _ in range(MENDS if course.travel and moving(course.feet) else 0):
-        slow = fit.slower(course, whole)
-        if slow is None:
-            break
-        course = fit.go(smooth, contacts, slow)
-        wanted, whole = fit.looks(course)
-        whole = fit.balanced(course, wanted, whole)
-    whole = limbs_fitted(robot, wanted, fit.limits, whole, REFIT_STEPS)  # the chest has moved
-    whole = fit.balanced(course, wanted, whole)
+    course, whole = fit.feasible(course, wanted, whole, MENDS, rough=True)
+    whole = limbs_fitted(robot, fit.targets(course), fit.limits, whole, REFIT_STEPS)  # the chest has moved
+    course, whole = fit.feasible(course, fit.targets(course), whole, LAST_MENDS)
+    wanted = fit.targets(course)
     motion = sampled(robot, whole, course.phases, rate)
     start, end = round(LEAD * PLAN_RATE), len(course.clock) - 1 - round(TAIL * PLAN_RATE)
     span = slice(round(course.clock[start] * PLAN_RATE), round(course.clock[end] * PLAN_RATE) + 1)
@@ -156,32 +151,58 @@ class _Fit:
     build: Build
     limits: Limits
 
-    def go(self, human: Human, contacts: Sequence[Step] | None, slow: Array | None = None) -> Course:
+    def go(self, human: Human, contacts: Sequence[Step] | None) -> Course:
         """A course that steps; contacts: the steps to make, on the clip's time, instead of those found."""
-        person = on_time_line(human, PLAN_RATE)
-        return go(person, self.robot, self.build, contacts, np.ones(person.count) if slow is None else slow)
+        return go(on_time_line(human, PLAN_RATE), self.robot, self.build, contacts)
+
+    def targets(self, course: Course) -> Targets:
+        return targets(course.human, self.robot, self.build, facing(course.feet))
 
     def looks(self, course: Course) -> tuple[Targets, Spline]:
         """The body's targets, and a body that meets them, nothing of it balanced yet."""
-        wanted = targets(course.human, self.robot, self.build, facing(course.feet))
+        wanted = self.targets(course)
         return wanted, retarget(self.robot, self.build, wanted, course.feet, self.limits, 1.0 / PLAN_RATE)
-
-    def balanced(self, course: Course, wanted: Targets, whole: Spline) -> Spline:
-        return balanced(self.robot, self.build, wanted, course.feet, course.phases, self.limits, whole)
 
     def slid(self, course: Course, whole: Spline, way: Way) -> Course:
         """The same course with a slide where the body, as it looks, has its ZMP."""
         zmp = Centroidal.along(self.robot, *to_pinocchio(*(whole(course.human.times, k) for k in range(3)))).zmp()
         return slid(course, self.robot, find_slides(self.robot, course.phases, zmp, PLAN_RATE, way))
 
-    def slower(self, course: Course, whole: Spline) -> Array | None:
-        """A slowness (n,) of the dancer's frames that gives time where the body cannot follow; None if it can."""
-        hasty = strained(self.robot, course.feet, course.phases, whole)
-        if not len(hasty):
-            return None
-        times = np.arange(len(course.clock)) / PLAN_RATE
-        now = np.gradient(course.clock, times)
-        return slowed(np.maximum(now, 1.0), times, np.interp(hasty, course.clock, times).tolist(), MEND, SLOWEST)
+    def feasible(
+        self, course: Course, wanted: Targets, whole: Spline, mends: int, rough: bool = False
+    ) -> tuple[Course, Spline]:
+        """The body balanced, and the course slowed down, so many times at most, where it cannot follow its feet.
+
+        rough: the body is fresh from `looks`.
+        """
+        for left in range(mends if course.travel and moving(course.feet) else 0, -1, -1):
+            rounds = BRIEF if left and not rough else ROUNDS
+            whole, hasty = balanced(
+                self.robot, self.build, wanted, course.feet, course.phases, self.limits, whole, rough, rounds
+            )
+            if not left or not len(hasty):
+                break
+            clock = clock_of(slower(course, hasty), 1.0 / PLAN_RATE)
+            course, whole = slowed_down(course, self.robot, clock), played(whole, clock)
+            wanted, rough = self.targets(course), False
+        return course, whole
+
+
+def slower(course: Course, hasty: Array) -> Array:
+    """How many times slower (T,) the frames of a course should be to have more time about some times (m,) [s]."""
+    times = course.human.times
+    already = np.interp(times, course.clock, PLAN_RATE * np.gradient(course.clock))
+    most = np.maximum(1.0, SLOWEST / np.maximum(already, 1.0))
+    return slowed(np.ones(len(times)), times, hasty.tolist(), MEND, most)
+
+
+def played(whole: Spline, clock: Array) -> Spline:
+    """A body that does at the times (T,) of a clock what it did at its knots."""
+    times = np.arange(round(clock[-1] / whole.period) + 1) * whole.period
+    y = whole(np.interp(times, clock, whole.period * np.arange(len(clock))))
+    slow = Spline.through(y, whole.period)
+    slow.control[:3], slow.control[-3:] = y[0], y[-1]  # at rest
+    return slow
 
 
 def sampled(robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate: float) -> Motion:

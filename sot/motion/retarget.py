@@ -92,11 +92,17 @@ class PartFit:
             damping=DAMPING,
         )
 
-    def improve(self, part: Part, spline: Spline, others: Array, steps: int) -> Spline:
-        """Gauss-Newton steps from a spline of the part's columns, the other coordinates being those of (T, nv)."""
+    def improve(
+        self, part: Part, spline: Spline, others: Array, steps: int, bends: tuple[Array, Array] | None = None
+    ) -> Spline:
+        """Gauss-Newton steps from a spline of the part's columns, the other coordinates being those of (T, nv).
+
+        bends: residuals (T, r) and Jacobians (T, r, nv) with respect to the coordinates' second derivatives.
+        """
+        bends = None if bends is None else (bends[0], bends[1][:, :, self._columns])
         y, knots = others.copy(), np.arange(len(others))
         for _ in range(steps):
             y[:, self._columns] = spline.knots
             e, J = part.evaluate(knots, y)
-            spline, _ = self._fit.step(spline, J, e)
+            spline, _ = self._fit.step(spline, J, e, bends)
         return spline

@@ -4,6 +4,7 @@ A cubic B-spline lies in the convex hull of its control points, its velocity and
 differences. Limits on these hold therefore at every instant, not only at the samples.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from solvers.banded import BandedQP, BandedSolution
 Array = NDArray[np.float64]
 
 AT_KNOT = np.array([1.0, 4.0, 1.0]) / 6.0  # a knot's value from its three control points
+CURVE = np.array([1.0, -2.0, 1.0])  # its second derivative, times the period squared
 JERK = np.array([-1.0, 3.0, -3.0, 1.0])
 HELD = 1e11  # weight that holds the spline at rest at both ends, above all that is asked of it
 
@@ -106,9 +108,8 @@ class LimitedFit:
         order = np.arange(4)
         identity = sp.eye_array(n)
         rate = sp.diags_array([-np.ones(n), np.ones(n)], offsets=[0, size], shape=(n - size, n))
-        second = np.array([1.0, -2.0, 1.0])
         curve = sp.diags_array(
-            [value * np.ones(n) for value in second], offsets=list(size * order[:3]), shape=(n - 2 * size, n)
+            [value * np.ones(n) for value in CURVE], offsets=list(size * order[:3]), shape=(n - 2 * size, n)
         )
         A = sp.vstack([identity, rate, curve], format="csr")
         top = np.concatenate(
@@ -121,20 +122,28 @@ class LimitedFit:
         bottom = np.concatenate([np.tile(lower, count), -top[n:]])
         self._qp = BandedQP(A, bottom, top, band=4 * size - 1)
 
-    def step(self, spline: Spline, J: Array, e: Array) -> tuple[Spline, BandedSolution]:
-        """The next spline from residuals e (T, r) and their Jacobians J (T, r, s) at the knots of this one."""
-        normal = np.matmul(J.transpose(0, 2, 1), J)
-        gradient = np.matmul(J.transpose(0, 2, 1), e[..., None])[..., 0]
+    def step(
+        self, spline: Spline, J: Array, e: Array, bends: tuple[Array, Array] | None = None
+    ) -> tuple[Spline, BandedSolution]:
+        """The next spline from residuals e (T, r) and their Jacobians J (T, r, s) at the knots of this one.
+
+        bends: residuals and Jacobians with respect to the second derivatives at the knots, if there are any.
+        """
+        normal, gradient = _normal(e, J)
         normal[:, np.arange(self._size), np.arange(self._size)] += self.damping
-        H, g = self._assemble(spline.control, normal, gradient)
+        parts = [(AT_KNOT, normal, gradient)]
+        if bends is not None:
+            parts.append((CURVE / self.period**2, *_normal(*bends)))
+        H, g = self._assemble(spline.control, parts)
         solution = self._qp.solve(H, g, around=spline.control.ravel())
         control = solution.x.reshape(self._count, self._size)
         control[:2] = control[2]
         control[-2:] = control[-3]
         return Spline(control, self.period), solution
 
-    def _assemble(self, control: Array, normal: Array, gradient: Array) -> tuple[Array, Array]:
-        """Banded Hessian and gradient over the control points, from those over the knots (T, s, s) and (T, s)."""
+    def _assemble(self, control: Array, parts: Sequence[tuple[Array, Array, Array]]) -> tuple[Array, Array]:
+        """Banded Hessian and gradient over the control points, from those over what stencils (3,) give at the knots,
+        (T, s, s) and (T, s)."""
         count, size = self._count, self._size
         length = count - 2
         H = np.zeros((count, size, 4 * size))
@@ -143,8 +152,9 @@ class LimitedFit:
         jerk = np.diff(control, 3, axis=0)
         for apart in range(4):
             block = np.zeros((count, size, size))
-            for i in range(3 - apart):
-                block[i : i + length] += AT_KNOT[i] * AT_KNOT[i + apart] * normal
+            for stencil, normal, _ in parts:
+                for i in range(3 - apart):
+                    block[i : i + length] += stencil[i] * stencil[i + apart] * normal
             for i in range(4 - apart):
                 block[i : i + count - 3, np.arange(size), np.arange(size)] += (
                     JERK[i] * JERK[i + apart] * self._jerk_weight
@@ -152,8 +162,9 @@ class LimitedFit:
             stored = np.flatnonzero(row >= column) if apart == 0 else np.arange(size * size)
             offset = apart * size + row[stored] - column[stored]
             H[:, column[stored], offset] = block.reshape(count, -1)[:, stored]
-        for i in range(3):
-            g[i : i + length] += AT_KNOT[i] * gradient
+        for stencil, _, gradient in parts:
+            for i in range(3):
+                g[i : i + length] += stencil[i] * gradient
         for i in range(4):
             g[i : i + count - 3] += JERK[i] * self._jerk_weight * jerk
         self._hold_ends(H, g, control)
@@ -170,3 +181,9 @@ class LimitedFit:
             H[first, :, 0] += HELD
             H[second, :, 0] += HELD
             H[first, :, size] -= HELD
+
+
+def _normal(e: Array, J: Array) -> tuple[Array, Array]:
+    """Normal matrices (T, s, s) and gradients (T, s) of residuals (T, r) with Jacobians (T, r, s)."""
+    Jt = J.transpose(0, 2, 1)
+    return np.matmul(Jt, J), np.matmul(Jt, e[..., None])[..., 0]

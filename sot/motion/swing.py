@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 CLEAR = 0.07, 0.30  # leg lengths, the least and the greatest height of a swing
 PULL = 12.0  # m/s², greatest that a foot is lifted or lowered with, unless it has to clear the floor
-BEND = 24.0  # of `_bump` at its top, over the share of a step's time
+BEND = 28.9  # greatest of `_bump`, over the share of a step's time squared
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,12 @@ def facing(feet: Mapping[str, FootPath]) -> Array:
     """Heading between the feet (T,), unwrapped, zero where they stand as at rest [rad]."""
     forward = np.sum([path.rotation[:, :2, 0] for path in feet.values()], axis=0)
     return np.unwrap(np.arctan2(forward[:, 1], forward[:, 0]))
+
+
+def middle(feet: Mapping[str, FootPath]) -> Array:
+    """Between the feet, on the floor (T, 2) [m]."""
+    at: Array = np.mean([path.position[:, :2] for path in feet.values()], axis=0)
+    return at
 
 
 def phases_of(
@@ -131,8 +137,11 @@ def _around(track: Array, anchor: Stand, share: Array, foot: str, reach: Reach) 
 
 
 def _bump(share: Array) -> Array:
-    """From 0 to 1 and back, at rest and without acceleration at both ends."""
-    return (4.0 * share * (1.0 - share)) ** 3
+    """From 0 to 1 and back, at rest and without acceleration at both ends.
+
+    It comes down more gently than it goes up: a foot that meets the floor a little before its time meets it softly.
+    """
+    return (7.0 / 3.0 * share) ** 3 * (7.0 / 4.0 * (1.0 - share)) ** 4
 
 
 def _rest_feet(robot: Robot) -> dict[str, pin.SE3]:

@@ -40,17 +40,16 @@ class Tempo:
     clock: Array
 
 
-def tempo(moves: Sequence[Move], times: Array, slow: Array) -> Tempo:
+def tempo(moves: Sequence[Move], times: Array) -> Tempo:
     """A smooth time map, slower than the dancer only where steps would otherwise be off their time.
 
     Args:
         moves: in order of their middles.
         times: (T,) of the dancer's frames, uniform, from zero [s].
-        slow: (T,) how many times slower than the dancer to be at least.
     """
-    kept, dt = list(moves), times[1] - times[0]
+    kept, dt, slow = list(moves), times[1] - times[0], np.ones(len(times))
     for _ in range(ROUNDS):
-        clock = _clock(slow, dt)
+        clock = clock_of(slow, dt)
         wanted = [at_clock(move.step, clock, 1.0 / dt) for move in kept]
         timed = timetable(wanted, [move.least for move in kept])
         off = np.array(
@@ -71,15 +70,16 @@ def tempo(moves: Sequence[Move], times: Array, slow: Array) -> Tempo:
     return Tempo(tuple(kept), timed, clock)
 
 
-def slowed(slow: Array, times: Array, about: Sequence[float], factor: float, most: float) -> Array:
-    """A slowness (T,) at times (T,) that is by a factor greater about some times, but not beyond `most`."""
+def slowed(slow: Array, times: Array, about: Sequence[float], factor: float, most: float | Array) -> Array:
+    """A slowness (T,) at times (T,) that is by a factor greater about some times, but not beyond `most`, one
+    for all or (T,)."""
     hasty = np.zeros(len(times), bool)
     for middle in about:
         hasty |= np.abs(times - middle) < AROUND
     return np.where(hasty, np.maximum(slow, np.minimum(factor * slow, most)), slow)
 
 
-def _clock(slow: Array, dt: float) -> Array:
+def clock_of(slow: Array, dt: float) -> Array:
     """Time (T,) that passes at a slowness (T,), made smooth, in whole frames altogether."""
     slow = gaussian_filter1d(slow, SMOOTH / dt, mode="nearest")
     clock = np.concatenate([[0.0], np.cumsum(0.5 * (slow[1:] + slow[:-1]) * dt)])

@@ -7,24 +7,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sot.motion.footholds import Reach, headings, places
-from sot.motion.footwork import Ground, Stand, Step, ground, stands, steps
+from sot.motion.footwork import Ground, Stand, Step, ground, standing, stands, steps
 from sot.motion.human import SIDES, Human
+from sot.motion.path import Way, path_length
 from sot.motion.smooth import slow_part
 from sot.motion.stance import LEAD, STANDING, Build
 from sot.motion.tempo import Move, Tempo, at_clock, tempo
+from sot.motion.timetable import GRID
 
 Array = NDArray[np.float64]
 
-PATH_HZ = 0.5  # slower than this, the way of the waist is a path through the room; faster, dancing on the spot
 SHIFT_HZ = 1.0  # how fast the body follows where its feet had to be put elsewhere
-OFF = 0.12  # m that a foothold may be off its place
-KEPT = 0.9  # of the footholds, not farther off than that
 FOOTFALL = 0.10  # m, a step of the dancer that counts
 SMALL = 0.115  # leg lengths, a shorter step may be left out where there is no time for it
 TURNED, LIFTED = 1.0, 0.15  # rad and leg lengths, unless it turns or lifts the foot by more
 LONGEST = 0.4  # s, that a step may be drawn out to turn the foot
-BETTER = 0.01  # m, by which that has to shrink for a shorter path to be worth it
-SCALES = np.linspace(1.0, 0.3, 15)  # of the path, from the longest
 
 
 @dataclass(frozen=True)
@@ -47,7 +44,7 @@ class Travel:
         places: foot -> where the dancer's does, in the robot's size along the scaled path.
         lifts: how high the dancer's foot gets in each step [m], in the robot's size.
         clock: (T,) the robot's time at the frames of the dancer that were given [s].
-        scale: of the path beyond the ratio of leg lengths, 1 if its strides are in reach.
+        scale: length of the path over what leg lengths make of the dancer's, 1 if its strides are in reach.
         path: length of the dancer's way through the room, in the robot's size but not scaled otherwise [m].
         dancer: all steps of the dancer, in the clip's time.
         footfalls: of the dancer's steps longer than FOOTFALL.
@@ -65,18 +62,18 @@ class Travel:
     footfalls: tuple[Footfall, ...]
 
 
-def travel(human: Human, build: Build, reach: Reach, slow: Array, contacts: Sequence[Step] | None) -> Travel:
-    """Steps and footholds for a human on the motion's time line, at least so many times slower (T,) than its own.
+def travel(human: Human, build: Build, reach: Reach, contacts: Sequence[Step] | None) -> Travel:
+    """Steps and footholds for a human on the motion's time line.
 
-    The path is scaled down, as a whole, until nearly all footholds are near their place; the others are moved by the
-    least, and the body with them.
+    Its path is scaled down, piece by piece, where its strides are out of reach; footholds are moved by the least, and
+    the body with them.
     """
     ratio = build.leg / human.leg
     human = human.scaled(ratio)
     feet = _grounds(human)
     dancer = steps(feet, human.rate, human.leg) if contacts is None else _on_time_line(contacts)
     asked = _moves(feet, dancer, human, reach, given=contacts is not None)
-    pace = tempo(asked, human.times, slow)
+    pace = tempo(asked, human.times)
     human = _from_start(human, stands(feet, dancer, human.rate), build)
     path = path_length(human.points["waist"][:, :2], human.rate)
     human, timed = _warped(human, pace), pace.steps
@@ -86,11 +83,23 @@ def travel(human: Human, build: Build, reach: Reach, slow: Array, contacts: Sequ
     own = stands(feet, moves, human.rate)
     turned = headings(own, timed, reach)
     human = _faced(human, own, turned, timed, build)
-    scale, own, found = _scale(human, turned, moves, timed, reach)
+    way = Way.of(human)
+    asked_at = {
+        foot: standing(track, [move for move in moves if move.foot == foot], human.rate) for foot, track in feet.items()
+    }
+    found, scales = places(
+        stands(_grounds(human), moves, human.rate),
+        turned,
+        timed,
+        reach,
+        {foot: way.carried(frames) for foot, frames in asked_at.items()},
+        way.stiffness,
+    )
+    scaled = _shifted(human, way.shift(scales))
+    own = stands(_grounds(scaled), moves, human.rate)
     moved = {
         foot: np.array([(a.x - b.x, a.y - b.y) for a, b in zip(found[foot], own[foot], strict=True)]) for foot in own
     }
-    scaled = _shifted(human, _scaling(human, scale))
     made = {move.step: step for move, step in zip(pace.moves, timed, strict=True)}
     long = [move.step for move in asked if move.length > FOOTFALL * ratio]
     return Travel(
@@ -100,10 +109,29 @@ def travel(human: Human, build: Build, reach: Reach, slow: Array, contacts: Sequ
         places=own,
         lifts=lifts,
         clock=pace.clock,
-        scale=scale,
+        scale=way.scaled(scales),
         path=path,
         dancer=tuple(Step(step.foot, step.lift - LEAD, step.land - LEAD) for step in dancer),
         footfalls=_footfalls(scaled, dancer, long, made, pace.clock),
+    )
+
+
+def slowed_travel(travel: Travel, clock: Array) -> Travel:
+    """The same at the times (T,) that a clock shows at the human's frames."""
+    human = travel.human
+
+    def late(t: float) -> float:
+        return GRID * round(float(np.interp(t, human.times, clock)) / GRID)
+
+    times = np.arange(round(clock[-1] * human.rate) + 1) / human.rate
+    return replace(
+        travel,
+        human=human.at(np.interp(times, clock, human.times), human.rate),
+        steps=tuple(Step(step.foot, late(step.lift), late(step.land)) for step in travel.steps),
+        clock=np.interp(travel.clock, human.times, clock),
+        footfalls=tuple(
+            replace(fall, landed=None if fall.landed is None else late(fall.landed)) for fall in travel.footfalls
+        ),
     )
 
 
@@ -171,26 +199,6 @@ def _warped(human: Human, pace: Tempo) -> Human:
     return human.at(np.interp(times, pace.clock, human.times), human.rate)
 
 
-def _scale(
-    human: Human, turned: Mapping[str, Array], moves: Sequence[Step], timed: Sequence[Step], reach: Reach
-) -> tuple[float, dict[str, list[Stand]], dict[str, list[Stand]]]:
-    """The scale of the path, the dancer's stands along it, and the robot's."""
-    tried, feet = [], _grounds(human)
-    for scale in SCALES:
-        shift = _scaling(human, float(scale))
-        own = stands(
-            {foot: replace(track, place=track.place + shift) for foot, track in feet.items()}, moves, human.rate
-        )
-        found = places(own, turned, timed, reach)
-        off = [np.hypot(a.x - b.x, a.y - b.y) for foot in own for a, b in zip(found[foot], own[foot], strict=True)]
-        far = float(np.quantile(off, KEPT))
-        tried.append((far, float(scale), own, found))
-        if far <= OFF:
-            break
-    enough = max(OFF, min(far for far, *_ in tried) + BETTER)
-    return next((scale, own, found) for far, scale, own, found in tried if far <= enough)
-
-
 def _from_start(human: Human, own: Mapping[str, Sequence[Stand]], build: Build) -> Human:
     """Turned and moved so that the first stands are about the origin of the robot's feet, facing X."""
     first = [feet[0] for feet in own.values()]
@@ -218,22 +226,6 @@ def _turned(human: Human, angle: Array) -> Human:
         points={name: waist + np.einsum("tij,tj->ti", turn, at - waist) for name, at in human.points.items()},
         frames={body: turn @ rotation for body, rotation in human.frames.items()},
     )
-
-
-def path_length(places: Array, rate: float) -> float:
-    """Length of the way through the room of places (T, 2) at a rate [Hz], swaying on the spot left out [m]."""
-    return float(np.linalg.norm(np.diff(slow_part(places, rate, PATH_HZ), axis=0), axis=1).sum())
-
-
-def _scaling(human: Human, scale: float) -> Array:
-    """By how much (T, 2) to move it so that its way through the room is scaled from where it begins [m]."""
-    path = _path(human)
-    return (scale - 1.0) * (path - path[0])
-
-
-def _path(human: Human) -> Array:
-    """Its way through the room (T, 2) [m]."""
-    return slow_part(human.points["waist"][:, :2], human.rate, PATH_HZ)
 
 
 def _shifted(human: Human, by: Array) -> Human:

@@ -13,6 +13,7 @@ from sot.motion.centroidal import Centroidal
 from sot.motion.clearance import ClearArm
 from sot.motion.contacts import Phase
 from sot.motion.coordinates import from_configuration, to_pinocchio
+from sot.motion.grip import Grip
 from sot.motion.height import lowered, reachable
 from sot.motion.human import SIDES
 from sot.motion.kinematics import Chains, Kinematics
@@ -21,8 +22,8 @@ from sot.motion.parts import Arm, Body, Head, Part
 from sot.motion.retarget import PartFit, solve
 from sot.motion.spline import Spline
 from sot.motion.stance import Build
-from sot.motion.support import supports
-from sot.motion.swing import FootPath, facing, moving
+from sot.motion.support import Support, supports
+from sot.motion.swing import FootPath, facing, middle, moving
 from sot.motion.targets import Targets
 from sot.robot import Robot
 
@@ -32,7 +33,8 @@ LIMB_STEPS = 2  # Gauss-Newton steps of head and arms over the whole clip
 ROUNDS = 6  # most rounds of balance and body, each taking the other's result
 MARGIN = 0.01  # m, least of the ZMP to the edge of what carries
 OFF = 0.002  # m, greatest of a foot off its way
-SETTLED = {False: 0.005, True: 0.012}  # m, on feet that stand or step, a change of the ZMP in a round that ends them
+SETTLED = 0.005  # m, a change of the ZMP in a round that ends them
+NEARLY = 0.04  # m, one that ends them where feet step and nothing is strained
 
 
 def retarget(
@@ -75,46 +77,67 @@ def balanced(
     phases: Sequence[Phase],
     limits: Limits,
     whole: Spline,
-) -> Spline:
+    rough: bool = False,
+    rounds: int = ROUNDS,
+) -> tuple[Spline, Array]:
     """The same motion with its base, legs and chest fitted to a CoM that keeps the ZMP in the soles.
 
-    What the ZMP depends on, the height of the CoM and the angular momentum, changes with the body: hence ROUNDS.
+    What the ZMP depends on, the height of the CoM and the angular momentum, changes with the body: hence rounds, until
+    it changes no more, or on feet that step until nothing is strained.
+
+    Args:
+        robot: whose motion it is.
+        build: of the robot.
+        wanted: the body's targets.
+        feet: where they are to be.
+        phases: which stand where, when.
+        limits: of the joints.
+        whole: motion to start from.
+        rough: it is fresh from `retarget`: its accelerations mean nothing yet.
+        rounds: most of them.
+
+    Returns:
+        The motion, and the times (n,) at which it still cannot do what its feet are to do (see `strained`).
     """
-    where, human = supports(robot, phases), wanted
+    where, human, steps = supports(robot, phases), wanted, moving(feet)
     columns = Body(robot, build, wanted, feet).columns
     fit = PartFit(columns, wanted.length, whole.period, limits)
     state = _centroidal(whole, robot)
     wanted_com = state.com[:, :2]
-    for _ in range(ROUNDS):
-        if moving(feet):
+    times: Array = whole.period * np.arange(wanted.length, dtype=float)
+    grip = Grip(robot, phases, times) if steps else None
+    if rough:
+        state = replace(state, rate=np.zeros_like(state.rate))
+    for _ in range(rounds):
+        if steps:
             wanted = _in_reach(robot, human, feet, whole.knots, whole.period)
         plan = plan_balance(state, wanted_com, where, whole.period)
         body = Body(robot, build, wanted, feet, plan.com.knots)
         control = whole.control.copy()
         spline = Spline(control[:, columns], whole.period)
-        control[:, columns] = fit.improve(body, spline, whole.knots, 1).control
+        bends = grip.excess(whole.knots, state) if grip else None
+        control[:, columns] = fit.improve(body, spline, whole.knots, 1, bends).control
         whole = Spline(control, whole.period)
         before, state = state, _centroidal(whole, robot)
-        if np.abs(state.zmp() - before.zmp()).max() < SETTLED[moving(feet)]:
+        changed = np.abs(state.zmp() - before.zmp()).max()
+        if changed < SETTLED or (steps and changed < NEARLY and not len(strained(robot, feet, where, whole))):
             break
-    return whole
+    return whole, strained(robot, feet, where, whole)
 
 
-def strained(robot: Robot, feet: Mapping[str, FootPath], phases: Sequence[Phase], whole: Spline) -> Array:
-    """Times (n,) of the knots at which a body cannot do what its feet are to do [s].
+def strained(robot: Robot, feet: Mapping[str, FootPath], where: Sequence[Support], whole: Spline) -> Array:
+    """Times (n,), at the knots or half way between two, at which a body cannot do what its feet are to do [s].
 
-    Its ZMP leaves where the feet carry, or a foot is off its way.
+    Its ZMP leaves where the feet carry, or, at a knot, a foot is off its way.
     """
-    y = whole.knots
-    times = whole.period * np.arange(len(y), dtype=float)
-    zmp, bad = _centroidal(whole, robot).zmp(), np.zeros(len(y), bool)
-    where = supports(robot, phases)
+    times: Array = 0.5 * whole.period * np.arange(2 * len(whole.control) - 5, dtype=float)
+    zmp, bad = _centroidal(whole, robot, times).zmp(), np.zeros(len(times), bool)
     for support, stop in zip(where, [*(support.start for support in where[1:]), np.inf], strict=True):
         rows = (times >= support.start) & (times < stop)
         bad[rows] |= support.polygon.margin(zmp[rows]) < MARGIN
-    kinematics = Kinematics(Chains(robot), y)
+    kinematics = Kinematics(Chains(robot), whole.knots)
     for foot, path in feet.items():
-        bad |= np.linalg.norm(kinematics.frame(robot.point(foot))[1] - path.position, axis=1) > OFF
+        bad[::2] |= np.linalg.norm(kinematics.frame(robot.point(foot))[1] - path.position, axis=1) > OFF
     return times[bad]
 
 
@@ -129,16 +152,18 @@ def _at_rest_over(feet: Mapping[str, FootPath], robot: Robot, length: int) -> Ar
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
     y = np.tile(from_configuration(robot.rest[None]), (length, 1))
-    moved, turned = np.mean([path.position[:, :2] for path in feet.values()], axis=0), facing(feet)
-    middle = np.mean([data.oMf[robot.point(foot)].translation[:2] for foot in feet], axis=0)
+    moved, turned = middle(feet), facing(feet)
+    centre = np.mean([data.oMf[robot.point(foot)].translation[:2] for foot in feet], axis=0)
     cosine, sine = np.cos(turned), np.sin(turned)
-    base = y[0, :2] - middle
+    base = y[0, :2] - centre
     y[:, 0] = moved[:, 0] + cosine * base[0] - sine * base[1]
     y[:, 1] = moved[:, 1] + sine * base[0] + cosine * base[1]
     y[:, 5] += turned
     return y
 
 
-def _centroidal(whole: Spline, robot: Robot) -> Centroidal:
-    """At the knots of all nv coordinates."""
-    return Centroidal.along(robot, *to_pinocchio(whole.knots, whole.velocities, whole.accelerations))
+def _centroidal(whole: Spline, robot: Robot, times: Array | None = None) -> Centroidal:
+    """Of all nv coordinates at times (n,) [s], at the knots unless given."""
+    if times is None:
+        return Centroidal.along(robot, *to_pinocchio(whole.knots, whole.velocities, whole.accelerations))
+    return Centroidal.along(robot, *to_pinocchio(*(whole(times, derivative) for derivative in range(3))))

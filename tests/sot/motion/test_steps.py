@@ -9,13 +9,15 @@ import pytest
 from sot.errors import InputError
 from sot.motion import plan, read, recognise
 from sot.motion.contacts import phase_at
-from sot.motion.footholds import Reach, headings, places, separation
+from sot.motion.footholds import OFF, Reach, headings, places, separation
 from sot.motion.footwork import Stand, Step
+from sot.motion.path import Way
 from sot.motion.stance import Build, on_time_line, over_feet
 from sot.motion.support import RAMP, supports
 from sot.motion.targets import targets
-from sot.motion.tempo import Move, tempo
+from sot.motion.tempo import Move, clock_of, tempo
 from sot.motion.timetable import DOUBLE, STANCE, SWING, timetable
+from sot.motion.travel import slowed_travel
 from sot.robot import Robot
 from tests.sot.motion.humans import dancer, walker
 
@@ -114,7 +116,7 @@ def hurried(length, small):
     """Ten steps in the time of five, after three seconds of none and before three more, in eight seconds of 50 Hz."""
     steps = [Step(f"{'left' if k % 2 else 'right'}_foot", 3.0 + 0.2 * k, 3.18 + 0.2 * k) for k in range(10)]
     times = np.arange(401) * 0.02
-    return times, tempo([Move(step, length, 0.3, small=small) for step in steps], times, np.ones(401))
+    return times, tempo([Move(step, length, 0.3, small=small) for step in steps], times)
 
 
 def test_time_is_stretched_only_where_steps_need_it():
@@ -132,6 +134,49 @@ def test_small_steps_are_left_out_before_time_is_stretched():
     np.testing.assert_allclose(found.clock, times, atol=1e-9)
 
 
+def still(wanted):
+    """A path of one piece that carries no stand anywhere, and its price."""
+    return {foot: np.zeros((len(stands), 2, 1)) for foot, stands in wanted.items()}, np.eye(1)
+
+
+def test_a_path_is_scaled_where_its_strides_are_too_long(robot):
+    """Two strides of 1.2 m after two of 0.2 m: the first piece of the path keeps its length, the second does not, and
+    the footholds stay near their places along it."""
+    reach = Reach.of(robot)
+    ahead = {"left_foot": [(0.0, 0.0), (0.2, 0.0), (0.4, 1.2)], "right_foot": [(0.0, 0.0), (0.4, 0.0), (0.4, 2.4)]}
+    across = {"left_foot": 0.1, "right_foot": -0.1}
+    wanted = {foot: [Stand(a + b, across[foot], 0.0) for a, b in pieces] for foot, pieces in ahead.items()}
+    carried = {foot: np.array([[list(piece), [0.0, 0.0]] for piece in pieces]) for foot, pieces in ahead.items()}
+    moves = [Step(f"{side}_foot", k + 1.0, k + 1.6) for k, side in enumerate(("left", "right", "left", "right"))]
+    found, scales = places(wanted, headings(wanted, moves, reach), moves, reach, carried, 0.15**2 * np.eye(2))
+    assert scales[0] > 0.9 and scales[1] < 0.5
+    for foot, pieces in ahead.items():
+        for stand, piece in zip(found[foot], pieces, strict=True):
+            assert np.hypot(stand.x - scales @ piece, stand.y - across[foot]) < OFF + 1e-6
+
+
+def test_of_two_feet_that_want_each_others_place_one_gets_it(robot):
+    reach = Reach.of(robot)
+    wanted = {
+        "left_foot": [Stand(0.0, 0.1, 0.0), Stand(0.0, -0.2, 0.0)],
+        "right_foot": [Stand(0.0, -0.1, 0.0), Stand(0.0, 0.2, 0.0)],
+    }
+    moves = (Step("left_foot", 1.0, 1.6), Step("right_foot", 2.0, 2.6))
+    found, _ = places(wanted, headings(wanted, moves, reach), moves, reach, *still(wanted))
+    off = sorted(abs(found[foot][1].y - wanted[foot][1].y) for foot in wanted)
+    assert off[0] < 0.15 < off[1]
+
+
+def test_a_way_scaled_piece_by_piece_adds_up():
+    human = walker()
+    way = Way.of(human)
+    count = way.carry.shape[2]
+    place = np.cumsum(np.diff(way.carry.sum(axis=2), axis=0), axis=0)
+    np.testing.assert_allclose(way.shift(np.ones(count)), 0.0, atol=1e-12)
+    np.testing.assert_allclose(way.shift(np.full(count, 0.5))[1:], -0.5 * place, atol=1e-12)
+    assert way.scaled(np.full(count, 0.5)) == pytest.approx(0.5)
+
+
 def test_footholds_out_of_reach_are_moved_into_it(robot):
     reach = Reach.of(robot)
     wanted = {
@@ -140,7 +185,7 @@ def test_footholds_out_of_reach_are_moved_into_it(robot):
     }
     moves = (Step("left_foot", 1.0, 1.5), Step("right_foot", 2.0, 2.5), Step("left_foot", 3.0, 3.5))
     turned = headings(wanted, moves, reach)
-    found = places(wanted, turned, moves, reach)
+    found, _ = places(wanted, turned, moves, reach, *still(wanted))
     for left, right in ((0, 0), (1, 0), (1, 1), (2, 1)):
         a, b = found["left_foot"][left], found["right_foot"][right]
         assert reach.turn[0] - 1e-6 < a.heading - b.heading < reach.turn[1] + 1e-6
@@ -158,7 +203,7 @@ def test_footholds_in_reach_stay(robot):
         "right_foot": [Stand(0.0, -0.1, 0.0)],
     }
     moves = (Step("left_foot", 1.0, 1.6),)
-    found = places(wanted, headings(wanted, moves, reach), moves, reach)
+    found, _ = places(wanted, headings(wanted, moves, reach), moves, reach, *still(wanted))
     for foot, stands in wanted.items():
         for stand, own in zip(stands, found[foot], strict=True):
             assert (own.x, own.y, own.heading) == pytest.approx((stand.x, stand.y, stand.heading), abs=1e-9)
@@ -167,7 +212,7 @@ def test_footholds_in_reach_stay(robot):
 def test_the_dancers_footfalls_are_made(walk):
     falls = walk.travel.footfalls
     assert len(falls) == 6 and all(fall.landed is not None for fall in falls)
-    assert walk.travel.scale == 1.0
+    assert walk.travel.scale > 0.9
     for fall in falls:
         row = round((fall.landed + 0.1) * walk.motion.rate)
         place = walk.motion.track(fall.foot.replace("foot", "ankle")).position[row, :2]
@@ -178,6 +223,20 @@ def test_auto_plants_feet_that_never_move(robot, walk):
     still = plan(dancer(), robot, "auto", rate=500.0)
     assert still.travel is None and len(still.motion.phases) == 1
     np.testing.assert_allclose(still.motion.q[0], robot.rest, atol=1e-4)
+
+
+def test_a_slower_course_makes_the_same_steps_later(robot, walk):
+    """Twice as slow about 3 s: places and footfalls stay, times do not, and no swing or stance gets shorter."""
+    going = walk.travel
+    times = going.human.times
+    clock = clock_of(1.0 + (np.abs(times - 3.0) < 0.5), 1.0 / going.human.rate)
+    slow = slowed_travel(going, clock)
+    assert slow.stands == going.stands and len(slow.footfalls) == len(going.footfalls)
+    edges = np.array([(step.lift, step.land) for step in going.steps]).ravel()
+    later = np.array([(step.lift, step.land) for step in slow.steps]).ravel()
+    np.testing.assert_allclose(later, np.interp(edges, times, clock), atol=0.01)
+    assert (np.diff(later) > np.diff(edges) - 1e-9).all() and later[-1] > edges[-1] + 0.5
+    assert slow.human.duration == pytest.approx(clock[-1])
 
 
 def test_given_contacts_are_made(robot):
