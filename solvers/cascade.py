@@ -72,9 +72,8 @@ class Cascade:
             solution = self.solve(levels)
             del solution.levels[1:]
             return solution
-        leading = leading_of(levels)
         if not (self.damping or self._bites_above()):
-            x = self._direct.solve(levels, leading)
+            x = self._direct.solve(levels)
             if x is not None:
                 self._held = None
                 solution = self._solution(levels, x, {}, Status.SOLVED)
@@ -82,7 +81,8 @@ class Cascade:
                 for result in solution.levels[: self._direct.met]:
                     result.met = True
                 return solution
-        reduction = Reduction.of(levels[0], leading, self.rank_tolerance) if levels[0].equalities else None
+        hard = levels[0]
+        reduction = Reduction.of(hard, leading_of(levels), self.rank_tolerance) if hard.equalities else None
         if reduction is None:
             return self._strict(levels)
         solution = self._strict(reduction.levels(levels))

@@ -18,11 +18,13 @@ inequality that bites higher up.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from solvers.compiled import compiled
 from solvers.dense import DEPENDENT, INDEPENDENT, WELL, backward, cholesky, forward, lq, nearest, solutions, times, turn
+from solvers.reduction import leading_of
 from solvers.rows import Array, Equality, Level
 
 ROUNDS = 12
@@ -46,7 +48,9 @@ class Direct:
         self.held = np.zeros(0)
         self.excess = 0.0
         self.met = 0
-        self._shape = (0, 0, 0)
+        self._shape = (0, 0)
+        self._kind: object | None = None  # of the levels that were solved last
+        self._parts: _Parts | None = None  # and what they are made of
 
     def expect(self, rows: Array, side: Array) -> None:
         """Start the next time with these rows held, at the upper bound where `side` is positive."""
@@ -54,50 +58,80 @@ class Direct:
         self.held[:] = 0.0
         self.held[rows[known]] = side[known]
 
-    def solve(self, levels: Sequence[Level], leading: int) -> Array | None:
+    def solve(self, levels: Sequence[Level]) -> Array | None:
         """The optimum, shape (n,), or None if this is not a hierarchy of that kind."""
         hard, size = levels[0], levels[0].size
-        shape = len(hard.lower), size, leading
-        if shape != self._shape:
-            self._shape, self.held = shape, np.zeros(len(hard.lower))
-        if any(len(level.lower) for level in levels[1:]):
+        if hard.kind is None or hard.kind is not self._kind:
+            self._kind, self._parts = hard.kind, _Parts.of(levels)
+            shape = len(hard.lower), size
+            if shape != self._shape:
+                self._shape, self.held = shape, np.zeros(len(hard.lower))
+        parts = self._parts
+        if parts is None:
             return None
+        leading, last, x = parts.leading, parts.last, np.empty(size)
+        if last is not None:
+            np.divide(last.b, last.scale, out=x[leading:])
+        X, independent = solutions(*_stacked(parts.thin, leading))
+        if not independent:
+            return None
+        K, r = _stacked(parts.coupled, size)
+        W, b = _seen(parts.wide, X)
+        found, self.excess = _optimum(X, W, b, K, r, x, hard.C, hard.lower, hard.upper, self.held, self.tolerance)
+        self.met = parts.met
+        return x if found else None
+
+
+@dataclass(slots=True)
+class _Parts:
+    """A hierarchy's equalities by what becomes of them.
+
+    `leading` variables make up x_1, and the first `met` levels have thin rows only.
+    """
+
+    leading: int
+    thin: list[Equality]
+    wide: list[Equality]
+    coupled: list[Equality]
+    last: Equality | None
+    met: int
+
+    @classmethod
+    def of(cls, levels: Sequence[Level]) -> "_Parts | None":
+        """None for a hierarchy of another kind."""
+        leading, met = leading_of(levels), 1
+        trailing = levels[0].size - leading
         thin: list[Equality] = []
         coupled: list[Equality] = []
-        for e in hard.equalities:
+        for e in levels[0].equalities:
             (coupled if e.start + e.A.shape[1] > leading else thin).append(e)
-        used, self.met = sum(len(e.b) for e in thin), 1
+        used = sum(len(e.b) for e in thin)
         wide: list[Equality] = []
         last: Equality | None = None
+        if used > leading:
+            return None
         for level in levels[1:]:
+            if len(level.lower):
+                return None
             if last is not None or not level.equalities:
                 continue
             if level.columns > leading:
                 last = level.equalities[0]
-                if used < leading or len(level.equalities) > 1 or last.selects != slice(0, size - leading):
+                if used < leading or len(level.equalities) > 1:
                     return None
-                if last.start != leading:
+                if last.start != leading or last.selects != slice(0, trailing):
                     return None
             elif used < leading:
                 rows = sum(len(e.b) for e in level.equalities)
                 if used + rows <= leading:
                     thin.extend(level.equalities)
-                    self.met += 1
+                    met += 1
                 else:
                     wide = level.equalities
                 used += rows
-        if used < leading or (last is None and size > leading) or sum(len(e.b) for e in thin) > leading:
+        if used < leading or (last is None and trailing):
             return None
-        x = np.empty(size)
-        if last is not None:
-            np.divide(last.b, last.scale, out=x[leading:])
-        X, independent = solutions(*_stacked(thin, leading))
-        if not independent:
-            return None
-        K, r = _stacked(coupled, size)
-        bounds = hard.C, hard.lower, hard.upper
-        found, self.excess = _optimum(X, *_seen(wide, X), K, r, x, *bounds, self.held, self.tolerance)
-        return x if found else None
+        return cls(leading, thin, wide, coupled, last, met)
 
 
 def at_once(thin: Sequence[Equality], wide: Sequence[Equality], count: int) -> Array | None:

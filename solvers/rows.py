@@ -117,6 +117,8 @@ class Level:
         C: Inequalities, shape (p, n).
         lower, upper: Bounds, shape (p,).
         blocks: Who owns which rows; those of equalities count through all of them.
+        kind: If not None, hierarchies whose first levels have the same one differ in nothing but numbers, and are made
+            of the same objects.
     """
 
     name: str
@@ -126,6 +128,7 @@ class Level:
     lower: Array
     upper: Array
     blocks: list[Block] = field(default_factory=list)
+    kind: object | None = None
     _A: Array | None = None
     _b: Array | None = None
 

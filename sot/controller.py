@@ -98,7 +98,7 @@ class Controller:
             # Only rounding is left to clip: the bounds are rows of level 0.
             torque = np.minimum(np.maximum(decoded.torque, -robot.effort), robot.effort)
             self._held = torque
-            acceleration, wrenches = decoded.acceleration, np.array(decoded.wrenches).reshape(-1, 6)
+            acceleration, wrenches = decoded.acceleration, decoded.wrenches
             zmp = self._zmp(decoded.wrenches)
         else:
             # Always from the last torque that was solved for: damping added to damping would become a stiffness.
@@ -122,14 +122,13 @@ class Controller:
             conflict,
         )
 
-    def _zmp(self, wrenches: list[Array]) -> Array:
+    def _zmp(self, wrenches: Array) -> Array:
         """The point of the floor about which the contacts' forces have no horizontal moment.
 
         With all vertices on the floor it is the mean of them weighted by their normal forces, Ramos (11).
         """
         x = y = load = 0.0
-        for contact, wrench in zip(self.stack.contacts, wrenches, strict=True):
-            fx, fy, fz, mx, my, _ = wrench.tolist()
+        for contact, (fx, fy, fz, mx, my, _) in zip(self.stack.contacts, wrenches.tolist(), strict=True):
             px, py, pz = self.tick.frame(contact.point).position.tolist()
             x += px * fz - pz * fx - my
             y += py * fz - pz * fy + mx

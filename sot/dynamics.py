@@ -28,13 +28,13 @@ class Decoded:
         acceleration: v̇, shape (nv,).
         torque: τ, shape (na,) [N m].
         forces: φ of each contact [N].
-        wrenches: Wrench of the floor on each contact's point, world axes, shapes (6,) [N, N m].
+        wrenches: Wrench of the floor on each contact's point, world axes, shape (contacts, 6) [N, N m].
     """
 
     acceleration: Array
     torque: Array
     forces: list[Array]
-    wrenches: list[Array]
+    wrenches: Array
 
 
 class Dynamics:
@@ -86,11 +86,11 @@ class Dynamics:
         """Read a solution of the levels that were assembled last."""
         assert self._layout is not None
         form = self._layout.form
-        forces, wrenches = [_NO_FORCE] * self._contacts, [_NO_WRENCH] * self._contacts
+        forces, wrenches = [_NO_FORCE] * self._contacts, np.zeros((self._contacts, 6))
         for k, footing in self._layout.footings:
             forces[k] = x[footing.columns] * self.units.force
-            wrenches[k] = footing.map @ forces[k]
+            np.matmul(footing.map, forces[k], out=wrenches[k])
         return Decoded(x[: form.nv], form.torque(x), forces, wrenches)
 
 
-_NO_FORCE, _NO_WRENCH = np.zeros(0), np.zeros(6)
+_NO_FORCE = np.zeros(0)

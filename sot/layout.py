@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from solvers.compiled import compiled
 from solvers.rows import Block, Equality, Level, Rows
 from sot.contact import Contact
-from sot.forms import Form
+from sot.forms import Form, Linear
 from sot.task import Task
 from sot.tick import Tick
 
@@ -65,6 +66,7 @@ class Layout:
                     bounds = _Bounds(block, len(own.lower), seen.start, constant)
                     self._bounds.append((k, task, pile.inequality(bounds)))
             self.levels.append(pile.level(name, form.size))
+        self.levels[0].kind = self
 
     def write(self, tick: Tick, rows: Sequence[Rows]) -> list[Level]:
         """The levels of a tick; its mass matrix and bias are in the form already."""
@@ -80,10 +82,7 @@ class Layout:
             equality.b = wanted if own.weight == 1.0 else own.weight * wanted
         for k, task, bounds in self._bounds:
             own = rows[k]
-            seen, lower, upper = form.seen(task.on, own), own.lower, own.upper
-            if seen.offset is not None:
-                lower, upper = lower - seen.offset, upper - seen.offset
-            bounds.write(seen.A, seen.scale, lower, upper, own.weight)
+            bounds.write(form.seen(task.on, own), own.lower, own.upper, own.weight)
             bounds.block.labels = task.labels
         for level in self.levels:
             level.renew()
@@ -136,11 +135,11 @@ class Footing:
         if self.columns.start == self.columns.stop:
             return
         self.map = contact.wrench_map(tick)
-        np.matmul(frame.jacobian.T, -self._units.force * self.map, out=self._on_motion)
+        _press(frame.jacobian, self.map, -self._units.force, self._on_motion)
         if self._pressure is not None:
             self._pressure.A = contact.force_equalities(tick)
         F, lower, upper = contact.force_inequalities(self._units.weight)
-        self._friction.write(F, 1.0, lower, upper, 1.0 / self._units.force)
+        self._friction.write(Linear(F, 1.0, self.columns.start), lower, upper, 1.0 / self._units.force)
 
 
 class _Bounds:
@@ -155,6 +154,7 @@ class _Bounds:
 
     def __init__(self, block: Block, count: int, start: int, constant: bool) -> None:
         self.block, self.count, self._start, self._constant = block, count, start, constant
+        self._none = np.zeros(count)
         self._scale: float | None = None  # at which the matrix was written
         self._seen: Array | None = None  # whose numbers the upper bounds are
 
@@ -162,15 +162,33 @@ class _Bounds:
         """Where to write."""
         self._C, self._lower, self._upper = C, lower, upper
 
-    def write(self, A: Array, scale: float, lower: Array, upper: Array, share: float) -> None:
-        """Write ``share lower <= scale A x[start : ...] <= share upper``."""
-        if not self._constant or scale != self._scale:
-            np.multiply(A, scale, out=self._C[:, self._start : self._start + A.shape[1]])
+    def write(self, seen: Linear, lower: Array, upper: Array, share: float) -> None:
+        """Write ``lower <= seen <= upper``, times a share that is in the scale of what is seen already."""
+        same = seen.scale == self._scale
+        if not (self._constant and same):
+            np.multiply(seen.A, seen.scale, out=self._C[:, self._start : self._start + seen.A.shape[1]])
         # Arrays that nobody can write to are the same as last time.
-        if upper is not self._seen or scale != self._scale or upper.flags.writeable:
-            np.multiply(lower, share, out=self._lower)
-            np.multiply(upper, share, out=self._upper)
-        self._scale, self._seen = scale, upper
+        if upper is not self._seen or not same or upper.flags.writeable or seen.offset is not None:
+            offset = self._none if seen.offset is None else seen.offset
+            _scaled(lower, upper, offset, share, self._lower, self._upper)
+        self._scale, self._seen = seen.scale, upper
+
+
+@compiled
+def _scaled(lower: Array, upper: Array, offset: Array, share: float, to_lower: Array, to_upper: Array) -> None:
+    for k in range(len(lower)):
+        to_lower[k], to_upper[k] = share * (lower[k] - offset[k]), share * (upper[k] - offset[k])
+
+
+@compiled
+def _press(jacobian: Array, wrenches: Array, scale: float, out: Array) -> None:
+    """``out = scale Jᵀ G``."""
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            total = 0.0
+            for k in range(6):
+                total += jacobian[k, i] * wrenches[k, j]
+            out[i, j] = scale * total
 
 
 class _Pile:

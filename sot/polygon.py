@@ -3,11 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from solvers.compiled import compiled
 
 Array = np.ndarray
+
+ON_LINE = 1e-9
+"""A point no farther than this from the edge between its neighbours is no corner [m]."""
 
 
 @dataclass(frozen=True)
@@ -24,9 +26,8 @@ class Polygon:
 
     @classmethod
     def hull(cls, points: Array) -> "Polygon":
-        """The convex hull of points (m, 2)."""
-        _, unique = np.unique((equations := ConvexHull(points).equations).round(9), axis=0, return_index=True)
-        return cls(equations[unique, :2], -equations[unique, 2])
+        """The convex hull of points (m, 2), which must not all lie on one line."""
+        return cls(*_hull(points[np.lexsort((points[:, 1], points[:, 0]))]))
 
     @property
     def vertices(self) -> Array:
@@ -90,3 +91,34 @@ def nearest(normals: Array, offsets: Array, point: Array) -> Array:
         if exists and low <= high + 1e-9 and excess**2 + shift**2 < least:
             best_x, best_y, least = on_x - shift * ny, on_y + shift * nx, excess**2 + shift**2
     return np.array((best_x, best_y))
+
+
+@compiled
+def _hull(points: Array) -> tuple[Array, Array]:
+    """Edges around points (m, 2) that are sorted by x, then y: lower chain and upper chain, each turning left."""
+    corners, count = np.empty((2 * len(points), 2)), 0
+    for way in (1, -1):
+        first = count
+        for k in range(len(points)):
+            point = points[k if way > 0 else len(points) - 1 - k]
+            while count - first >= 2 and _turn(corners[count - 2], corners[count - 1], point) <= ON_LINE:
+                count -= 1
+            corners[count] = point
+            count += 1
+        count -= 1  # the last corner of a chain is the first of the other
+    normals, offsets = np.empty((count, 2)), np.empty(count)
+    for k in range(count):
+        start, end = corners[k], corners[(k + 1) % count]
+        x, y = end[1] - start[1], start[0] - end[0]
+        length = np.sqrt(x * x + y * y)
+        normals[k, 0], normals[k, 1] = x / length, y / length
+        offsets[k] = (x * start[0] + y * start[1]) / length
+    return normals, offsets
+
+
+@compiled
+def _turn(a: Array, b: Array, c: Array) -> float:
+    """Distance of b to the right of the way from a to c [m]; negative to the left."""
+    x, y = c[0] - a[0], c[1] - a[1]
+    length = np.sqrt(x * x + y * y)
+    return (x * (a[1] - b[1]) - y * (a[0] - b[0])) / length if length > 0.0 else 0.0

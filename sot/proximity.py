@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import pinocchio as pin
 
+from solvers.compiled import compiled
 from sot.robot import Robot
 
 Array = np.ndarray
@@ -68,8 +69,7 @@ class Proximity:
             within: Distance of each pair, or of all [m].
         """
         joints = q[7:]
-        turned = np.abs(self._seen - joints)
-        due = (self._apart - np.einsum("ij,ij->i", self._reach, turned) < within).nonzero()[0]
+        due = _due(self._apart, self._reach, self._seen, joints, np.broadcast_to(within, len(self._apart)))
         if not len(due):
             return []
         pin.updateGeometryPlacements(self._model, data, self._geometry, self._results)
@@ -108,6 +108,18 @@ class Proximity:
         self._each = list(self._results.distanceResults)  # views: looking them up costs more than a distance
         for request in self._results.distanceRequests:
             request.gjk_tolerance = GJK_TOLERANCE
+
+
+@compiled
+def _due(apart: Array, reach: Array, seen: Array, joints: Array, within: Array) -> Array:
+    """Pairs that may have come nearer than `within` since they were looked at."""
+    near = np.empty(len(apart), np.bool_)
+    for k in range(len(apart)):
+        least = apart[k]
+        for i in range(len(joints)):
+            least -= reach[k, i] * abs(seen[k, i] - joints[i])
+        near[k] = least < within[k]
+    return np.flatnonzero(near)
 
 
 def _candidates(robot: Robot) -> Iterator[tuple[int, int]]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
+from solvers.compiled import compiled
 from sot.robot import Robot
 
 if TYPE_CHECKING:
@@ -73,8 +74,7 @@ class Tick:
         model, data, robot = self.robot.model, self.data, self.robot
         self.t, self.q, self.v = t, q, v
         self.h = pin.nonLinearEffects(model, data, q, v).copy()
-        joint_velocity = v[6:]
-        self.h[6:] += robot.damping * joint_velocity + robot.friction * np.tanh(joint_velocity / COULOMB_SPEED)
+        _add_friction(self.h, v, robot.damping, robot.friction)
         self.M = pin.crba(model, data, q)
         # With v̇ = 0 accelerations are drifts; this also leaves data.v and data.a for the frames below.
         pin.centerOfMass(model, data, q, v, self._rest, False)
@@ -125,3 +125,10 @@ class Tick:
             matrix = pin.ccrba(model, data, self.q, self.v)
             self._centroidal = data.hg.vector.copy(), matrix, drift
         return self._centroidal
+
+
+@compiled
+def _add_friction(h: Array, v: Array, damping: Array, friction: Array) -> None:
+    """Add what the joints' damping and friction take."""
+    for k in range(len(damping)):
+        h[6 + k] += damping[k] * v[6 + k] + friction[k] * np.tanh(v[6 + k] / COULOMB_SPEED)

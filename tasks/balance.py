@@ -11,9 +11,11 @@ from sot.task import Task
 from sot.tick import GRAVITY, Tick
 
 Array = np.ndarray
-Place = tuple[tuple[str, float], list[float], list[float]]
 PlaceReference = Callable[[float], Array]
 BalanceReference = Callable[[float], tuple[Array, Array, Array, Array]]
+
+LOOK = 0.01
+"""Interval at which it is looked where the contacts are [s]; at once if one of them carries more or less."""
 
 
 class Balance(Task):
@@ -51,8 +53,7 @@ class Balance(Task):
         self._reference = reference
         self._feet = dict(feet or {})
         self.k, self.kp, self.margin = k, kp, margin
-        self._polygon: Polygon | None = None
-        self._places: list[Place] = []
+        self._polygon, self._loads, self._looked = ANYWHERE, [-1.0], -np.inf
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
@@ -80,30 +81,30 @@ class Balance(Task):
 
         A contact in a ramp widens the support of the others by as much as it may bear: no jump when the ramp ends.
         """
+        loads = [contact.load if contact.mode == "fixed" else 0.0 for contact in tick.contacts]
+        # Standing feet creep by fractions of a millimetre: no reason for another hull at every tick.
+        if loads != self._loads or not 0.0 < tick.t - self._looked < LOOK:
+            self._polygon = self._carried(tick)
+            self._loads, self._looked = loads, tick.t
+        return self._polygon
+
+    def _carried(self, tick: Tick) -> Polygon:
         standing = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load > 0.0]
         if not standing:
             return ANYWHERE
         frames = [tick.frame(contact.point) for contact in standing]
-        # Standing feet creep by fractions of a millimetre: no reason for another hull.
-        places = [
-            ((contact.point, contact.load), frame.position.tolist(), frame.rotation[0].tolist())
+        soles = [
+            frame.position[:2] + (contact.vertices @ frame.rotation.T)[:, :2]
             for contact, frame in zip(standing, frames, strict=True)
         ]
-        if self._polygon is None or not _near(places, self._places):
-            self._places = places
-            soles = [
-                frame.position[:2] + (contact.vertices @ frame.rotation.T)[:, :2]
-                for contact, frame in zip(standing, frames, strict=True)
-            ]
-            most = max(contact.load for contact in standing)
-            full = np.concatenate([sole for sole, contact in zip(soles, standing, strict=True) if contact.load == most])
-            corners = [full]
-            for sole, contact in zip(soles, standing, strict=True):
-                if contact.load < most:
-                    share = min(contact.largest(1.0), 1.0)
-                    corners.append(((1.0 - share) * full[:, None] + share * sole).reshape(-1, 2))
-            self._polygon = Polygon.hull(np.concatenate(corners)).shrunk(self.margin, self.margin)
-        return self._polygon
+        most = max(contact.load for contact in standing)
+        full = np.concatenate([sole for sole, contact in zip(soles, standing, strict=True) if contact.load == most])
+        corners = [full]
+        for sole, contact in zip(soles, standing, strict=True):
+            if contact.load < most:
+                share = min(contact.largest(1.0), 1.0)
+                corners.append(((1.0 - share) * full[:, None] + share * sole).reshape(-1, 2))
+        return Polygon.hull(np.concatenate(corners)).shrunk(self.margin, self.margin)
 
 
 @compiled
@@ -148,11 +149,3 @@ def _admitted(lag: Array, z: Array, pivot: Array, normals: Array, offsets: Array
     """
     kept, given_up = nearest(normals, offsets, z + lag) - z - lag, nearest(normals, offsets, pivot + lag) - pivot - lag
     return lag + (kept if kept @ kept <= given_up @ given_up else given_up)
-
-
-def _near(some: list[Place], others: list[Place]) -> bool:
-    """Whether the same feet stand at the same places and in the same directions."""
-    return len(some) == len(others) and all(
-        a == b and abs(p[0] - q[0]) + abs(p[1] - q[1]) < 5e-4 and abs(u[1] - v[1]) < 5e-3
-        for (a, p, u), (b, q, v) in zip(some, others, strict=True)
-    )

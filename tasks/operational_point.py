@@ -3,14 +3,15 @@
 import numpy as np
 import pinocchio as pin
 
+from solvers.compiled import compiled
 from sot.errors import InputError
 from sot.robot import Robot
+from sot.rotation import rotation_vector
 from sot.task import AXIS_NAMES, MotionTask, Pose, PoseReference
-from sot.tick import FrameState, Tick
+from sot.tick import Tick
 
 Array = np.ndarray
 AXES = "xyzRPY"
-NOUGHT = np.zeros(3)
 
 
 class OperationalPoint(MotionTask):
@@ -55,24 +56,33 @@ class OperationalPoint(MotionTask):
         self._of: slice | Array = self.selected
         if np.array_equal(self.selected, np.arange(self.selected[0], self.selected[-1] + 1)):
             self._of = slice(int(self.selected[0]), int(self.selected[-1]) + 1)
-        self._turns, self._shifts = bool(turns), bool(shifts)
         self._reference: PoseReference = reference if callable(reference) else _still(reference)
 
     def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
         """Error, its rate, J, J̇ v and feed-forward in the selected axes; orientation errors as rotation vectors."""
-        of = self._of
-        frame, target = tick.frame(self.point), self._reference(tick.t)
-        rate = target.velocity[of] - frame.velocity[of]
-        return self._error(frame, target), rate, frame.jacobian[of], frame.drift[of], target.acceleration[of]
+        of, frame, target = self._of, tick.frame(self.point), self._reference(tick.t)
+        error, rate = _deviation(
+            frame.position, frame.rotation, frame.velocity, target.position, target.rotation, target.velocity
+        )
+        return error[of], rate[of], frame.jacobian[of], frame.drift[of], target.acceleration[of]
 
-    def _error(self, frame: FrameState, target: Pose) -> Array:
-        shift = target.position - frame.position if self._shifts else NOUGHT
-        if not self._turns:
-            return shift[self._of]
-        turn = pin.log3(target.rotation @ frame.rotation.T)
-        if not self._shifts and len(self.selected) == 3:
-            return turn
-        return np.concatenate((shift, turn))[self._of]
+
+@compiled
+def _deviation(
+    position: Array, rotation: Array, velocity: Array, position_to: Array, rotation_to: Array, velocity_to: Array
+) -> tuple[Array, Array]:
+    """How far a frame is from a target: shift over rotation vector, and their rate, (6,) each, world axes."""
+    turn = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            turn[i, j] = (
+                rotation_to[i, 0] * rotation[j, 0]
+                + rotation_to[i, 1] * rotation[j, 1]
+                + rotation_to[i, 2] * rotation[j, 2]
+            )
+    error = np.empty(6)
+    error[:3], error[3:] = position_to - position, rotation_vector(turn)
+    return error, velocity_to - velocity
 
 
 def _still(target: Array | pin.SE3) -> PoseReference:

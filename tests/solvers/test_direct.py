@@ -5,7 +5,7 @@ import pytest
 
 from solvers.cascade import Cascade
 from solvers.direct import Direct
-from solvers.reduction import Reduction, leading_of
+from solvers.reduction import Reduction
 from solvers.rows import Equality, Level
 
 LEADING, TRAILING = 14, 10
@@ -44,7 +44,7 @@ class Roundabout(Cascade):
 
     def __init__(self):
         super().__init__()
-        self._direct.solve = lambda levels, leading: None
+        self._direct.solve = lambda levels: None
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def test_the_short_way_leads_where_the_cascade_does(reach, room, least):
     for _ in range(40):
         levels = hierarchy(rng, reach, room)
         direct = Direct(1e-7)
-        x = direct.solve(levels, leading_of(levels))
+        x = direct.solve(levels)
         if x is None:
             continue
         taken += 1
@@ -72,16 +72,16 @@ def test_the_short_way_leads_where_the_cascade_does(reach, room, least):
 def test_what_was_held_is_let_go_when_it_pulls():
     levels = hierarchy(np.random.default_rng(1), 1e3)
     direct = Direct(1e-7)
-    free = direct.solve(levels, LEADING)
+    free = direct.solve(levels)
     direct.expect(np.array([LEADING]), np.array([1.0]))
-    np.testing.assert_allclose(direct.solve(levels, LEADING), free, atol=1e-9)
+    np.testing.assert_allclose(direct.solve(levels), free, atol=1e-9)
     assert not direct.held.any()
 
 
 def test_hierarchies_of_another_kind_are_left_to_others():
     rng = np.random.default_rng(2)
     levels, direct = hierarchy(rng, 1e3), Direct(1e-7)
-    assert direct.solve(levels, LEADING) is not None
+    assert direct.solve(levels) is not None
     contradicting = [*levels]
     contradicting[2] = levels[1]
     own_bounds = [*levels]
@@ -93,7 +93,7 @@ def test_hierarchies_of_another_kind_are_left_to_others():
     broken = [*levels]
     broken[1] = Level("broken", SIZE, [Equality(np.full((1, LEADING), np.nan), np.zeros(1))], *NONE)
     for other in (contradicting, own_bounds, tight, broken, levels[:-1], levels[:2]):
-        assert direct.solve(other, LEADING) is None
+        assert direct.solve(other) is None
 
 
 def test_the_change_of_variables_reaches_what_level_0_admits_and_nothing_else():
