@@ -76,9 +76,13 @@ class Layout:
         dynamics.A, dynamics.b = form.equation()
         for k, task, equality in self._equalities:
             own = rows[k]
-            seen = form.seen(task.on, own)
-            equality.A, equality.scale = seen.A, seen.scale
-            wanted = own.lower if seen.offset is None else own.lower - seen.offset
+            wanted = own.lower
+            if task.on == "acceleration":
+                equality.A, equality.scale = own.A, own.weight
+            else:
+                seen = form.seen(task.on, own)
+                equality.A, equality.scale = seen.A, seen.scale
+                wanted = wanted if seen.offset is None else wanted - seen.offset
             equality.b = wanted if own.weight == 1.0 else own.weight * wanted
         for k, task, bounds in self._bounds:
             own = rows[k]

@@ -62,13 +62,19 @@ class Task(ABC):
         self.error: Array = np.zeros(0)
         self.labels: Sequence[str] = ()
         self.selects: slice | None = None
+        self._own: Rows | None = None
 
     @abstractmethod
     def rows(self, tick: Tick) -> Rows:
-        """The rows at this tick, and `error` as a side effect."""
+        """The rows at this tick, valid until the next one, and `error` as a side effect."""
 
     def _rows(self, A: Array, lower: Array, upper: Array) -> Rows:
-        return Rows(self.name, self.unit, A, lower, upper, self.weight, self.gives_way, self.selects)
+        """The task's rows, always the same object."""
+        rows = self._own
+        if rows is None:
+            rows = self._own = Rows(self.name, self.unit, A, lower, upper, gives_way=self.gives_way)
+        rows.A, rows.lower, rows.upper, rows.weight, rows.selects = A, lower, upper, self.weight, self.selects
+        return rows
 
 
 class MotionTask(Task):

@@ -53,18 +53,25 @@ class Balance(Task):
         self._reference = reference
         self._feet = dict(feet or {})
         self.k, self.kp, self.margin = k, kp, margin
-        self._polygon, self._loads, self._looked = ANYWHERE, [-1.0], -np.inf
+        self._polygon, self._crept = ANYWHERE, (0.0, 0.0)
+        self._loads, self._looked = [-1.0], -np.inf
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
-        plan, polygon = self._reference(tick.t), self._support(tick)
-        state = tick.com, tick.com_velocity, tick.com_drift
-        self.error, wanted = _led_back(
-            *plan, *state, self._crept(tick), self.k, self.kp, polygon.normals, polygon.offsets
-        )
+        self._look(tick)
+        plan, state = self._reference(tick.t), (tick.com, tick.com_velocity, tick.com_drift)
+        polygon = self._polygon
+        self.error, wanted = _led_back(*plan, *state, self._crept, self.k, self.kp, polygon.normals, polygon.offsets)
         return self._rows(tick.com_jacobian, wanted, wanted)
 
-    def _crept(self, tick: Tick) -> tuple[float, float]:
+    def _look(self, tick: Tick) -> None:
+        """See where the contacts are: standing feet creep by fractions of a millimetre, which can wait a few ticks."""
+        loads = [contact.load if contact.mode == "fixed" else 0.0 for contact in tick.contacts]
+        if loads != self._loads or not 0.0 < tick.t - self._looked < LOOK:
+            self._polygon, self._crept = self._carried(tick), self._moved(tick)
+            self._loads, self._looked = loads, tick.t
+
+    def _moved(self, tick: Tick) -> tuple[float, float]:
         """How far the contacts that stand are from where the plan has them [m], on average, by the load they may take:
         where a foot comes down beside its place, the plan is to move over as gradually as it takes its load."""
         x = y = weight = 0.0
@@ -76,19 +83,11 @@ class Balance(Task):
                 weight += contact.load
         return (x / weight, y / weight) if weight else (0.0, 0.0)
 
-    def _support(self, tick: Tick) -> Polygon:
+    def _carried(self, tick: Tick) -> Polygon:
         """Where the contacts let the zero-moment point be, drawn in by the margin; anywhere if nothing carries.
 
         A contact in a ramp widens the support of the others by as much as it may bear: no jump when the ramp ends.
         """
-        loads = [contact.load if contact.mode == "fixed" else 0.0 for contact in tick.contacts]
-        # Standing feet creep by fractions of a millimetre: no reason for another hull at every tick.
-        if loads != self._loads or not 0.0 < tick.t - self._looked < LOOK:
-            self._polygon = self._carried(tick)
-            self._loads, self._looked = loads, tick.t
-        return self._polygon
-
-    def _carried(self, tick: Tick) -> Polygon:
         standing = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load > 0.0]
         if not standing:
             return ANYWHERE

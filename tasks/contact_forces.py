@@ -24,7 +24,9 @@ class LeastForces(Task):
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``φ = 0``."""
-        count = sum(contact.force_count for contact in tick.contacts)
+        count = 0
+        for contact in tick.contacts:
+            count += contact.force_count
         if count != len(self._A):
             self._A, self._nothing, self.selects = np.eye(count), np.zeros(count), slice(0, count)
         return self._rows(self._A, self._nothing, self._nothing)

@@ -104,7 +104,8 @@ class Motion:
 
     def _place(self, t: float) -> tuple[int, float]:
         """The sample at or before a time [s], and which share of the way to the next has passed."""
-        x = min(max(t * self.rate, 0.0), len(self.q) - 1.0)
+        x, last = t * self.rate, len(self._table) - 1.0
+        x = 0.0 if x < 0.0 else last if x > last else x
         k = int(x + ON_SAMPLE)
         return (k, x - k) if x - k > ON_SAMPLE else (k, 0.0)
 
