@@ -27,6 +27,7 @@ dance: $(READY)  ## replay half a minute of dance under physics
 	$(BIN)/sot replay lafan1_dance1_subject2 --feet planted --start 5 --duration 32 --out runs/dance
 	@echo
 	@echo "Watch it:  $(BIN)/sot view runs/dance         (add --web for a browser)"
+	@echo "Plots:     $(BIN)/sot report runs/dance       (one page)"
 	@echo "Figures:   runs/dance/report.json"
 
 test: $(READY)  ## the quick tests

@@ -19,6 +19,7 @@ from scenarios import clips, viewer
 from scenarios.bench import bench, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.disturbances import parse_mismatch, parse_push
+from scenarios.page import write_page
 from scenarios.peers import read_peer
 from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, check_writable, make_solver, replay, retarget
 from scenarios.studies import DANCED, SCENARIOS, own_solver, run_scenario
@@ -173,6 +174,21 @@ def view_command(
     if not web:
         return DONE if viewer.in_window(path) else FAILED
     viewer.in_browser(path, lambda url: messages.print(f"Serving {url} to the browser until Ctrl-C", soft_wrap=True))
+    return DONE
+
+
+@app.command("report")
+def report_command(
+    runs: Annotated[list[Path], typer.Argument(metavar="DIR...", help="Folders of runs; several are compared.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "-o", help="File to write; DIR/report.html, or comparison.html beside the runs, by default."
+        ),
+    ] = None,
+) -> int:
+    """Make one page (HTML) of a run, or of several to compare."""
+    output.print(f"Written: {write_page(runs, out)}", soft_wrap=True)
     return DONE
 
 

@@ -16,6 +16,7 @@ from sim.log import RunInfo
 from sim.loop import Run, run
 from sim.mismatch import AS_MODELLED, Mismatch
 from sim.push import Push
+from sim.traces import Traces
 from sim.world import World
 from solvers import Cascade, Solver, TaskCorrection, Weighted
 from sot.controller import Controller
@@ -31,7 +32,7 @@ Tell = Callable[[str, float | None], object]
 """Told what is being done, and which share of it is done if that is known."""
 
 SOLVERS: dict[str, Callable[[], Solver]] = {"cascade": Cascade, "weighted": Weighted, "iktc": TaskCorrection}
-RECORDING, REPORT, TIMELINE = "run.rrd", "report.json", "schedule.svg"
+RECORDING, REPORT, TIMELINE, TRACES = "run.rrd", "report.json", "schedule.svg", "traces.npz"
 
 
 @dataclass(frozen=True)
@@ -117,6 +118,7 @@ def keep(danced: Dance, out: Path, tell: Tell, more: Mapping[str, Any] = Mapping
     figures = report.report(danced.run.log, danced.info, wall, danced.motion, danced.plan)
     figures |= {"edits": list(danced.edits)} | dict(more)
     report.write(figures, out / REPORT)
+    Traces.of(danced.run.log, danced.info, danced.motion).save(out / TRACES)
     return figures
 
 

@@ -65,14 +65,19 @@ def _send_soles(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray)
 
 def _send_plan(columns: Columns, motion: Motion) -> None:
     """All footholds, and the way of the centre of mass over the floor."""
-    footholds = [
-        _lifted(np.array([stance.pose.act(corner)[:2] for corner in _closed(motion.robot.sole(foot))]))
+    outlines = [_lifted(outline) for outline in footholds(motion)]
+    columns.static("world/plan/footholds", rr.LineStrips3D(outlines, colors=[COLORS["foothold"]], radii=[0.002]))
+    way = _lifted(motion.com[:: max(1, round(motion.rate / 20.0)), :2])
+    columns.static("world/plan/com", rr.LineStrips3D([way], colors=[COLORS["com_planned"]], radii=[0.002]))
+
+
+def footholds(motion: Motion) -> list[np.ndarray]:
+    """Closed outline (K, 2) of each sole where the plan puts it down [m]."""
+    return [
+        np.array([stance.pose.act(corner)[:2] for corner in _closed(motion.robot.sole(foot))])
         for foot in motion.robot.feet
         for stance in Footfalls(motion.phases, foot).stances
     ]
-    columns.static("world/plan/footholds", rr.LineStrips3D(footholds, colors=[COLORS["foothold"]], radii=[0.002]))
-    way = _lifted(motion.com[:: max(1, round(motion.rate / 20.0)), :2])
-    columns.static("world/plan/com", rr.LineStrips3D([way], colors=[COLORS["com_planned"]], radii=[0.002]))
 
 
 def _closed(corners: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 from sim.columns import COLORS, SERIES
 from sim.log import RunLog, nearest_frames
 from sim.plots import Curves, Plot, States
-from sim.support import planned_support
+from sim.support import support_sides
 from sot.motion.centroidal import GRAVITY
 from sot.motion.plan import PLAN_RATE, Plan
 from sot.motion.trajectory import Motion
@@ -58,9 +58,7 @@ def dcm(log: RunLog, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _balance(log: RunLog, motion: Motion) -> Tab:
-    sides = np.full((log.ticks, 2, 2), np.nan)
-    for rows, polygon in planned_support(log, motion):
-        sides[rows] = [polygon.vertices.min(axis=0), polygon.vertices.max(axis=0)]
+    sides = support_sides(log, motion)
     frames = log.rows_at(FRAME_RATE)
     zmps = np.stack([log.zmp_measured, log.zmp_control, log.zmp_planned], axis=2)
     names, ends = ("measured", "controller", "planned"), ("support, least", "support, greatest")

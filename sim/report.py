@@ -3,7 +3,7 @@
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -130,11 +130,21 @@ def show(reports: Sequence[Mapping[str, Any]], console: Console) -> None:
         )
     table.add_column("")
     table.add_column("aim", no_wrap=True)
-    table.add_row("how it ended", *(_ending(report) for report in reports))
-    for place, words, factor, unit, aim in LINES:
-        values = (figure_at(report, place) for report in reports)
-        table.add_row(words, *("-" if value is None else _digits(factor * value) for value in values), unit, aim)
+    for words, values, unit, aim in lines(reports):
+        table.add_row(words, *values, unit, aim)
     console.print(table)
+
+
+def lines(reports: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[str], str, str]]:
+    """Reports in plain words: what a line is about, its figure in each report, unit, and what to aim for.
+
+    Raises:
+        KeyError: a report lacks a figure.
+    """
+    yield "how it ended", [_ending(report) for report in reports], "", ""
+    for place, words, factor, unit, aim in LINES:
+        values = [figure_at(report, place) for report in reports]
+        yield words, ["-" if value is None else _digits(factor * value) for value in values], unit, aim
 
 
 def remarks(report: Mapping[str, Any]) -> list[str]:

@@ -28,3 +28,11 @@ def planned_support(log: RunLog, motion: Motion) -> Iterator[tuple[np.ndarray, P
             rows = np.flatnonzero(here & (carries == loads).all(axis=1))
             if standing and len(rows):
                 yield rows, support(motion.robot, Phase(phase.start, phase.end, standing))
+
+
+def support_sides(log: RunLog, motion: Motion) -> np.ndarray:
+    """Least and greatest x and y of the planned support at every tick [m], (T, 2, 2); nan without support."""
+    sides = np.full((log.ticks, 2, 2), np.nan)
+    for rows, polygon in planned_support(log, motion):
+        sides[rows] = [polygon.vertices.min(axis=0), polygon.vertices.max(axis=0)]
+    return sides

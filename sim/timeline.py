@@ -21,7 +21,12 @@ def changes(log: RunLog) -> bool:
 
 
 def draw(path: Path, log: RunLog, info: RunInfo, robot: Robot) -> None:
-    """Draw a run's schedule: a lane a task, those above others in the stack first, and a lane a foot.
+    """Draw a run's schedule into a file (`.svg`)."""
+    write_lanes(path, f"{info.clip} by {robot.label}: tasks and contacts over time", "s", lanes(log, robot))
+
+
+def lanes(log: RunLog, robot: Robot) -> list[Lane]:
+    """A run's schedule: a lane a task, those above others in the stack first, and a lane a foot.
 
     Bars that are there from end to end are grey, others blue; they are pale where the task is on its way from one level
     to another. The number in a bar is the place of the task's level, 1 being right below the hard level.
@@ -30,7 +35,7 @@ def draw(path: Path, log: RunLog, info: RunInfo, robot: Robot) -> None:
     place = np.where(log.level_place > 0, log.level_place, np.nan)
     seen = np.flatnonzero((log.level_place > 0).any(axis=0))
     order = sorted(seen.tolist(), key=lambda k: float(np.nanmax(place[:, k])))
-    lanes = []
+    drawn = []
     for k in order:
         color = ALWAYS if (log.level_share[:, k] >= 1.0).all() else COMES
         states = np.where(log.level_share[:, k] < 1.0, -log.level_place[:, k], log.level_place[:, k])
@@ -39,12 +44,11 @@ def draw(path: Path, log: RunLog, info: RunInfo, robot: Robot) -> None:
             for value, span in _runs(states, log)
             if value
         ]
-        lanes.append(Lane(log.level_names[k], bars))
+        drawn.append(Lane(log.level_names[k], bars))
     for index, foot in enumerate(robot.feet):
         modes = _runs(log.foot_mode[:, index], log)
-        lanes.append(Lane(foot.replace("_", " "), [Bar(*span, *MODES[value]) for value, span in modes]))
-    title = f"{info.clip} by {robot.label}: tasks and contacts over time"
-    write_lanes(path, title, "s", lanes)
+        drawn.append(Lane(foot.replace("_", " "), [Bar(*span, *MODES[value]) for value, span in modes]))
+    return drawn
 
 
 def _runs(states: np.ndarray, log: RunLog) -> list[tuple[int, tuple[float, float]]]:

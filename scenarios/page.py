@@ -1,0 +1,70 @@
+"""`sot report`: the folders of runs, as one page."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from scenarios.replay import REPORT, TRACES, check_writable
+from sim import page
+from sim.traces import Traces
+from sot.errors import InputError
+
+PAGE, COMPARISON = "report.html", "comparison.html"
+
+
+def write_page(folders: Sequence[Path], out: Path | None = None) -> Path:
+    """Write the page of a run, or of several beside each other.
+
+    Args:
+        folders: of the runs.
+        out: file to write; the run's own folder takes it by default, or the folder above the first of several.
+
+    Returns:
+        The file.
+
+    Raises:
+        InputError: a folder is no run, or of another version; or the file cannot be written. Nothing is written then.
+    """
+    repeated = next((folder for k, folder in enumerate(folders) if folder.resolve() in _resolved(folders[:k])), None)
+    if repeated is not None:
+        raise InputError(f"{repeated}: given twice; name each run once")
+    if out is None:
+        out = folders[0] / PAGE if len(folders) == 1 else folders[0].absolute().parent / COMPARISON
+    if out.suffix not in (".html", ".htm") or out.is_dir():
+        raise InputError(f"{out}: a page is written to a file that ends in .html")
+    runs = [_read(folder) for folder in folders]
+    check_writable(out.parent)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    names = [folder.resolve().name for folder in folders]
+    if len(set(names)) < len(names):
+        names = [str(folder) for folder in folders]
+    page.write(out, names, [report for report, _ in runs], [traces for _, traces in runs])
+    return out
+
+
+def _resolved(folders: Sequence[Path]) -> set[Path]:
+    return {folder.resolve() for folder in folders}
+
+
+def _read(folder: Path) -> tuple[Mapping[str, Any], Traces]:
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder; `sot replay CLIP --out DIR` makes a run")
+    for name in (REPORT, TRACES):
+        if not (folder / name).is_file():
+            raise InputError(
+                f"{folder}: no run of `sot replay` or of an earlier version, it has no {name}; run it again"
+            )
+    traces = Traces.load(folder / TRACES)
+    try:
+        report = json.loads((folder / REPORT).read_text("utf-8"))
+        same = report["clip"] == traces.facts["clip"] and report["robot"] == traces.facts["robot"]
+        same = same and math.isclose(report["duration_s"], traces.facts["duration_s"], rel_tol=1e-5)
+        list(page.report.lines([report]))
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        what = f"it has no '{error.args[0]}'" if isinstance(error, KeyError) else str(error)
+        raise InputError(f"{folder / REPORT}: cannot be read as a run's report ({what}); run it again") from None
+    if not same:
+        raise InputError(f"{folder}: {REPORT} and {TRACES} are of different runs; run it again")
+    return report, traces
