@@ -89,7 +89,7 @@ def replay_command(
     edit: EditFile = None,
     push: Pushes = None,
     mismatch: Differs = "",
-    out: Annotated[Path | None, typer.Option(help="Folder for run.rrd and report.json; runs/CLIP by default.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/CLIP by default.")] = None,
     view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
 ) -> int:
     """Let a robot dance a clip under physics; record it and report on it."""

@@ -1,6 +1,6 @@
 """What a run's page shows: its columns, thin enough for a page, and what they mean, in a file of their own.
 
-A recording holds more, but rerun's ways to read one back change from version to version, and need a query engine.
+A recording holds more, but is twenty times as large, and rerun's ways to read one back are experimental.
 """
 
 import json

@@ -9,7 +9,7 @@ import pytest
 
 from scenarios import cli, clips, viewer
 from scenarios.groove import groove
-from scenarios.replay import RECORDING, REPORT
+from scenarios.replay import RECORDING, REPORT, TRACES
 from sot.motion.trajectory import Motion
 
 UNKNOWN_SKELETON = """HIERARCHY
@@ -252,7 +252,7 @@ def test_view_opens_what_a_run_wrote_in_a_window(folder, monkeypatch):
 def test_replays_a_second_of_the_clip_that_ships(folder, capsys):
     status, said = lines(["replay", "groove", "--duration", "0.5", "--out", "new/run"], capsys)
     assert (status, said) == (cli.DONE, "")
-    assert sorted(path.name for path in (folder / "new/run").iterdir()) == [REPORT, RECORDING]
+    assert sorted(path.name for path in (folder / "new/run").iterdir()) == [REPORT, RECORDING, TRACES]
     report = json.loads((folder / "new/run" / REPORT).read_text())
     assert report["clip"] == "groove"
     assert report["fell"] is False
