@@ -153,6 +153,7 @@ def perform(request: Replay, compose: Composer, motion: Motion, planned: Plan | 
             told = edit(stack, schedule, motion, edits)
     controller = Controller(robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
     world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes)
+    tell("starting (the first time on a machine this compiles, for half a minute)", None)
     with blamed(request.stack):
         done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
     info = RunInfo(
