@@ -25,7 +25,7 @@ from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, check_wri
 from scenarios.studies import DANCED, SCENARIOS, own_solver, run_scenario
 from scenarios.suite import SUITES, bench_suite, pieces
 from scenarios.suite import show as show_suite
-from sim.report import remarks, show
+from sim.report import show
 from sot.errors import InputError
 from sot.robot import Robot, robots
 
@@ -152,6 +152,7 @@ def retarget_command(
         planned = retarget(request, out, tell)
     if out.suffix == ".toml":
         output.print(f"{out}: {len(planned.travel.dancer) if planned.travel else 0} steps", soft_wrap=True)
+        _remark(planned.remarks)
         return DONE
     figures = planned.retarget
     output.print(
@@ -159,6 +160,7 @@ def retarget_command(
         f"{1e3 * figures['key_point_rms_m']:.0f} mm from the scaled human's, {figures['frames_per_s']:.0f} frames/s",
         soft_wrap=True,
     )
+    _remark(planned.remarks)
     return DONE
 
 
@@ -263,10 +265,14 @@ def _without_command(context: typer.Context) -> None:
 def _reported(report: dict[str, Any], folder: Path) -> int:
     """Show a report, and say by which status a run ended."""
     show([report], output)
-    for remark in (*remarks(report), *report["edits"]):
-        output.print(f"\n{remark}", soft_wrap=True, highlight=False)
+    _remark((*report["remarks"], *report["edits"]))
     output.print(f"\nWritten: {folder / RECORDING}, {folder / REPORT}", soft_wrap=True)
     return FELL if report["fell"] else DONE
+
+
+def _remark(sentences: Sequence[str]) -> None:
+    for sentence in sentences:
+        output.print(f"\n{sentence}", soft_wrap=True, highlight=False)
 
 
 def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | None, as_json: bool) -> int:

@@ -63,9 +63,7 @@ def write(path: Path, names: Sequence[str], reports: Sequence[Mapping[str, Any]]
         reports=reports,
         summary=[line for line in report.lines(reports) if set(line[1]) != {"-"}],
         remarks=[
-            (name, said)
-            for name, one in zip(names, reports, strict=True)
-            for said in (*report.remarks(one), *one["edits"])
+            (name, said) for name, one in zip(names, reports, strict=True) for said in (*one["remarks"], *one["edits"])
         ],
         sections=_sections(runs),
         library=Markup(get_plotlyjs()),

@@ -97,6 +97,7 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
         "retarget": dict(plan.retarget) if plan else dict.fromkeys(RETARGET),
         "steps": figures.steps(log, plan),
         "flights": figures.flights(plan),
+        "remarks": plan.remarks if plan else [],
         "zmp": figures.zmp(log, motion),
         "contacts": figures.contacts(log, robot),
         "slide": worst(slid),
@@ -145,18 +146,6 @@ def lines(reports: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[str]
     for place, words, factor, unit, aim in LINES:
         values = [figure_at(report, place) for report in reports]
         yield words, ["-" if value is None else _digits(factor * value) for value in values], unit, aim
-
-
-def remarks(report: Mapping[str, Any]) -> list[str]:
-    """What the robot did otherwise than the dancer, a sentence each."""
-    count, longest = report["flights"]["count"], report["flights"]["longest_s"]
-    if not count:
-        return []
-    instead = "its feet stay on the floor" if report["steps"]["footfalls"] is None else "it steps, foot after foot"
-    times = "once" if count == 1 else f"{count} times"
-    return [
-        f"The dancer leaps {times}, both feet off the floor for up to {longest:.2f} s; the robot does not: {instead}."
-    ]
 
 
 def _ending(report: Mapping[str, Any]) -> str:

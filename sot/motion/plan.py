@@ -12,7 +12,7 @@ from sot.motion.centroidal import Centroidal
 from sot.motion.contacts import Phase
 from sot.motion.coordinates import to_pinocchio
 from sot.motion.course import Course, go, slid, slowed_down, stay
-from sot.motion.flight import Flight, flights
+from sot.motion.flight import Flight, flights, remark
 from sot.motion.footwork import Step
 from sot.motion.human import Human
 from sot.motion.kinematics import Chains, Kinematics
@@ -70,6 +70,11 @@ class Plan:
     def speed_min(self) -> float:
         """The slowest that the clip is played at, over the dancer's own speed."""
         return float(1.0 / max(1.0, PLAN_RATE * np.diff(self.clock).max()))
+
+    @property
+    def remarks(self) -> list[str]:
+        """What the robot does otherwise than the dancer, a sentence each."""
+        return [remark(self.flights, self.travel is not None)] if self.flights else []
 
     @property
     def stretched(self) -> float:
