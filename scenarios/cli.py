@@ -108,6 +108,9 @@ def replay_command(
 @app.command("run")
 def run_command(
     scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`.")],
+    clip: Annotated[str | None, typer.Option(help="For ramos: a file, or a name of `sot list clips`.")] = None,
+    start: Start = 0.0,
+    duration: Duration = None,
     robot: RobotName = "hrp2",
     solver: Annotated[str | None, typer.Option(help="A name of `sot list solvers`; the scenario's by default.")] = None,
     rate: Rate = 1000.0,
@@ -115,14 +118,24 @@ def run_command(
     mismatch: Differs = "",
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/NAME by default.")] = None,
 ) -> int:
-    """Run a scenario that needs no clip; record it and report on it."""
+    """Run a scenario; record it and report on it."""
     pushes, changed = tuple(parse_push(text) for text in push or ()), parse_mismatch(mismatch)
     chosen = solver or own_solver(scenario)
-    request = Replay(scenario, robot, solver=chosen, rate=rate, pushes=pushes, mismatch=changed, feet="scenario")
+    request = Replay(
+        "",
+        robot,
+        solver=chosen,
+        feet="scenario",
+        start=start,
+        duration=duration,
+        rate=rate,
+        pushes=pushes,
+        mismatch=changed,
+    )
     folder = out or Path("runs") / scenario
     with _progress() as tell:
-        report, show_own = run_scenario(request, folder, tell)
-    status = DONE
+        report, show_own = run_scenario(scenario, clip, request, folder, tell)
+    status = FELL if report.get("fell") else DONE
     if scenario in DANCED:
         status = _reported(report, folder)
     if show_own:

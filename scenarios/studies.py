@@ -1,13 +1,14 @@
-"""Scenarios that need no clip: dances, each a module with its motion, its stack and its schedule; and studies."""
+"""Scenarios: dances, each a module with its motion, its stack and its schedule; dances of a clip; and studies."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from rich.console import Console
 
-from scenarios import imitation, planar3r, printed_bounds, sliding
+from scenarios import imitation, planar3r, printed_bounds, ramos, sliding
 from scenarios.replay import REPORT, Replay, Tell, check_writable, keep, make_solver, perform
 from scenarios.stack_file import Composition
 from sim import report
@@ -20,7 +21,10 @@ DANCED: dict[str, ModuleType] = {"sliding": sliding, "imitation": imitation}
 `show` them."""
 STUDIES: dict[str, ModuleType] = {"planar3r": planar3r, "bounds": printed_bounds}
 """Scenarios without physics: `study(rate, out, tell)` returns figures, `show(figures, console)` prints them."""
-SCENARIOS = {**DANCED, **STUDIES}
+OF_A_CLIP: dict[str, ModuleType] = {"ramos": ramos}
+"""Scenarios that dance a clip, their `CLIP` unless another is named: `run(request, out, tell)` returns the report,
+`show(report, console)` prints it."""
+SCENARIOS = {**DANCED, **OF_A_CLIP, **STUDIES}
 
 Show = Callable[[dict[str, Any], Console], None]
 
@@ -30,8 +34,17 @@ def own_solver(name: str) -> str:
     return getattr(SCENARIOS.get(name), "SOLVER", "cascade")
 
 
-def run_scenario(request: Replay, out: Path, tell: Tell) -> tuple[dict[str, Any], Show | None]:
-    """Run the scenario that a request names as its clip, record and report; the files appear in the folder `out`.
+def run_scenario(
+    name: str, clip: str | None, request: Replay, out: Path, tell: Tell
+) -> tuple[dict[str, Any], Show | None]:
+    """Run a scenario, record and report; the files appear in the folder `out`.
+
+    Args:
+        name: Of the scenario.
+        clip: Which it is to dance; its own unless given.
+        request: The rest of what is asked for.
+        out: Folder to write to.
+        tell: Told of the progress.
 
     Returns:
         The report, and what prints the part of it that is the scenario's own, if there is one.
@@ -39,8 +52,14 @@ def run_scenario(request: Replay, out: Path, tell: Tell) -> tuple[dict[str, Any]
     Raises:
         InputError: no such scenario, or anything in the request that does not fit; nothing is written then.
     """
-    if request.clip not in SCENARIOS:
-        raise InputError(f"unknown scenario '{request.clip}': choose one of {', '.join(SCENARIOS)}")
+    if name not in SCENARIOS:
+        raise InputError(f"unknown scenario '{name}': choose one of {', '.join(SCENARIOS)}")
+    if name in OF_A_CLIP:
+        scenario = OF_A_CLIP[name]
+        return scenario.run(replace(request, clip=clip or scenario.CLIP), out, tell), scenario.show
+    if clip or request.start or request.duration is not None:
+        raise InputError(f"{name} dances no clip: leave the clip and its part out, or run {', '.join(OF_A_CLIP)}")
+    request = replace(request, clip=name)
     scenario = SCENARIOS[request.clip]
     check_writable(out)
     if request.clip in STUDIES:

@@ -40,8 +40,15 @@ def tabs(log: RunLog, motion: Motion, plan: Plan | None) -> list[Tab]:
     """All plots of a run, what is looked at first coming first."""
     joints = [_joints(log, motion, limb) for limb in LIMBS]
     slowed = [_time(plan)] if plan is not None and plan.speed_min < SLOWED else []
-    changes = [_schedule(log)] if (log.level_share < 1.0).any() else []
-    return [_balance(log, motion), _center_of_mass(log, motion), *changes, *slowed, *joints, _tasks(log), _ticks(log)]
+    return [
+        _balance(log, motion),
+        _center_of_mass(log, motion),
+        *changes(log),
+        *slowed,
+        *joints,
+        _tasks(log),
+        _ticks(log),
+    ]
 
 
 def divergent(com: np.ndarray, velocity: np.ndarray, height: np.ndarray) -> np.ndarray:
@@ -162,8 +169,10 @@ def _tasks(log: RunLog) -> Tab:
     return Tab("Tasks", tuple(errors))
 
 
-def _schedule(log: RunLog) -> Tab:
-    """In which level of the stack each task is that comes, goes or changes its level."""
+def changes(log: RunLog) -> list[Tab]:
+    """In which level of the stack each task is that comes, goes or changes its level; none if there is no such task."""
+    if not (log.level_share < 1.0).any():
+        return []
     states = [f"level {place}" for place in range(log.level_place.max() + 1)]
     states[0] = "none"
     underway = (log.level_share < 1.0) & (log.level_place > 0)
@@ -172,7 +181,7 @@ def _schedule(log: RunLog) -> Tab:
     lanes = {log.level_names[k]: values[:, k] for k in changing.tolist()}
     shades = [COLORS["off"], *(SERIES[place % len(SERIES)] for place in range(1, len(states))), COLORS["sliding"]]
     names = (*states, "on its way")
-    return Tab("Schedule", (States("Tasks and their levels", ("schedule",), log.time, lanes, names, shades),))
+    return [Tab("Schedule", (States("Tasks and their levels", ("schedule",), log.time, lanes, names, shades),))]
 
 
 def _ticks(log: RunLog) -> Tab:

@@ -107,7 +107,7 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
         "pushes": figures.pushes(info, duration),
         "mismatch": asdict(info.mismatch),
     }
-    return {key: _rounded(value) for key, value in report.items()}
+    return {key: rounded(value) for key, value in report.items()}
 
 
 def _conflicts(log: RunLog) -> list[dict[str, Any]]:
@@ -169,12 +169,12 @@ def _digits(value: float) -> str:
     return f"{value:.0f}" if abs(value) >= 100 or abs(value) < 1e-3 else f"{value:.3g}"
 
 
-def _rounded(value: Any) -> Any:
+def rounded(value: Any) -> Any:
     """Numbers to `DIGITS` digits; what is not a number becomes None."""
     if isinstance(value, Mapping):
-        return {key: _rounded(entry) for key, entry in value.items()}
+        return {key: rounded(entry) for key, entry in value.items()}
     if isinstance(value, list):
-        return [_rounded(entry) for entry in value]
+        return [rounded(entry) for entry in value]
     if isinstance(value, float):
         return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None
     return value

@@ -33,25 +33,26 @@ def send_visuals(columns: Columns, log: RunLog, info: RunInfo, motion: Motion, h
     times = log.time[rows]
     shapes = read_shapes(motion.robot)
     columns.static("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
-    _send_floor(columns, motion)
+    send_floor(columns, motion)
     send_robot(columns, "world/robot", motion.robot, shapes, times, log.q[rows])
-    _send_name(columns, "world/robot", motion.robot.label, times, log.q[rows, :2])
+    send_name(columns, "world/robot", motion.robot.label, times, log.q[rows, :2])
     send_forces(columns, log, motion.robot, rows)
     send_pushes(columns, log, info.pushes, motion.robot, rows)
     send_footing(columns, log, motion, rows)
     reference = motion.q[nearest_frames(times, motion.rate, len(motion.q))]
     send_robot(columns, "world/reference", motion.robot, shapes, times, reference, ghost=COLORS["ghost"])
-    _send_name(columns, "world/reference", "reference", times, reference[:, :2])
+    send_name(columns, "world/reference", "reference", times, reference[:, :2])
     columns.static("world/reference", rr.Transform3D(translation=[0.0, BESIDE, 0.0]))
     if human is not None:
-        _send_human(columns, human, times)
+        send_human(columns, human, times)
         waist = human.points["waist"][nearest_frames(times, human.rate, human.count)]
-        _send_name(columns, "world/human", "human, scaled", times, waist[:, :2])
+        send_name(columns, "world/human", "human, scaled", times, waist[:, :2])
         columns.static("world/human", rr.Transform3D(translation=[0.0, -BESIDE, 0.0]))
 
 
-def _send_floor(columns: Columns, motion: Motion) -> None:
-    room = np.array([FLOOR, FLOOR + BESIDE])
+def send_floor(columns: Columns, motion: Motion, beside: float = BESIDE) -> None:
+    """A floor under where the robot goes, and under those who go so far [m] beside it."""
+    room = np.array([FLOOR, FLOOR + beside])
     low = TILE * np.floor((motion.com[:, :2].min(axis=0) - room) / TILE)
     high = TILE * np.ceil((motion.com[:, :2].max(axis=0) + room) / TILE)
     middle, half = np.append(0.5 * (low + high), -0.012), np.append(0.5 * (high - low), 0.01)
@@ -62,7 +63,8 @@ def _send_floor(columns: Columns, motion: Motion) -> None:
     columns.static("world/floor/grid", rr.LineStrips3D(across + along, colors=[COLORS["grid"]], radii=[0.002]))
 
 
-def _send_human(columns: Columns, human: Human, times: np.ndarray) -> None:
+def send_human(columns: Columns, human: Human, times: np.ndarray) -> None:
+    """A human as its bones."""
     frames = nearest_frames(times, human.rate, human.count)
     ends = [np.stack([human.points[near][frames], human.points[far][frames]], axis=1) for near, far in BONES]
     strips = np.stack(ends, axis=1).reshape(-1, 2, 3).astype(np.float32)
@@ -72,7 +74,7 @@ def _send_human(columns: Columns, human: Human, times: np.ndarray) -> None:
     )
 
 
-def _send_name(columns: Columns, entity: str, name: str, times: np.ndarray, places: np.ndarray) -> None:
+def send_name(columns: Columns, entity: str, name: str, times: np.ndarray, places: np.ndarray) -> None:
     """A name over someone who goes along places on the floor (T, 2)."""
     above = np.column_stack([places, np.full(len(places), NAMES)]).astype(np.float32)
     label = rr.Points3D.from_fields(labels=[name], radii=[0.001], colors=[COLORS["text"]], show_labels=True)

@@ -1,6 +1,7 @@
 """The centre of mass kept where the feet can hold it, by its divergent component."""
 
 from collections.abc import Callable, Mapping
+from typing import Literal
 
 import numpy as np
 
@@ -36,6 +37,7 @@ class Balance(Task):
         k: Rate at which the divergent component converges [1/s].
         kp: Stiffness of the height [1/s²], critically damped.
         margin: Distance kept from the edges of the support polygon [m].
+        axes: "xyz", or "xy" to leave the height to what is below.
         weight: Scale within the level.
     """
 
@@ -46,10 +48,12 @@ class Balance(Task):
         k: float = 4.0,
         kp: float = 100.0,
         margin: float = 0.001,
+        axes: Literal["xyz", "xy"] = "xyz",
         weight: float = 1.0,
     ) -> None:
         super().__init__("Balance", "m/s²", "m", weight)
-        self.labels = "xyz"
+        self.labels = axes
+        self._of = slice(len(axes))
         self._reference = reference
         self._feet = dict(feet or {})
         self.k, self.kp, self.margin = k, kp, margin
@@ -60,9 +64,10 @@ class Balance(Task):
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
         self._look(tick)
         plan, state = self._reference(tick.t), (tick.com, tick.com_velocity, tick.com_drift)
-        polygon = self._polygon
-        self.error, wanted = _led_back(*plan, *state, self._crept, self.k, self.kp, polygon.normals, polygon.offsets)
-        return self._rows(tick.com_jacobian, wanted, wanted)
+        polygon, of = self._polygon, self._of
+        error, wanted = _led_back(*plan, *state, self._crept, self.k, self.kp, polygon.normals, polygon.offsets)
+        self.error = error[of]
+        return self._rows(tick.com_jacobian[of], wanted[of], wanted[of])
 
     def _look(self, tick: Tick) -> None:
         """See where the contacts are: standing feet creep by fractions of a millimetre, which can wait a few ticks."""

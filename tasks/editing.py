@@ -82,9 +82,13 @@ def _interferes(task: Task, one: Edit, limb: set[str]) -> bool:
 
 
 def _limb(robot: Robot, one: Edit) -> set[str]:
-    """Names of the joints between the base and what is edited: all of them if that is on the base."""
+    """Names of the joints of the limb that an edit moves: those of the group that carries the point, or all of them if
+    that is on the base."""
     if not one.rows:
         return {one.of}
-    joint = robot.model.frames[robot.point(one.of)].parentJoint
-    between = [robot.model.names[k] for k in robot.model.supports[joint]]
-    return {name for name in between if name in robot.joints} or set(robot.joints)
+    carrier = robot.model.names[robot.model.frames[robot.point(one.of)].parentJoint]
+    for group in ("left_arm", "right_arm", "left_leg", "right_leg", "chest", "head"):
+        names = {robot.joints[k] for k in robot.groups[group]}
+        if carrier in names:
+            return names
+    return set(robot.joints)

@@ -58,6 +58,7 @@ class Body:
         self._targets, self._com, self._hips = targets, com, build.hips
         self._waist, self._chest, self._neck = (robot.point(point) for point in ("waist", "chest", "neck"))
         self._steps = moving(feet)
+        self._height = HEIGHT[self._steps] if targets.height is None else 1.0 / targets.height
         self._feet = [(robot.point(foot), path) for foot, path in feet.items()]
 
     def evaluate(self, knots: Indices, y: Array) -> tuple[Array, Array]:
@@ -80,7 +81,7 @@ class Body:
         return _weighted(
             *feet,
             place,
-            (HEIGHT[self._steps], hips[:, 2:], J_hips[:, 2:]),
+            (self._height, hips[:, 2:], J_hips[:, 2:]),
             (1.0, PELVIS * tilt, PELVIS[:, None] * J_tilt),
             (TRUNK, *kinematics.direction(self._waist, self._neck, wanted.directions["trunk"][knots])),
             (CHEST, *kinematics.orientation(self._chest, wanted.frames["chest"][knots])),

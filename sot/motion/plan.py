@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from sot.motion.human import Human
 from sot.motion.kinematics import Chains, Kinematics
 from sot.motion.limits import Limits
 from sot.motion.slides import Way, find_slides
+from sot.motion.smooth import ease, slow_part
 from sot.motion.spline import Spline
 from sot.motion.stance import LEAD, TAIL, Build, on_time_line, over_feet
 from sot.motion.swing import facing, moving
@@ -36,6 +37,7 @@ BRIEF = 3  # rounds of balance before more time is given
 MENDS, LAST_MENDS = 4, 2  # most times that a body gets more time where it cannot follow, before and after its arms
 MEND, SLOWEST = 1.3, 3.0  # how much more time, and how many times slower than the dancer at most
 REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
+CALMING, BOUNCE_HZ = 0.5, 0.5  # s before a slide, in which hips stop to bounce; slower than this is no bounce
 NOISE_HZ = 6.0  # faster than this, a capture is noise
 
 
@@ -54,6 +56,9 @@ class Plan:
         travel: steps and footholds, of feet that may step.
         flights: of the dancer; the robot has a foot on the floor all the time.
         seconds: time that planning took, by step.
+        imitation: the body that looks like the human, joint limits kept, before anything of it is balanced or slowed
+            down; coordinates of `sot.motion.coordinates` at PLAN_RATE. `sampled` makes a motion of it, which no robot
+            can do.
     """
 
     motion: Motion
@@ -65,6 +70,7 @@ class Plan:
     flights: tuple[Flight, ...]
     retarget: dict[str, float]
     seconds: dict[str, float]
+    imitation: Spline
 
     @property
     def speed_min(self) -> float:
@@ -90,6 +96,7 @@ def plan(
     rate: float = 1000.0,
     contacts: Sequence[Step] | None = None,
     slide: Way | None = None,
+    height: float | None = None,
 ) -> Plan:
     """The motion with which a robot dances like a human.
 
@@ -102,6 +109,8 @@ def plan(
         rate: samples per second of the motion [Hz].
         slide: the way of a slide to put in where the dancer stands on one foot most, see `slides.find_slides`; feet
             have to be planted.
+        height: error of the hips' height that is accepted for a smoother motion of a robot whose feet are planted [m]:
+            the smaller, the more of what the dancer's knees swing is kept, but for while a foot slides.
 
     Raises:
         InputError: another kind of `feet`, contacts for planted ones, or a slide for others or in too short a clip.
@@ -110,20 +119,20 @@ def plan(
         raise InputError(f"feet '{feet}' are not known: choose one of {', '.join(FEET)}")
     if contacts is not None and feet == "planted":
         raise InputError("planted feet make no steps: leave the contacts out, or choose steps")
-    if slide is not None and feet != "planted":
-        raise InputError("only planted feet slide: choose them, or leave the slide out")
+    if (slide is not None or height is not None) and feet != "planted":
+        raise InputError("only planted feet slide, and let the hips bounce: choose them, or leave slide and height out")
     begun = time.perf_counter()
-    fit = _Fit(robot, Build.of(robot), Limits.of(robot))
+    fit = _Fit(robot, Build.of(robot), Limits.of(robot), height)
     smooth = human.low_passed(NOISE_HZ)
     course = None if feet == "planted" else fit.go(smooth, contacts)
     if course is None or (feet == "auto" and contacts is None and len(course.phases) == 1):
         course = stay(on_time_line(over_feet(smooth, fit.build), PLAN_RATE), robot)
-    wanted, whole = fit.looks(course)
+    wanted, imitation = fit.looks(course)
     if slide is not None:
-        course = fit.slid(course, whole, slide)
-        wanted, whole = fit.looks(course)
+        course = fit.slid(course, imitation, slide)
+        wanted, imitation = fit.looks(course)
     retargeted = time.perf_counter()
-    course, whole = fit.feasible(course, wanted, whole, MENDS, rough=True)
+    course, whole = fit.feasible(course, wanted, imitation, MENDS, rough=True)
     whole = limbs_fitted(robot, fit.targets(course), fit.limits, whole, REFIT_STEPS)  # the chest has moved
     course, whole = fit.feasible(course, fit.targets(course), whole, LAST_MENDS)
     wanted = fit.targets(course)
@@ -145,6 +154,7 @@ def plan(
         flights=flights(on_time_line(smooth, PLAN_RATE)),
         retarget=figures,
         seconds={"retarget": retargeted - begun, "balance": ended - retargeted, "total": ended - begun},
+        imitation=imitation,
     )
 
 
@@ -155,13 +165,17 @@ class _Fit:
     robot: Robot
     build: Build
     limits: Limits
+    height: float | None
 
     def go(self, human: Human, contacts: Sequence[Step] | None) -> Course:
         """A course that steps; contacts: the steps to make, on the clip's time, instead of those found."""
         return go(on_time_line(human, PLAN_RATE), self.robot, self.build, contacts)
 
     def targets(self, course: Course) -> Targets:
-        return targets(course.human, self.robot, self.build, facing(course.feet))
+        wanted = targets(course.human, self.robot, self.build, facing(course.feet))
+        if self.height is None:
+            return wanted
+        return replace(wanted, hips=calmed(wanted.hips, course.phases), height=self.height)
 
     def looks(self, course: Course) -> tuple[Targets, Spline]:
         """The body's targets, and a body that meets them, nothing of it balanced yet."""
@@ -208,6 +222,19 @@ def played(whole: Spline, clock: Array) -> Spline:
     slow = Spline.through(y, whole.period)
     slow.control[:3], slow.control[-3:] = y[0], y[-1]  # at rest
     return slow
+
+
+def calmed(hips: Array, phases: Sequence[Phase]) -> Array:
+    """The hips (T, 3) without their bounce where a foot slides: its load has to be light, and steady."""
+    times = np.arange(len(hips)) / PLAN_RATE
+    share = np.zeros(len(hips))
+    for phase in phases:
+        if phase.sliding:
+            inside = np.minimum(times - phase.start, phase.end - times)
+            share = np.maximum(share, ease(1.0 + inside / CALMING))
+    calm = hips.copy()
+    calm[:, 2] += share * (slow_part(hips[:, 2], PLAN_RATE, BOUNCE_HZ) - hips[:, 2])
+    return calm
 
 
 def sampled(robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate: float) -> Motion:

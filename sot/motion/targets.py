@@ -25,11 +25,14 @@ class Targets:
         hips: (T, 3) middle of the hips [m].
         frames: pelvis, chest, head -> (T, 3, 3).
         directions: segment -> (T, 3) unit vectors.
+        height: error of the hips' height that is accepted [m]; None for what goes with the feet, and hips that are
+            lowered smoothly to where both legs reach.
     """
 
     hips: Array
     frames: dict[str, Array]
     directions: dict[str, Array]
+    height: float | None = None
 
     @property
     def length(self) -> int:

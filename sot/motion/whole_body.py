@@ -45,7 +45,7 @@ def retarget(
     The legs follow without regard to their speed, and nothing yet to balance: `balanced` sees to both.
     """
     y, knots = _at_rest_over(feet, robot, wanted.length), np.arange(wanted.length)
-    if moving(feet):
+    if moving(feet) and wanted.height is None:
         y[:, :2] = wanted.hips[:, :2]
         wanted = _in_reach(robot, wanted, feet, y, period)
     parts: list[Part] = [Body(robot, build, wanted, feet), Head(robot, wanted)]
@@ -109,7 +109,7 @@ def balanced(
     if rough:
         state = replace(state, rate=np.zeros_like(state.rate))
     for _ in range(rounds):
-        if steps:
+        if steps and human.height is None:
             wanted = _in_reach(robot, human, feet, whole.knots, whole.period)
         plan = plan_balance(state, wanted_com, where, whole.period)
         body = Body(robot, build, wanted, feet, plan.com.knots)

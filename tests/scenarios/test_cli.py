@@ -168,6 +168,8 @@ BAD_ARGUMENTS = {
     "suite": (["bench", "--suite", "songs"], "choose one of dance"),
     "folder of the suite": (["bench", "--suite", "dance", "--mocap", "nowhere"], "nowhere: no clips"),
     "scenario": (["run", "flying"], "choose one of sliding"),
+    "scenario without a clip": (["run", "sliding", "--clip", "groove"], "sliding dances no clip"),
+    "clip of a scenario": (["run", "ramos", "--clip", "grove"], "did you mean groove"),
     "option": (["replay", "groove", "--frobnicate"], "--frobnicate"),
     "command": (["dance"], "dance"),
     "nothing to replay": (["replay"], "clip"),

@@ -10,7 +10,11 @@ from scenarios.studies import SCENARIOS, own_solver, run_scenario
 @pytest.mark.slow
 def test_imitates_with_two_joints_narrowed(tmp_path):
     report, show = run_scenario(
-        Replay("imitation", solver="iktc", rate=500.0, feet="scenario"), tmp_path, lambda what, share: None
+        "imitation",
+        None,
+        Replay("", solver="iktc", rate=500.0, feet="scenario"),
+        tmp_path,
+        lambda what, share: None,
     )
     assert show is imitation.show
     assert not report["fell"] and report["limits"]["position_max_excess_rad"] == 0.0

@@ -5,8 +5,10 @@ import pinocchio as pin
 
 from sim.log import FOOT_FIXED, RunLog
 from sot.motion.contacts import planted
+from sot.motion.coordinates import from_configuration
 from sot.motion.human import Human
 from sot.motion.plan import Plan
+from sot.motion.spline import Spline
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
 
@@ -79,4 +81,5 @@ def same_plan(motion: Motion) -> Plan:
         (),
         {"key_point_rms_m": 0.01, "frames_per_s": 600.0},
         {},
+        Spline.through(from_configuration(motion.q), PERIOD),
     )

@@ -4,7 +4,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from sim.chart import Curve, Panel, limits, write
+from sim.chart import Bar, Curve, Lane, Panel, limits, write, write_lanes
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -46,3 +46,16 @@ def test_gaps_break_a_line_and_a_constant_is_drawn(tmp_path):
     assert len(list(root.iter(f"{SVG}polyline"))) == 3
     root = drawn(tmp_path, Panel("", "", "", [Curve(np.arange(2.0), np.full(2, np.nan), "red")]))
     assert not list(root.iter(f"{SVG}polyline"))
+
+
+def test_lanes_hold_their_bars_in_time(tmp_path):
+    lanes = [Lane("hand & head", [Bar(1.0, 3.0, "blue", "2"), Bar(3.0, 4.0, "blue", "", 0.35)]), Lane("feet", [])]
+    path = tmp_path / "lanes.svg"
+    write_lanes(path, "tasks", "s", [*lanes, Lane("all", [Bar(0.0, 4.0, "grey")])])
+    root = ElementTree.parse(path).getroot()
+    bars = [bar for bar in root.iter(f"{SVG}rect") if bar.get("width") != "100%"]
+    left, wide = ([float(bar.get(key)) for bar in bars] for key in ("x", "width"))
+    np.testing.assert_allclose(wide[0] / wide[2], 0.5, atol=1e-3)
+    np.testing.assert_allclose([left[0] - left[2], left[1] - left[2]], [wide[2] / 4.0, 3.0 * wide[2] / 4.0], atol=0.2)
+    words = [text.text for text in root.iter(f"{SVG}text")]
+    assert {"hand & head", "feet", "all", "2", "tasks", "s"} <= set(words)

@@ -202,3 +202,13 @@ def test_angular_momentum_is_given_up_where_it_leaves_too_little_room():
     assert asked(0.2) == pytest.approx(pull * (com[1] - edge), rel=0.02)  # as hard as if there were no spin
     steps = [asked(off) for off in np.linspace(0.0, 0.2, 401)]
     assert np.abs(np.diff(steps)).max() < 0.1
+
+
+def test_without_height_it_asks_for_the_plane_alone():
+    com, velocity, *_ = plan(0.3)
+    tick = pendulum(0.3, com + np.array([0.02, -0.01, 0.05]), velocity)
+    both, plane = Balance(plan), Balance(plan, axes="xy")
+    rows, part = both.rows(tick), plane.rows(tick)
+    np.testing.assert_array_equal(part.A, rows.A[:2])
+    np.testing.assert_array_equal(part.lower, rows.lower[:2])
+    np.testing.assert_array_equal(plane.error, both.error[:2])
