@@ -127,17 +127,17 @@ def show(figures: dict[str, Any], console: Console) -> None:
     for knee in figures["knees"]:
         when = f"{knee['start_s']:.1f} to {knee['end_s']:.1f} s, {knee['frequency_hz']:.2f} Hz"
         amplitudes = (_digits(knee[f"{name}_deg"]) for name in ("demonstrated", POSTURE, FINAL))
-        table.add_row(f"{knee['knee'].replace('_', ' ')}, {when} [deg]", *amplitudes)
+        table.add_row(f"{knee['knee'].replace('_', ' ')}, {when}, deg", *amplitudes)
     off = [hand[f"{name}_rms_m"] for name in (POSTURE, FINAL)]
-    table.add_row("right hand's height off the dancer's, rms [mm]", "", *(_digits(value, 1e3) for value in off))
+    table.add_row("right hand's height off the dancer's, rms, mm", "", *(_digits(value, 1e3) for value in off))
     near = [hand[f"{name}_head_min_m"] for name in (POSTURE, FINAL)]
-    table.add_row("right hand to head, least [mm]", "", *(_digits(value, 1e3) for value in near))
+    table.add_row("right hand to head, least, mm", "", *(_digits(value, 1e3) for value in near))
     for slide in figures["slides"]:
         foot = slide["foot"].replace("_", " ")
         what = f"{foot} slides, {slide['start_s']:.1f} to {slide['end_s']:.1f} s"
         load = f"load {100 * slide['load_min']:.0f} to {100 * slide['load_max']:.0f} %"
         where = f"touching {100 * slide['contact']:.0f} %, ZMP in the other foot {100 * slide['zmp_inside']:.0f} %"
-        table.add_row(f"{what}: {load}, {where} [cm]", "", "", _digits(slide["way_m"], 1e2))
+        table.add_row(f"{what}: {load}, {where}; way, cm", "", "", _digits(slide["way_m"], 1e2))
     console.print(table)
     for line in figures["edits"]:
         console.print(line, soft_wrap=True, highlight=False)
