@@ -12,7 +12,7 @@ from sot.robot import Robot
 
 PERIOD = 0.02  # s, between knots
 FEET = ("right_foot", "left_foot")
-WAY: Way = (0.09, 0.0, 0.05)  # of each foot: ahead, and its toes a little outward
+WAY: Way = (0.085, 0.0, 0.05)  # of each foot: ahead, and its toes a little outward
 STANDS = 1.2  # s on both feet, before and after each slide
 
 

@@ -9,6 +9,7 @@ from sim.figures import Figures, Points
 from sim.log import FOOT_SLIDING, RunLog
 from sot.motion.contacts import Phase, phase_at, support
 from sot.motion.trajectory import Motion
+from sot.polygon import Polygon
 from sot.tick import GRAVITY
 
 SMOOTHED = 0.05  # s, over which a foot's load is averaged: the floor carries what slides in pulses, tick by tick
@@ -26,6 +27,7 @@ def worst(found: Sequence[Mapping[str, Any]]) -> Figures:
         "load_min": over("load_min", min),
         "load_max": over("load_max", max),
         "zmp_inside": over("zmp_inside", min),
+        "zmp_min_margin_m": over("zmp_min_margin_m", min),
     }
 
 
@@ -37,8 +39,9 @@ def slides(log: RunLog, motion: Motion) -> list[dict[str, Any]]:
     - "contact": share of the ticks in which the floor carries the foot.
     - "load", "load_min", "load_max": its normal load in weights of the robot; mean, and extremes of the mean over
       `SMOOTHED` seconds. "load_raw_max": the greatest of one tick.
-    - "zmp_inside", "zmp_min_margin_m": share of the ticks with the measured ZMP of the whole robot in the soles that
-      stand, and its least distance from their edge, negative outside.
+    - "zmp_inside": share of the ticks with the measured ZMP of the whole robot in the soles that stand.
+      "zmp_min_margin_m": least distance of its mean over `SMOOTHED` seconds from their edge, negative outside;
+      "zmp_raw_min_margin_m": of one tick.
     """
     robot, found = motion.robot, []
     for index, foot in enumerate(robot.feet):
@@ -48,9 +51,8 @@ def slides(log: RunLog, motion: Motion) -> list[dict[str, Any]]:
                 continue
             place = Points.of(robot, log.q[rows], (foot,)).positions[foot][:, :2]
             load = log.foot_wrench[rows, index, 2] / (robot.mass * GRAVITY)
-            window = min(max(1, round(SMOOTHED / log.period)), len(load))
-            mean = np.convolve(load, np.full(window, 1.0 / window), "valid")
-            margin = _margin(log, motion, foot, rows)
+            mean, soles = _smoothed(load, log.period), _soles(log, motion, foot, rows)
+            margin = _margin(soles, log.zmp_measured[rows])
             found.append(
                 {
                     "foot": foot,
@@ -64,16 +66,28 @@ def slides(log: RunLog, motion: Motion) -> list[dict[str, Any]]:
                     "load_max": float(mean.max()),
                     "load_raw_max": float(load.max()),
                     "zmp_inside": float(np.mean(margin >= 0.0)),
-                    "zmp_min_margin_m": float(margin.min()),
+                    "zmp_raw_min_margin_m": float(margin.min()),
+                    "zmp_min_margin_m": float(_margin(soles, _smoothed(log.zmp_measured[rows], log.period)).min()),
                 }
             )
     return sorted(found, key=lambda slide: slide["start_s"])
 
 
-def _margin(log: RunLog, motion: Motion, foot: str, rows: np.ndarray) -> np.ndarray:
-    """Distance (n,) of the measured ZMP to the edge of the soles that the motion has stand beside a foot [m]."""
+def _smoothed(values: np.ndarray, period: float) -> np.ndarray:
+    """Means (n,) or (n, 2) over `SMOOTHED` seconds, for as many instants as have them."""
+    window = min(max(1, round(SMOOTHED / period)), len(values))
+    return np.lib.stride_tricks.sliding_window_view(values, window, axis=0).mean(axis=-1)
+
+
+def _soles(log: RunLog, motion: Motion, foot: str, rows: np.ndarray) -> Polygon | None:
+    """What the feet that the motion has stand beside a foot support."""
     phase = motion.phases[int(phase_at(motion.phases, log.time[rows])[len(rows) // 2])]
     others = {other: pose for other, pose in phase.feet.items() if other != foot}
-    if not others:
-        return np.full(len(rows), -np.inf)
-    return np.nan_to_num(support(motion.robot, Phase(0.0, 0.0, others)).margin(log.zmp_measured[rows]), nan=-np.inf)
+    return support(motion.robot, Phase(0.0, 0.0, others)) if others else None
+
+
+def _margin(soles: Polygon | None, places: np.ndarray) -> np.ndarray:
+    """Distance (n,) of points to the soles' edge [m], negative outside or where there is none."""
+    if soles is None:
+        return np.full(len(places), -np.inf)
+    return np.nan_to_num(soles.margin(places), nan=-np.inf)

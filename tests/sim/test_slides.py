@@ -56,7 +56,10 @@ def test_a_zmp_that_strays_to_the_sliding_foot_is_seen(motion, log):
     log.zmp_measured[151] = np.nan
     (slide,) = slides(log, motion)
     assert slide["zmp_inside"] == pytest.approx(99 / 101)
-    assert slide["zmp_min_margin_m"] == -np.inf
+    assert slide["zmp_min_margin_m"] == slide["zmp_raw_min_margin_m"] == -np.inf
+    log.zmp_measured[151] = log.zmp_measured[149]
+    (slide,) = slides(log, motion)
+    assert slide["zmp_raw_min_margin_m"] < -0.1 < 0.0 < slide["zmp_min_margin_m"]  # of one tick in ten
 
 
 def test_of_several_slides_the_worst_counts(motion, log):

@@ -107,6 +107,28 @@ def test_unknown_feet(robot):
         plan(dancer(), robot, feet="flying")
 
 
+def test_a_slide_is_put_in_with_the_zmp_in_the_other_foot():
+    robot = Robot.load("hrp2")
+    motion = plan(dancer(), robot, rate=200.0, slide=(0.03, 0.0, 0.0)).motion
+    (phase,) = (phase for phase in motion.phases if phase.sliding)
+    (foot,), (standing,) = phase.sliding, phase.feet
+    rows = (motion.times >= phase.start) & (motion.times <= phase.end)
+    assert support(robot, phase).margin(motion.zmp[rows]).min() > 0.035
+    gone = motion.track(foot).position - motion.phases[0].feet[foot].translation
+    assert np.abs(gone[motion.times < phase.start]).max() < 5e-4
+    assert np.abs(gone[motion.times > phase.end] - [0.03, 0.0, 0.0]).max() < 5e-4
+    assert np.abs(motion.track(standing).position - phase.feet[standing].translation).max() < 5e-4
+    assert np.all(motion.q[:, 7:] >= robot.lower) and np.all(motion.q[:, 7:] <= robot.upper)
+
+
+def test_slides_that_do_not_fit():
+    robot = Robot.load("hrp2")
+    with pytest.raises(InputError, match="only planted feet slide"):
+        plan(dancer(), robot, feet="steps", slide=(0.03, 0.0, 0.0))
+    with pytest.raises(InputError, match="too short for a slide"):
+        plan(dancer(), robot, slide=(0.5, 0.0, 0.0))
+
+
 @pytest.mark.skipif(not MOCAP.is_dir(), reason="needs ../shared/mocap")
 def test_punch():
     human = recognise(read(MOCAP / "bandai_punch.bvh"))
