@@ -15,7 +15,7 @@ Form = Literal["pyramid", "unilateral"]
 LARGEST_LOAD = 2.0
 """Normal force of a contact whose ramp is almost over, in weights of the robot."""
 
-SLIDING_LOAD = 0.08, 0.12
+SLIDING_LOAD = 0.07, 0.11
 """Least and greatest normal force of a sliding contact, in weights of the robot."""
 SLIDING_SHARE = (SLIDING_LOAD[1] / LARGEST_LOAD) ** (1.0 / 3.0)
 """`Contact.load` at which a fixed contact may carry as much as a sliding one."""
