@@ -33,7 +33,7 @@ def test_each_foot_slides_ahead_in_its_turn(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("rate", [200.0, 1000.0])
 def test_slides_lightly_loaded_where_it_should(rate, monkeypatch):
-    monkeypatch.setattr(sliding, "FEET", sliding.FEET if rate == 200.0 else sliding.FEET[:1])
+    monkeypatch.setattr(sliding, "FEET", sliding.FEET[:1])
     robot = Robot.load("hrp2")
     motion = sliding.motion(robot, rate)
     stack, schedule = sliding.stack(robot, motion), sliding.schedule(robot, motion)
@@ -42,14 +42,13 @@ def test_slides_lightly_loaded_where_it_should(rate, monkeypatch):
     log = done.log.trimmed()
     assert figures.solver(log)["infeasible_ticks"] == 0
     assert figures.contacts(log, robot)["slip_max_m"] < 0.002
-    found = slides(log, motion)
-    assert [slide["foot"] for slide in found] == list(sliding.FEET)
-    for slide in found:
-        assert slide["moved_m"] > 0.08
-        assert slide["contact"] > 0.9
-        # At 200 Hz the log has one physics step in five, too few for a mean over 50 ms.
-        assert 0.02 < slide["load_min"] < slide["load_max"] < (0.15 if rate == 1000.0 else 0.2)
-        assert slide["zmp_inside"] > 0.999 and slide["zmp_min_margin_m"] > 0.02
+    (slide,) = slides(log, motion)
+    assert slide["foot"] == sliding.FEET[0]
+    assert slide["moved_m"] > 0.08
+    assert slide["contact"] > 0.9
+    # At 200 Hz the log has one physics step in five, too few for a mean over 50 ms.
+    assert 0.02 < slide["load_min"] < slide["load_max"] < (0.15 if rate == 1000.0 else 0.2)
+    assert slide["zmp_inside"] > 0.999 and slide["zmp_min_margin_m"] > 0.02
 
 
 @pytest.mark.slow
