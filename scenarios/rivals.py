@@ -6,7 +6,7 @@ import numpy as np
 
 from solvers import Cascade, Level, LevelResult, Solution, Status
 from solvers.nullspace import project
-from solvers.proxqp import PersistentQPs
+from solvers.proxqp import QP, PersistentQPs
 
 RANK = 1e-7
 
@@ -32,7 +32,7 @@ class LevelByLevel:
                 low, high = hard.lower - value, hard.upper - value
                 if k:  # the level above found a point between the bounds: rounding is not to say otherwise
                     low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
-                qp = self._qps.solve(k, B.T @ B, -(B.T @ r), hard.C @ Z, low, high)
+                qp = self._qps.solve(k, QP(B.T @ B, -(B.T @ r), hard.C @ Z, low, high))
                 x = x + Z @ qp.y
                 Z = project(B, RANK).remaining(Z)
                 results.append((qp.status, qp.residual, True))

@@ -14,6 +14,23 @@ FOOT_OFF, FOOT_FIXED, FOOT_SLIDING = 0, 1, 2
 """Values of `RunLog.foot_mode`."""
 
 
+@dataclass(frozen=True, slots=True)
+class Fallback:
+    """A tick that another answer than the solver's own served.
+
+    Attributes:
+        t: when [s].
+        level: the name of the level that needed it.
+        reason: why, and what served instead, in words.
+        residual: largest violation of what the answer had to preserve.
+    """
+
+    t: float
+    level: str
+    reason: str
+    residual: float
+
+
 @dataclass(slots=True)
 class RunLog:
     """Columns of a run, allocated at once and filled row by row; only the first `ticks` rows are used.
@@ -50,6 +67,7 @@ class RunLog:
         model_us, assemble_us, solve_us: its parts: robot model, rows, solver [µs], (T,).
         conflicts: times [s] at which level 0 had no solution, with the rows that contradicted each other; not all such
             times.
+        fallbacks: ticks that another answer than the solver's own served.
         self_distance: least distance between bodies of the robot [m], (T,); measured at a lower rate, nan between.
     """
 
@@ -82,6 +100,7 @@ class RunLog:
     solve_us: np.ndarray
     self_distance: np.ndarray
     conflicts: list[tuple[float, str]] = field(default_factory=list)
+    fallbacks: list[Fallback] = field(default_factory=list)
 
     @classmethod
     def allocate(

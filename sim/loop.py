@@ -10,8 +10,10 @@ from time import perf_counter
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_SLIDING, RunLog
+from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_SLIDING, Fallback, RunLog
 from sim.world import World
+from solvers.conflict import explain
+from solvers.rows import Level, Solution, Status
 from sot.controller import Command, Controller
 from sot.motion.trajectory import Motion
 
@@ -54,42 +56,62 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
     robot = world.robot
     if abs(world.timestep - controller.tick.period) > 1e-12:
         raise ValueError(f"the world steps by {world.timestep} s, the controller by {controller.tick.period} s")
-    ticks = round(motion.duration / world.timestep)
-    every = max(1, round(1.0 / (SLOW_RATE * world.timestep)))
     world.reset(motion.q[0], motion.v[0])
     entries = [(level, task) for level, tasks in controller.stack.levels for task in tasks]
     if controller.schedule is not None:
         entries += controller.schedule.tasks
     log = RunLog.allocate(
-        robot, ticks, [f"{level}: {task.name}" for level, task in entries], [task.error_unit for _, task in entries]
+        robot,
+        round(motion.duration / world.timestep),
+        [f"{level}: {task.name}" for level, task in entries],
+        [task.error_unit for _, task in entries],
     )
     columns = {task.name: k for k, (_, task) in enumerate(entries)}
-    watch = _FallWatch(world, motion)
+    unsolved: list[tuple[float, Level]] = []
     # The matrices of a tick are far too small to share between threads.
     with threadpool_limits(1), _uncollected():
-        start = perf_counter()
+        done = _loop(controller, world, motion, log, columns, unsolved, progress or (lambda t: None))
+    explained = ((t, explain([level])) for t, level in unsolved)  # now that nobody waits for a torque
+    log.conflicts = [(t, str(conflict)) for t, conflict in explained if conflict is not None]
+    return done
+
+
+def _loop(
+    controller: Controller,
+    world: World,
+    motion: Motion,
+    log: RunLog,
+    columns: dict[str, int],
+    unsolved: list[tuple[float, Level]],
+    progress: Callable[[float], object],
+) -> Run:
+    """Tick by tick, to the end or to the fall."""
+    every = max(1, round(1.0 / (SLOW_RATE * world.timestep)))
+    watch = _FallWatch(world, motion)
+    start = perf_counter()
+    wrenches = world.foot_wrenches()
+    for k in range(len(log.time)):
+        t = k * world.timestep
+        q, v = world.state()
+        if not isfinite(q @ q + v @ v):
+            return Run(log, perf_counter() - start, t, "the simulation diverged")
+        sensed = world.measured(q, v)
+        loads = {foot: float(wrench[2]) for foot, wrench in wrenches.items()}
+        begin = perf_counter()
+        command = controller(t, *sensed, loads)
+        log.tick_us[k] = 1e6 * (perf_counter() - begin)
+        world.step(command.torque)
         wrenches = world.foot_wrenches()
-        for k in range(ticks):
-            t = k * world.timestep
-            q, v = world.state()
-            if not isfinite(q @ q + v @ v):
-                return Run(log, perf_counter() - start, t, "the simulation diverged")
-            sensed = world.measured(q, v)
-            loads = {foot: float(wrench[2]) for foot, wrench in wrenches.items()}
-            begin = perf_counter()
-            command = controller(t, *sensed, loads)
-            log.tick_us[k] = 1e6 * (perf_counter() - begin)
-            world.step(command.torque)
-            wrenches = world.foot_wrenches()
-            _write(log, k, t, q, v, command, wrenches, controller, world, motion, columns)
-            log.ticks = k + 1
-            if k % every == 0:
-                log.self_distance[k] = world.self_distance()
-                if progress is not None:
-                    progress(t)
-                if reason := watch(t, controller):
-                    return Run(log, perf_counter() - start, t, reason)
-        return Run(log, perf_counter() - start)
+        _write(log, k, t, q, v, command, wrenches, controller, world, motion, columns)
+        if command.unsolved is not None:
+            unsolved.append((t, command.unsolved))
+        log.ticks = k + 1
+        if k % every == 0:
+            log.self_distance[k] = world.self_distance()
+            progress(t)
+            if reason := watch(t, controller):
+                return Run(log, perf_counter() - start, t, reason)
+    return Run(log, perf_counter() - start)
 
 
 @contextmanager
@@ -148,11 +170,11 @@ def _write(
         if contact.point in wrenches:
             i = world.robot.feet.index(contact.point)
             log.foot_mode[k, i], log.foot_ramp[k, i] = _MODES[contact.mode], contact.load
-    if command.conflict is not None:
-        log.conflicts.append((t, str(command.conflict)))
     solution = command.solution
     log.status[k], log.hard_status[k] = command.status, solution.levels[0].status
     log.residual[k] = max(level.residual for level in solution.levels)
+    if command.status in (Status.SECOND_SOLVER, Status.FAILED):
+        log.fallbacks.append(_fallback(t, solution))
     underway = controller.schedule.underway if controller.schedule is not None else {}
     for place, ((_, tasks), level) in enumerate(zip(controller.stack.levels, solution.levels[1:], strict=True), 1):
         slack = level.error
@@ -164,3 +186,12 @@ def _write(
                 log.level_slack[k, column], log.level_active[k, column] = slack, active
                 log.level_place[k, column], log.level_share[k, column] = place, underway.get(task.name, 1.0)
     log.model_us[k], log.assemble_us[k], log.solve_us[k] = command.model_us, command.assemble_us, command.solve_us
+
+
+def _fallback(t: float, solution: Solution) -> Fallback:
+    """What served instead of the solver's own answer."""
+    worst = max(solution.levels, key=lambda level: level.status)
+    served = ""
+    if worst.status == Status.FAILED:
+        served = "; the last torque was held" if worst is solution.levels[0] else "; the levels above kept theirs"
+    return Fallback(t, worst.name, worst.reason + served, worst.residual)

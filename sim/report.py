@@ -12,13 +12,15 @@ from rich.console import Console
 from rich.table import Table
 
 from sim import figures
-from sim.log import RunInfo, RunLog
+from sim.log import Fallback, RunInfo, RunLog
 from sim.reference import hot_reference_us
 from sim.slides import slides, worst
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
 
 DIGITS = 6
+TOLD = 3
+"""Conflicts, and kinds of fallbacks, that the terminal is told of."""
 RETARGET = ("key_point_rms_m", "frames_per_s")
 
 # What the table says: place in the report, words, factor to the unit read, unit, what to aim for.
@@ -80,7 +82,12 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
     report = {
         "clip": info.clip,
         "robot": info.robot,
-        "solver": {"name": info.solver, **figures.solver(log), "conflicts": _conflicts(log)},
+        "solver": {
+            "name": info.solver,
+            **figures.solver(log),
+            "conflicts": [{"t_s": round(t, 6), "rows": rows} for t, rows in log.conflicts],
+            "fallbacks": _fallbacks(log),
+        },
         "feet": info.feet,
         "rate_hz": info.rate_hz,
         "speed": info.speed,
@@ -111,8 +118,22 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
     return {key: rounded(value) for key, value in report.items()}
 
 
-def _conflicts(log: RunLog) -> list[dict[str, Any]]:
-    return [{"t_s": round(t, 6), "rows": rows} for t, rows in log.conflicts]
+def _fallbacks(log: RunLog) -> list[dict[str, Any]]:
+    """Ticks that a fallback answered, those of one level and for one reason together, most first."""
+    alike: dict[tuple[str, str], list[Fallback]] = {}
+    for fallback in log.fallbacks:
+        alike.setdefault((fallback.level, fallback.reason), []).append(fallback)
+    return [
+        {
+            "level": level,
+            "reason": reason,
+            "ticks": len(ticks),
+            "first_s": round(ticks[0].t, 6),
+            "last_s": round(ticks[-1].t, 6),
+            "max_residual": max(tick.residual for tick in ticks),
+        }
+        for (level, reason), ticks in sorted(alike.items(), key=lambda item: -len(item[1]))
+    ]
 
 
 def write(report: Mapping[str, Any], path: Path) -> None:
@@ -135,6 +156,23 @@ def show(reports: Sequence[Mapping[str, Any]], console: Console) -> None:
     for words, values, unit, aim in lines(reports):
         table.add_row(words, *values, unit, aim)
     console.print(table)
+    for report in reports:
+        for line in _explained(report["solver"]):
+            console.print(f"{report['clip']}: {line}", soft_wrap=True, markup=False, highlight=False)
+
+
+def _explained(solver: Mapping[str, Any]) -> Iterator[str]:
+    """What there is to say of a run's conflicts and fallbacks, in a few lines."""
+    conflicts, fallbacks = solver["conflicts"], solver["fallbacks"]
+    for conflict in conflicts[:TOLD]:
+        yield f"no solution of the hard level at {conflict['t_s']:.3f} s: {conflict['rows']}"
+    for fallback in fallbacks[:TOLD]:
+        first, last = fallback["first_s"], fallback["last_s"]
+        when = f"at {first:.3f} s" if first == last else f"from {first:.3f} to {last:.3f} s"
+        ticks = f"{fallback['ticks']} tick{'s' * (fallback['ticks'] > 1)}"
+        yield f"fallback, {ticks} {when}, level {fallback['level']}: {fallback['reason']}"
+    if left := len(conflicts[TOLD:]) + len(fallbacks[TOLD:]):
+        yield f"{left} more of these are in the report"
 
 
 def lines(reports: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[str], str, str]]:

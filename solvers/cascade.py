@@ -23,19 +23,22 @@ Regularisation appears nowhere, hence not in what a later level has to preserve 
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from solvers.chain import Chain, Held
 from solvers.direct import Direct
 from solvers.nullspace import project
-from solvers.proxqp import PersistentQPs, QPResult
+from solvers.proxqp import QP, PersistentQPs, QPResult
 from solvers.reduction import Reduction, leading_of
 from solvers.rows import Array, Level, LevelResult, Solution, Status
 
 ROUNDS = 4
 """Changes of the guessed active inequalities that are tried before QPs are."""
+IN_PARTS = "neither solver found a point that satisfies it; found in parts, of which none had to give way"
+CONTRADICTORY = "its equalities contradict each other"
+NO_ROOM = "its equalities leave no room, and break a bound"
 
 
 class Cascade:
@@ -104,16 +107,17 @@ class Cascade:
         order = sorted({block.gives_way for block in levels[0].blocks if block.gives_way})
         steps: list[int] = []
         answer = solution
-        while answer.status == Status.FAILED and order:
+        while answer.levels[0].status == Status.FAILED and order:
             steps.insert(0, order.pop(0))
             answer = self._relaxed(levels, steps)
-        return solution if answer.status == Status.FAILED else answer
+        return solution if answer.levels[0].status == Status.FAILED else answer
 
     def _relaxed(self, levels: Sequence[Level], steps: list[int]) -> Solution:
         """Solve with the rows of level 0 that give way at `steps` as levels of their own, last to give way on top."""
         hard, gave_way = _split(levels[0], steps)
         solution = self._cascade([hard, *gave_way, *levels[1:]])
-        if solution.status == Status.FAILED:
+        if any(result.status == Status.FAILED for result in solution.levels[: 1 + len(gave_way)]):
+            solution.levels[0].status = Status.FAILED
             return solution
         for level, result in zip(gave_way, solution.levels[1:], strict=False):
             worst = np.abs(result.violation)
@@ -124,7 +128,9 @@ class Cascade:
         first.level = levels[0]
         solution.levels = [first, *solution.levels[1 + len(gave_way) :]]
         # Where nothing gave way, level 0 had a solution after all, which neither QP solver found.
-        solution.status = first.status = Status.RELAXED if solution.relaxed else Status.SECOND_SOLVER
+        first.status = Status.RELAXED if solution.relaxed else Status.SECOND_SOLVER
+        first.reason = "" if solution.relaxed else IN_PARTS
+        solution.status = max(result.status for result in solution.levels)
         return solution
 
     def _cascade(self, levels: Sequence[Level]) -> Solution:
@@ -137,7 +143,7 @@ class Cascade:
         chain.run()
         hard = levels[0]
         if _relative(hard.A @ chain.points[0] - hard.b, hard.b) > self.tolerance:
-            return self._solution(levels, chain.points[0], {}, Status.FAILED, failed=0)
+            return self._solution(levels, chain.points[0], {}, Status.FAILED, (0, CONTRADICTORY))
         values = C @ np.column_stack(chain.points)
         outside = ((values > (upper + self.tolerance)[:, None]) | (values < (lower - self.tolerance)[:, None])).T
         # A point after level j has to satisfy the inequalities of the levels up to j only.
@@ -149,13 +155,13 @@ class Cascade:
         usable = max((k for k in range(len(levels)) if chain.spaces[k].size), default=0)
         trial = min(self._bite, usable)
         if trial > start:
-            answer = descent.run(trial, optional=True)
+            answer = descent.run(trial, satisfied=False, optional=True)
             if answer is not None:
                 # Levels that were not bitten are given the chance to be skipped next time.
                 self._bite = trial if descent.first_bitten == trial else trial + 1
                 self._remember(levels, owner, descent)
                 return answer
-        answer = descent.run(start, optional=False)
+        answer = descent.run(start, satisfied=solved >= 0)
         assert answer is not None
         self._bite = max(start, min(descent.first_bitten, len(levels) - 1))
         self._remember(levels, owner, descent)
@@ -217,18 +223,41 @@ class Cascade:
         x: Array,
         qps: dict[int, QPResult],
         status: Status,
-        failed: int | None = None,
+        failed: tuple[int, str] | None = None,
     ) -> Solution:
+        """Results of all levels; `failed` is the first that has none, and why."""
         results = []
         for k, level in enumerate(levels):
             qp = qps.get(k)
-            state = Status.FAILED if failed is not None and k >= failed else qp.status if qp else Status.SOLVED
-            results.append(LevelResult(level, x, qp is not None, qp.residual if qp else 0.0, state))
+            if failed is not None and k >= failed[0]:
+                results.append(LevelResult(level, x, qp is not None, 0.0, Status.FAILED, reason=failed[1]))
+            elif qp is not None:
+                results.append(LevelResult(level, x, True, qp.residual, qp.status, reason=qp.reason))
+            else:
+                results.append(LevelResult(level, x, False, 0.0, Status.SOLVED))
         return Solution(x, results, status)
 
 
 def _relative(residual: Array, b: Array) -> float:
     return float(np.abs(residual).max(initial=0.0)) / (1.0 + float(np.abs(b).max(initial=0.0)))
+
+
+@dataclass(slots=True)
+class _Band:
+    """Inequalities ``lower <= C x <= upper``."""
+
+    C: Array
+    lower: Array
+    upper: Array
+
+    def around(self, x: Array, Z: Array) -> "_Band":
+        """The same in y, for ``x + Z y``."""
+        value = self.C @ x
+        return _Band(self.C @ Z, self.lower - value, self.upper - value)
+
+    def with_0(self) -> "_Band":
+        """With 0 inside: what the level above has reached is feasible, whatever rounding says."""
+        return _Band(self.C, np.minimum(self.lower, 0.0), np.maximum(self.upper, 0.0))
 
 
 class _Descent:
@@ -240,8 +269,11 @@ class _Descent:
         self.first_bitten = len(levels)
         self.held: dict[int, Held] = {}
 
-    def run(self, start: int, optional: bool) -> Solution | None:
-        """QPs from level `start` on; None if the first one has no solution and was optional."""
+    def run(self, start: int, satisfied: bool, optional: bool = False) -> Solution | None:
+        """QPs from level `start` on; None if the first one has no solution and was optional.
+
+        `satisfied` says that the chain's point above `start` satisfies the inequalities.
+        """
         cascade, levels = self.cascade, self.levels
         tolerance = cascade.tolerance
         lower, upper = self.lower.copy(), self.upper.copy()
@@ -256,45 +288,34 @@ class _Descent:
                 Z = self.chain.spaces[k].Z
             if not Z.shape[1]:
                 if k == start == 1 and self.outside(x):
-                    return cascade._solution(levels, x, qps, Status.FAILED, failed=0)
+                    return cascade._solution(levels, x, qps, Status.FAILED, (0, NO_ROOM))
                 break
             B = level.A @ Z
             own = self.owner == k
             if k > start and not len(level.b) and not own.any():
                 continue
             bound = self.owner < k
-            hard_lower, hard_upper, hard = lower[bound], upper[bound], self.C[bound]
-            value = hard @ x
-            low, high = hard_lower - value, hard_upper - value
-            if k > start:  # what the level above has reached is feasible, whatever rounding says
-                low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
-            r = level.b - level.A @ x
-            qp = self._qp(
-                k,
-                B,
-                r,
-                hard @ Z,
-                low,
-                high,
-                self.C[own],
-                lower[own],
-                upper[own],
-                x,
-                Z,
-                optional and k == start,
-            )
+            bounding = _Band(self.C[bound], lower[bound], upper[bound]).around(x, Z)
+            if feasible := satisfied or k > start:
+                bounding = bounding.with_0()
+            wanted = _Band(self.C[own], lower[own], upper[own]).around(x, Z)
+            problem = self._qp(B, level.b - level.A @ x, bounding, wanted)
+            problem.feasible = feasible
+            first = optional and k == start
+            qp = cascade._qps.solve((k, first), problem, second=not first)
             if qp.status == Status.FAILED:
-                if k == start and optional:
+                if first:
                     return None
                 # Without a first feasible point nothing can be kept; below it, the answer of the levels above is.
-                return cascade._solution(levels, x, qps, Status.FAILED, failed=k)
+                failed = k if feasible else 0
+                return cascade._solution(levels, x, qps, Status.FAILED, (failed, qp.reason))
             qps[k] = qp
             n = Z.shape[1]
             x = x + Z @ qp.y[:n]
             # An inequality with a multiplier, or violated, stays where it is whatever the levels below do (its
             # multiplier would have to push on the level otherwise): it bounds no more, it is part of what is held.
             multipliers = np.zeros(len(lower))
-            multipliers[bound] = qp.multipliers[: len(low)]
+            multipliers[bound] = qp.multipliers[: len(bounding.lower)]
             value = self.C @ x
             multipliers[own] = value[own] - np.clip(value[own], lower[own], upper[own])
             # The QP's accuracy lets rows that are not tight have small multipliers: those are worth a guess at the next
@@ -324,35 +345,19 @@ class _Descent:
         value = self.C[hard] @ x
         return bool((value > self.upper[hard] + tolerance).any() or (value < self.lower[hard] - tolerance).any())
 
-    def _qp(
-        self,
-        k: int,
-        B: Array,
-        r: Array,
-        CZ: Array,
-        low: Array,
-        high: Array,
-        own: Array,
-        own_lower: Array,
-        own_upper: Array,
-        x: Array,
-        Z: Array,
-        optional: bool,
-    ) -> QPResult:
-        """One level's QP in y, and in the slack w of its own inequalities."""
-        n, p = Z.shape[1], len(own_lower)
-        H = np.zeros((n + p, n + p))
-        H[:n, :n] = B.T @ B
+    def _qp(self, B: Array, r: Array, bounding: _Band, wanted: _Band) -> QP:
+        """One level's QP in (y, w): ``B y = r`` by least squares, and the least slack w of its own inequalities."""
+        n, p = B.shape[1], len(wanted.lower)
+        H, g = np.zeros((n + p, n + p)), np.zeros(n + p)
+        H[:n, :n], g[:n] = B.T @ B, -(B.T @ r)
         if self.cascade.damping:
             H[:n, :n] += self.cascade.damping**2 * np.eye(n)
-        g = np.zeros(n + p)
-        g[:n] = -(B.T @ r)
-        if p:
-            H[n:, n:] = np.eye(p)
-            value = own @ x
-            CZ = np.block([[CZ, np.zeros((len(low), p))], [own @ Z, -np.eye(p)]])
-            low, high = np.concatenate([low, own_lower - value]), np.concatenate([high, own_upper - value])
-        return self.cascade._qps.solve((k, optional), H, g, CZ, low, high, second=not optional)
+        if not p:
+            return QP(H, g, bounding.C, bounding.lower, bounding.upper)
+        H[n:, n:] = np.eye(p)
+        C = np.block([[bounding.C, np.zeros((len(bounding.lower), p))], [wanted.C, -np.eye(p)]])
+        lower, upper = np.append(bounding.lower, wanted.lower), np.append(bounding.upper, wanted.upper)
+        return QP(H, g, C, lower, upper)
 
 
 def _inequalities(levels: Sequence[Level]) -> tuple[Array, Array, Array, Array]:

@@ -1,6 +1,6 @@
 """Quadratic programs that stay alive between calls, on ProxQP, with a second solver behind it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import qpsolvers
@@ -12,6 +12,37 @@ SECOND_SOLVER = "quadprog"
 ROUNDING = 1e-13
 """Entries of the inequalities that are smaller than this, relative to the largest, are zero but for rounding."""
 
+THIN = 1e-7, 1e-12
+"""ProxQP's `eps_primal_inf`, below which it takes a thin feasible set for none: as a rule, and where there is one."""
+WIDER = 3.0, 100.0
+"""Where a set has no width, solvers stumble over rounding. The levels above are known no better than to the accuracy of
+their QPs: bounds are widened by this many times as much, where ProxQP has failed, and for the second solver."""
+
+
+@dataclass(slots=True)
+class QP:
+    """``min ½ yᵀ H y + gᵀ y`` subject to ``lower <= C y <= upper``.
+
+    Args:
+        H, g: Objective, shapes (n, n) and (n,), H symmetric and positive semidefinite.
+        C, lower, upper: Inequalities, shapes (m, n), (m,), (m,).
+        feasible: Whether it is known to have a solution.
+    """
+
+    H: Array
+    g: Array
+    C: Array
+    lower: Array
+    upper: Array
+    feasible: bool = False
+
+    def violation(self, y: Array) -> float:
+        """Largest violation of an inequality."""
+        if not len(self.lower):
+            return 0.0
+        value = self.C @ y
+        return max(0.0, float((value - self.upper).max()), float((self.lower - value).max()))
+
 
 @dataclass(slots=True)
 class QPResult:
@@ -22,16 +53,18 @@ class QPResult:
         multipliers: Of the inequalities, positive at an upper bound, negative at a lower one, shape (m,).
         status: SOLVED, SECOND_SOLVER or FAILED; ``y`` is not to be used if it failed.
         residual: Largest violation of an inequality at ``y``.
+        reason: What became of it in words, unless ProxQP solved it.
     """
 
     y: Array
     multipliers: Array
     status: Status
     residual: float
+    reason: str = ""
 
 
 class PersistentQPs:
-    """``min ½ yᵀ H y + gᵀ y`` subject to ``lower <= C y <= upper``, one ProxQP object a key and size.
+    """Solves QPs, with one ProxQP object a key and size.
 
     An object is created once, updated from then on and warm-started from its previous result: ticks of a controller
     differ little. H may be singular; the proximal iteration needs no regularisation, so that none enters the answer.
@@ -48,52 +81,63 @@ class PersistentQPs:
         self.max_iterations = max_iterations
         self._solvers: dict[tuple[object, int, int], proxqp.dense.QP] = {}
 
-    def solve(
-        self, key: object, H: Array, g: Array, C: Array, lower: Array, upper: Array, second: bool = True
-    ) -> QPResult:
-        """Solve the QP; ``key`` names the sequence of similar problems that it belongs to.
+    def solve(self, key: object, problem: QP, second: bool = True) -> QPResult:
+        """Solve a QP.
 
         Args:
-            key: Problems of one key and size share a warm start.
-            H, g: Objective, shapes (n, n) and (n,), H symmetric and positive semidefinite.
-            C, lower, upper: Inequalities, shapes (m, n), (m,), (m,).
+            key: Names the sequence of similar problems that it belongs to: those of one size share a warm start.
+            problem: The QP.
             second: Whether a problem that ProxQP leaves unsolved goes to the second solver.
         """
+        H, g, C, lower, upper = problem.H, problem.g, problem.C, problem.lower, problem.upper
         n, m = len(g), len(lower)
         # Scaled up by the preconditioner, rows of mere rounding would keep ProxQP busy for seconds.
         C = np.where(np.abs(C) > ROUNDING * np.abs(C).max(initial=0.0), C, 0.0)
+        problem = replace(problem, C=C)
         place = (key, n, m)
         qp = self._solvers.get(place)
         if qp is not None:
+            qp.settings.eps_primal_inf = THIN[problem.feasible]
             qp.update(H=H, g=g, C=C, l=lower, u=upper, update_preconditioner=False)
             qp.solve()
-            if (answer := self._accepted(qp, C, lower, upper)) is not None:
+            if (answer := self._accepted(qp, problem)) is not None:
                 return answer
         # Anew: there was no previous result, or it was no good place to start from.
-        qp = self._create(n, m)
-        qp.init(H, g, None, None, C, lower, upper)
-        qp.solve()
-        if (answer := self._accepted(qp, C, lower, upper)) is not None:
-            # Only now: ProxQP has no previous result to start from before its first solve.
-            qp.settings.initial_guess = proxqp.WARM_START_WITH_PREVIOUS_RESULT
-            self._solvers[place] = qp
-            return answer
+        for wider in (0.0, WIDER[0] * self.accuracy)[: 1 + problem.feasible]:
+            qp = self._create(n, m)
+            qp.settings.eps_primal_inf = THIN[problem.feasible]
+            qp.init(H, g, None, None, C, lower - wider, upper + wider)
+            qp.solve()
+            if (answer := self._accepted(qp, problem)) is not None:
+                # Only now: ProxQP has no previous result to start from before its first solve.
+                qp.settings.initial_guess = proxqp.WARM_START_WITH_PREVIOUS_RESULT
+                self._solvers[place] = qp
+                return answer
         self._solvers.pop(place, None)
-        return self._second(H, g, C, lower, upper) if second else _failure(n, m)
+        reason = self._why(qp)
+        return self._second(problem, reason) if second else _failure(problem, reason)
 
-    def _accepted(self, qp: proxqp.dense.QP, C: Array, lower: Array, upper: Array) -> QPResult | None:
+    def _accepted(self, qp: proxqp.dense.QP, problem: QP) -> QPResult | None:
         """The answer of a solved QP, None where it is no answer."""
         if qp.results.info.status != proxqp.PROXQP_SOLVED:
             return None
         y = qp.results.x.copy()
-        residual = _violation(C @ y, lower, upper)
+        residual = problem.violation(y)
         return QPResult(y, qp.results.z.copy(), Status.SOLVED, residual) if residual <= self.tolerance else None
+
+    def _why(self, qp: proxqp.dense.QP) -> str:
+        """Why ProxQP has no answer."""
+        most = self.max_iterations
+        return {
+            proxqp.PROXQP_SOLVED: "ProxQP's answer breaks a bound",
+            proxqp.PROXQP_MAX_ITER_REACHED: f"ProxQP gave up after {most} iteration{'s' * (most > 1)}",
+            proxqp.PROXQP_PRIMAL_INFEASIBLE: "ProxQP took it for infeasible",
+        }.get(qp.results.info.status, "ProxQP took it for unbounded")
 
     def _create(self, n: int, m: int) -> proxqp.dense.QP:
         qp = proxqp.dense.QP(n, 0, m, False, proxqp.dense.HessianType.Dense, proxqp.dense.DenseBackend.PrimalDualLDLT)
         qp.settings.eps_abs = self.accuracy
         qp.settings.eps_rel = 0.0
-        qp.settings.eps_primal_inf = 1e-7
         # Without this ProxQP may stop far from the optimum: its residuals say nothing of complementarity.
         qp.settings.check_duality_gap = True
         qp.settings.eps_duality_gap_abs = self.accuracy
@@ -102,33 +146,28 @@ class PersistentQPs:
         qp.settings.initial_guess = proxqp.NO_INITIAL_GUESS
         return qp
 
-    def _second(self, H: Array, g: Array, C: Array, lower: Array, upper: Array) -> QPResult:
-        n, m = len(g), len(lower)
+    def _second(self, problem: QP, reason: str) -> QPResult:
+        H, C, lower, upper = problem.H, problem.C, problem.lower, problem.upper
+        n, m = len(H), len(lower)
         # The second solver wants a positive definite objective; this is far below what its answer is accurate to.
         definite = H + 1e-10 * max(1.0, float(np.trace(H)) / n) * np.eye(n)
         above, below = np.isfinite(upper), np.isfinite(lower)
-        problem = qpsolvers.Problem(
-            definite, g, np.vstack([C[above], -C[below]]), np.concatenate([upper[above], -lower[below]])
-        )
+        bounds = np.concatenate([upper[above], -lower[below]]) + WIDER[1] * self.accuracy
+        one_sided = np.vstack([C[above], -C[below]]), bounds
         try:
-            solution = qpsolvers.solve_problem(problem, solver=SECOND_SOLVER)
+            solution = qpsolvers.solve_problem(qpsolvers.Problem(definite, problem.g, *one_sided), solver=SECOND_SOLVER)
         except (qpsolvers.SolverError, ValueError):
-            return _failure(n, m)
+            return _failure(problem, f"{reason}, {SECOND_SOLVER} refused it")
         if not solution.found or solution.x is None or solution.z is None or not np.isfinite(solution.x).all():
-            return _failure(n, m)
+            return _failure(problem, f"{reason}, {SECOND_SOLVER} found no answer")
         multipliers = np.zeros(m)
         multipliers[above] += solution.z[: above.sum()]
         multipliers[below] -= solution.z[above.sum() :]
-        residual = _violation(C @ solution.x, lower, upper)
-        status = Status.SECOND_SOLVER if residual <= self.tolerance else Status.FAILED
-        return QPResult(solution.x, multipliers, status, residual)
+        residual = problem.violation(solution.x)
+        if residual > self.tolerance:
+            return _failure(problem, f"{reason}, {SECOND_SOLVER}'s answer breaks a bound")
+        return QPResult(solution.x, multipliers, Status.SECOND_SOLVER, residual, f"{reason}, {SECOND_SOLVER} solved it")
 
 
-def _violation(value: Array, lower: Array, upper: Array) -> float:
-    if not len(value):
-        return 0.0
-    return max(0.0, float((value - upper).max()), float((lower - value).max()))
-
-
-def _failure(n: int, m: int) -> QPResult:
-    return QPResult(np.zeros(n), np.zeros(m), Status.FAILED, np.inf)
+def _failure(problem: QP, reason: str) -> QPResult:
+    return QPResult(np.zeros(len(problem.g)), np.zeros(len(problem.lower)), Status.FAILED, np.inf, reason)

@@ -5,7 +5,7 @@ and a unit so that whoever reads a result knows what was asked for.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from math import sqrt
 from typing import Protocol
@@ -164,6 +164,12 @@ class Level:
         """Number of leading variables that the equalities involve; all of them if there are none."""
         return max((e.start + e.A.shape[1] for e in self.equalities), default=self.size)
 
+    def copy(self) -> "Level":
+        """One that stays as it is."""
+        C, lower, upper = self.C.copy(), self.lower.copy(), self.upper.copy()
+        blocks = [replace(block) for block in self.blocks]
+        return Level(self.name, self.size, [Equality(self.A.copy(), self.b.copy())], C, lower, upper, blocks)
+
     @classmethod
     def stack(cls, name: str, rows: Sequence[Rows], size: int) -> "Level":
         """Stack rows of ``size`` variables; rows whose bounds agree are equalities, the others inequalities.
@@ -233,6 +239,7 @@ class LevelResult:
         residual: Largest violation of what the level had to preserve.
         status: How the level's answer came about.
         met: Whether all its rows are known to be met.
+        reason: In words, why it is not the answer of the first solver; "" if it is.
     """
 
     level: Level
@@ -241,6 +248,7 @@ class LevelResult:
     residual: float
     status: Status
     met: bool = False
+    reason: str = ""
 
     @property
     def name(self) -> str:

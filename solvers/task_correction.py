@@ -25,7 +25,7 @@ from solvers.cascade import Cascade
 from solvers.direct import at_once
 from solvers.feasibility import feasible
 from solvers.nullspace import Projection, project
-from solvers.proxqp import PersistentQPs
+from solvers.proxqp import QP, PersistentQPs
 from solvers.reduction import leading_of, stacked
 from solvers.rows import Array, Equality, Level, LevelResult, Solution, Status
 
@@ -52,12 +52,14 @@ class Correction:
         first: The first of the tasks that were corrected; their number if none was.
         status: Of the QP, if there was one.
         residual: Largest violation of a bound.
+        reason: As of a `QPResult`.
     """
 
     x: Array
     first: int
     status: Status = Status.SOLVED
     residual: float = 0.0
+    reason: str = ""
 
 
 class Priorities:
@@ -165,9 +167,8 @@ class TaskCorrection:
             return self._cascade.solve(levels)
         first = correction.first
         if leading == hard.size and not any(len(level.lower) for level in levels[1:]):
-            status = correction.status
-            solution = Solution(correction.x, [LevelResult(hard, correction.x, False, 0.0, status)], status)
-            solution.levels += [LevelResult(level, correction.x, False, 0.0, status) for level in levels[1:]]
+            results = [LevelResult(level, correction.x, False, 0.0, Status.SOLVED) for level in levels]
+            solution = Solution(correction.x, results, correction.status)
         else:
             asked = [_replaced(level, correction.x) if k >= first else level for k, level in enumerate(levels)]
             solution = self._cascade.solve(asked)
@@ -176,7 +177,10 @@ class TaskCorrection:
             solution.status = max(solution.status, correction.status)
         solution.levels[0].residual = max(solution.levels[0].residual, correction.residual)
         if first < len(levels):
-            solution.levels[first].needed_qp = True
+            corrected = solution.levels[first]
+            corrected.needed_qp = True
+            if correction.status > corrected.status:
+                corrected.status, corrected.reason = correction.status, correction.reason
         return solution
 
     def _correct(self, tasks: Sequence[Task], C: Array, lower: Array, upper: Array) -> Correction | None:
@@ -198,9 +202,9 @@ class TaskCorrection:
             if not feasible(reach, lower - value, upper - value, self.tolerance):
                 continue
             size = gain.shape[1]
-            qp = self._qps.solve(k, np.eye(size), np.zeros(size), reach, lower - value, upper - value)
+            qp = self._qps.solve(k, QP(np.eye(size), np.zeros(size), reach, lower - value, upper - value))
             if qp.status != Status.FAILED:
-                return Correction(x + gain @ qp.y, k, qp.status, qp.residual)
+                return Correction(x + gain @ qp.y, k, qp.status, qp.residual, qp.reason)
         return None
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.cascade import Cascade
-from solvers.rows import Level, LevelResult, Solution
+from solvers.rows import Level, Solution
 
 
 class Weighted:
@@ -41,5 +41,5 @@ class Weighted:
         )
         answer = self._cascade.solve([levels[0], merged])
         first, last = answer.levels
-        shared = [LevelResult(level, answer.x, last.needed_qp, last.residual, last.status) for level in soft]
+        shared = [replace(last, level=level) for level in soft]
         return Solution(answer.x, [first, *shared], answer.status, answer.relaxed)

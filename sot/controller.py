@@ -6,8 +6,7 @@ from time import perf_counter
 
 import numpy as np
 
-from solvers.conflict import Conflict, explain
-from solvers.rows import Solution, Solver, Status
+from solvers.rows import Level, Solution, Solver, Status
 from sot.dynamics import Dynamics, FormName
 from sot.robot import Robot
 from sot.schedule import Schedule
@@ -17,7 +16,7 @@ from sot.tick import Tick
 Array = np.ndarray
 
 EXPLAINED_AGAIN = 1.0
-"""Time after which a conflict of level 0 is looked into once more [s]: it takes as long as hundreds of ticks."""
+"""Time after which a level 0 without a solution is kept for `solvers.conflict.explain` once more [s]."""
 HOLD_DAMPING = 5.0
 """Joint damping of the last resort, a hold of the last torque [N m s/rad]."""
 
@@ -35,7 +34,8 @@ class Command:
         status: The solution's. If its level 0 has none (`Status.FAILED` there), the torque is a damped hold of the last
             that was solved for.
         model_us, assemble_us, solve_us: Where the time went [µs].
-        conflict: If level 0 had no solution, which of its rows contradict each other; looked into now and then only.
+        unsolved: If level 0 had no solution, a copy of it, now and then: `solvers.conflict.explain` says which of its
+            rows contradict each other, but takes as long as hundreds of ticks.
     """
 
     torque: Array
@@ -47,7 +47,7 @@ class Command:
     model_us: float
     assemble_us: float
     solve_us: float
-    conflict: Conflict | None = None
+    unsolved: Level | None = None
 
 
 class Controller:
@@ -106,9 +106,9 @@ class Controller:
             acceleration, wrenches = np.zeros(robot.nv), np.full((len(stack.contacts), 6), np.nan)
             zmp = np.full(2, np.nan)
         solved = perf_counter()
-        conflict = None
+        unsolved = None
         if solution.levels[0].status >= Status.RELAXED and t >= self._explained + EXPLAINED_AGAIN:
-            self._explained, conflict = t, explain(levels)
+            self._explained, unsolved = t, levels[0].copy()
         return Command(
             torque,
             acceleration,
@@ -119,7 +119,7 @@ class Controller:
             1e6 * (modelled - start),
             1e6 * (assembled - modelled),
             1e6 * (solved - assembled),
-            conflict,
+            unsolved,
         )
 
     def _zmp(self, wrenches: Array) -> Array:

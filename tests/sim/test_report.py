@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from sim import figures
-from sim.log import FOOT_OFF, FOOT_SLIDING, RunInfo, RunLog
+from sim.log import FOOT_OFF, FOOT_SLIDING, Fallback, RunInfo, RunLog
 from sim.push import Push
 from sim.reference import Reference, hot_reference_us
 from sim.report import report, show, write
@@ -46,7 +46,7 @@ def test_a_perfect_run_has_no_error(motion, log):
     assert made["slides"] == [] and set(made["slide"].values()) == {None}
     assert made["limits"]["self_collision_min_m"] is None
     counts = {"infeasible_ticks": 0, "fallback_ticks": 0, "max_residual": 0.0}
-    assert made["solver"] == {"name": "cascade", **counts, "conflicts": []}
+    assert made["solver"] == {"name": "cascade", **counts, "conflicts": [], "fallbacks": []}
 
 
 def test_has_the_agreed_keys(motion, log):
@@ -215,6 +215,30 @@ def test_solver_counts(log):
     log.status[14] = Status.FAILED  # a lower level only: that of the levels above serves
     log.residual[20] = 1e-4
     assert figures.solver(log) == {"infeasible_ticks": 4, "fallback_ticks": 12, "max_residual": pytest.approx(1e-4)}
+
+
+def test_fallbacks_are_explained_in_a_few_lines(motion, log):
+    log.fallbacks = [Fallback(t, "forces", "ProxQP gave up", 1e-9 * t) for t in (0.5, 0.7, 1.9)]
+    log.fallbacks += [Fallback(1.0 + 0.1 * k, f"level {k}", "refused", 0.0) for k in range(4)]
+    log.conflicts = [(0.25, "JointBounds: knee lower +3 rad/s² against Contact left_foot (6 rows)")]
+    made = report(log, INFO, 0.5, motion, same_plan(motion))
+    first = made["solver"]["fallbacks"][0]
+    assert first == {
+        **{"level": "forces", "reason": "ProxQP gave up", "ticks": 3},
+        **{"first_s": 0.5, "last_s": 1.9, "max_residual": 1.9e-9},
+    }
+    assert sum(entry["ticks"] for entry in made["solver"]["fallbacks"]) == len(log.fallbacks)
+    console = Console(file=StringIO(), width=100)
+    show([made], console)
+    told = console.file.getvalue().splitlines()[-5:]
+    assert told == [
+        "made-up: no solution of the hard level at 0.250 s: JointBounds: knee lower +3 rad/s² "
+        "against Contact left_foot (6 rows)",
+        "made-up: fallback, 3 ticks from 0.500 to 1.900 s, level forces: ProxQP gave up",
+        "made-up: fallback, 1 tick at 1.000 s, level level 0: refused",
+        "made-up: fallback, 1 tick at 1.100 s, level level 1: refused",
+        "made-up: 2 more of these are in the report",
+    ]
 
 
 def test_writes_whole_json_and_a_table(motion, log, tmp_path: Path):

@@ -78,9 +78,9 @@ def test_a_controller_goes_on_and_tells_why_now_and_then():
     controller = Controller(robot, stack, Cascade())
     commands = [controller(0.001 * k, robot.rest, np.zeros(robot.nv)) for k in range(3)]
     assert all(command.status == Status.RELAXED for command in commands)
-    assert "Planted" in commands[0].conflict.owners
-    assert commands[1].conflict is None and commands[2].conflict is None
-    assert controller(1.2, robot.rest, np.zeros(robot.nv)).conflict is not None
+    assert "Planted" in explain([commands[0].unsolved]).owners  # ticks later: it is a copy
+    assert commands[1].unsolved is None and commands[2].unsolved is None
+    assert controller(1.2, robot.rest, np.zeros(robot.nv)).unsolved is not None
 
 
 @pytest.mark.parametrize("solved", [True, False])
