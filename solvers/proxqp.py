@@ -16,7 +16,7 @@ THIN = 1e-7, 1e-12
 """ProxQP's `eps_primal_inf`, below which it takes a thin feasible set for none: as a rule, and where there is one."""
 WIDER = 3.0, 100.0
 """Where a set has no width, solvers stumble over rounding. The levels above are known no better than to the accuracy of
-their QPs: bounds are widened by this many times as much, where ProxQP has failed, and for the second solver."""
+their QPs: bounds are widened by this many times as much, where ProxQP has failed, and where the second solver has."""
 
 
 @dataclass(slots=True)
@@ -152,21 +152,24 @@ class PersistentQPs:
         # The second solver wants a positive definite objective; this is far below what its answer is accurate to.
         definite = H + 1e-10 * max(1.0, float(np.trace(H)) / n) * np.eye(n)
         above, below = np.isfinite(upper), np.isfinite(lower)
-        bounds = np.concatenate([upper[above], -lower[below]]) + WIDER[1] * self.accuracy
-        one_sided = np.vstack([C[above], -C[below]]), bounds
-        try:
-            solution = qpsolvers.solve_problem(qpsolvers.Problem(definite, problem.g, *one_sided), solver=SECOND_SOLVER)
-        except (qpsolvers.SolverError, ValueError):
-            return _failure(problem, f"{reason}, {SECOND_SOLVER} refused it")
-        if not solution.found or solution.x is None or solution.z is None or not np.isfinite(solution.x).all():
-            return _failure(problem, f"{reason}, {SECOND_SOLVER} found no answer")
-        multipliers = np.zeros(m)
-        multipliers[above] += solution.z[: above.sum()]
-        multipliers[below] -= solution.z[above.sum() :]
-        residual = problem.violation(solution.x)
-        if residual > self.tolerance:
-            return _failure(problem, f"{reason}, {SECOND_SOLVER}'s answer breaks a bound")
-        return QPResult(solution.x, multipliers, Status.SECOND_SOLVER, residual, f"{reason}, {SECOND_SOLVER} solved it")
+        rows, bounds = np.vstack([C[above], -C[below]]), np.concatenate([upper[above], -lower[below]])
+        for wider in (0.0, WIDER[1] * self.accuracy)[: 1 + problem.feasible]:
+            try:
+                solution = qpsolvers.solve_problem(
+                    qpsolvers.Problem(definite, problem.g, rows, bounds + wider), solver=SECOND_SOLVER
+                )
+            except (qpsolvers.SolverError, ValueError):
+                continue
+            if not solution.found or solution.x is None or solution.z is None or not np.isfinite(solution.x).all():
+                continue
+            residual = problem.violation(solution.x)
+            if residual <= self.tolerance:
+                multipliers = np.zeros(m)
+                multipliers[above] += solution.z[: above.sum()]
+                multipliers[below] -= solution.z[above.sum() :]
+                words = f"{reason}, {SECOND_SOLVER} solved it"
+                return QPResult(solution.x, multipliers, Status.SECOND_SOLVER, residual, words)
+        return _failure(problem, f"{reason}, {SECOND_SOLVER} found no answer")
 
 
 def _failure(problem: QP, reason: str) -> QPResult:
