@@ -36,6 +36,9 @@ from solvers.rows import Array, Level, LevelResult, Solution, Status
 
 ROUNDS = 4
 """Changes of the guessed active inequalities that are tried before QPs are."""
+PUSHES = 1e-4
+"""Multiplier from which on a bound is held as an equality for the levels below. Where there is little room, the QPs'
+accuracy lets others be as large as that; one that is smaller than need be stays a bound."""
 IN_PARTS = "neither solver found a point that satisfies it; found in parts, of which none had to give way"
 CONTRADICTORY = "its equalities contradict each other"
 NO_ROOM = "its equalities leave no room, and break a bound"
@@ -181,24 +184,30 @@ class Cascade:
             x = chain.points[-1]
             value = chain.C @ x
             excess = np.maximum(value - chain.upper, chain.lower - value)
-            wrong: dict[int, Array] = {}
+            changed, first = [Held() for _ in levels], len(levels)
             for k, hold in enumerate(held):
-                if len(hold.rows):
-                    excess[hold.rows] = np.abs(excess[hold.rows])
-                    pulls = hold.side * chain.multipliers(k) < -self.tolerance
-                    if pulls.any():
-                        wrong[k] = pulls
+                if not len(hold.rows):
+                    continue
+                excess[hold.rows] = np.abs(excess[hold.rows])
+                push = hold.side * chain.multipliers(k)
+                keeps = push > (self.tolerance if k < len(levels) - 1 else -self.tolerance)
+                changed[k] = changed[k].joined(hold.of(keeps))
+                if not keeps.all():
+                    first = min(first, k)
+                    # What does not push here may keep a level below from doing better: it is held there.
+                    idle = ~keeps & (push >= -self.tolerance)
+                    if idle.any():
+                        changed[k + 1] = changed[k + 1].joined(hold.of(idle))
             most = excess.max(initial=-np.inf)
-            if not wrong and most <= self.tolerance:  # which not a number is not
+            if first == len(levels) and most <= self.tolerance:  # which not a number is not
                 self._held = held
                 if len(hard.b) and _relative(hard.A @ x - hard.b, hard.b) > self.tolerance:
                     return None
                 solution = self._solution(levels, x, {}, Status.SOLVED)
                 solution.levels[0].residual = max(float(most), 0.0)
                 return solution
-            if wrong:
-                first = min(wrong)
-                held = [Held(h.rows[~wrong[k]], h.side[~wrong[k]]) if k in wrong else h for k, h in enumerate(held)]
+            if first < len(levels):
+                held = changed
                 continue
             row = int(np.argmax(excess))
             if any((hold.rows == row).any() for hold in held):
@@ -210,7 +219,7 @@ class Cascade:
             first = usable[-1]
             side = 1.0 if value[row] > chain.upper[row] else -1.0
             held = list(held)
-            held[first] = Held(np.append(held[first].rows, row), np.append(held[first].side, side))
+            held[first] = held[first].joined(Held(np.array([row]), np.array([side])))
         return None
 
     def _remember(self, levels: Sequence[Level], owner: Array, descent: "_Descent") -> None:
@@ -281,7 +290,7 @@ class _Descent:
         Z = self.chain.spaces[start].Z
         frozen = False  # whether violated inequalities have been frozen, so that the chain's bases hold no more
         qps: dict[int, QPResult] = {}
-        self.first_bitten, self.held = len(levels), {}
+        self.first_bitten, self.held, last = len(levels), {}, len(levels) - 1
         for k in range(start, len(levels)):
             level = levels[k]
             if not frozen:
@@ -321,13 +330,14 @@ class _Descent:
             # The QP's accuracy lets rows that are not tight have small multipliers: those are worth a guess at the next
             # tick, which is checked, but not freezing.
             gap = np.where(multipliers > 0.0, upper - value, value - lower)
-            tight = (gap < 10.0 * tolerance) & (np.abs(multipliers) > 0.01 * tolerance)
+            tight = (gap < 10.0 * tolerance) & (np.abs(multipliers) > tolerance * (10.0 if k < last else 0.01))
             self.held[k] = Held(np.flatnonzero(tight), np.sign(multipliers[tight]))
-            pushes = np.abs(multipliers) > 10.0 * tolerance * (1.0 + np.abs(multipliers).max(initial=0.0))
+            least = np.where(self.owner == k, 10.0 * tolerance, PUSHES)
+            pushes = np.abs(multipliers) > least * (1.0 + np.abs(multipliers).max(initial=0.0))
             held = np.flatnonzero(tight & pushes)
             if len(held):
                 self.first_bitten = min(self.first_bitten, k)
-            if k == len(levels) - 1:
+            if k == last:
                 break
             if len(held):
                 lower[held], upper[held] = -np.inf, np.inf

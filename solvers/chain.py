@@ -6,7 +6,8 @@ equalities, each in what is left. Whether the guess was right is checked exactly
 
 - the last point satisfies all inequalities, and
 - at each level the held rows push the right way: with g the gradient of the level's objective in its space,
-  ``g + Dᵀ λ = 0`` and λ ≥ 0 at upper bounds, λ ≤ 0 at lower ones.
+  ``g + Dᵀ λ = 0`` and λ > 0 at upper bounds, λ < 0 at lower ones. What does not push at all, λ = 0, must not be held
+  there: it would keep lower levels from leaving the bound. At the last level it may be.
 
 These are the optimality conditions of every level at once, so that a guess that passes is the optimum.
 """
@@ -36,7 +37,15 @@ class Held:
         if not len(self.rows):
             return self
         left = np.isfinite(np.where(self.side > 0.0, upper[self.rows], lower[self.rows]))
-        return self if left.all() else Held(self.rows[left], self.side[left])
+        return self if left.all() else self.of(left)
+
+    def of(self, chosen: Array) -> "Held":
+        """The chosen ones of them, a mask."""
+        return Held(self.rows[chosen], self.side[chosen])
+
+    def joined(self, others: "Held") -> "Held":
+        """These and others."""
+        return Held(np.append(self.rows, others.rows), np.append(self.side, others.side))
 
 
 class Space:

@@ -53,6 +53,17 @@ def test_what_is_left_may_have_no_width(number):
     assert solution.levels[-1].error == pytest.approx(optima[-1], rel=0.02)
 
 
+def test_a_bound_that_kept_a_level_from_doing_better_is_left_as_soon_as_it_does_not():
+    # At the second tick the first level can be met with the bound held that it pushed against before, and does not push
+    # any more: but held it would keep the second level from doing better.
+    cascade = Cascade()
+    hard, wish = Level.stack("hard", [bounds("box", -1.0, 1.0, 1)], 2), np.full(2, 0.2)
+    for row, target, best in (([1.0, 0.0], 3.0, [1.0, 0.2]), ([1.0, 1.0], 1.5, [0.75, 0.75])):
+        first = Level.stack("first", [Rows("row", "1", np.array([row]), *2 * [np.full(1, target)])], 2)
+        second = Level.stack("second", [Rows("wish", "1", np.eye(2), wish, wish)], 2)
+        assert cascade.solve([hard, first, second]).x == pytest.approx(best, abs=1e-6)
+
+
 def test_near_degenerate_levels_stay_bounded_and_feasible_above():
     rng = np.random.default_rng(7)
     for _ in range(100):
