@@ -23,25 +23,21 @@ Regularisation appears nowhere, hence not in what a later level has to preserve 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from solvers.chain import Chain, Held
+from solvers.descent import Descent, answered
 from solvers.direct import Direct
-from solvers.nullspace import project
-from solvers.proxqp import QP, PersistentQPs, QPResult
+from solvers.proxqp import PersistentQPs
 from solvers.reduction import Reduction, leading_of
-from solvers.rows import Array, Level, LevelResult, Solution, Status
+from solvers.rows import Array, Level, Solution, Status
 
 ROUNDS = 4
 """Changes of the guessed active inequalities that are tried before QPs are."""
-PUSHES = 1e-4
-"""Multiplier from which on a bound is held as an equality for the levels below. Where there is little room, the QPs'
-accuracy lets others be as large as that; one that is smaller than need be stays a bound."""
 IN_PARTS = "neither solver found a point that satisfies it; found in parts, of which none had to give way"
 CONTRADICTORY = "its equalities contradict each other"
-NO_ROOM = "its equalities leave no room, and break a bound"
 
 
 class Cascade:
@@ -82,7 +78,7 @@ class Cascade:
             x = self._direct.solve(levels)
             if x is not None:
                 self._held = None
-                solution = self._solution(levels, x, {}, Status.SOLVED)
+                solution = answered(levels, x, {}, Status.SOLVED)
                 solution.levels[0].residual = self._direct.excess
                 for result in solution.levels[: self._direct.met]:
                     result.met = True
@@ -146,15 +142,15 @@ class Cascade:
         chain.run()
         hard = levels[0]
         if _relative(hard.A @ chain.points[0] - hard.b, hard.b) > self.tolerance:
-            return self._solution(levels, chain.points[0], {}, Status.FAILED, (0, CONTRADICTORY))
+            return answered(levels, chain.points[0], {}, Status.FAILED, (0, CONTRADICTORY))
         values = C @ np.column_stack(chain.points)
         outside = ((values > (upper + self.tolerance)[:, None]) | (values < (lower - self.tolerance)[:, None])).T
         # A point after level j has to satisfy the inequalities of the levels up to j only.
         solved = max((j for j in range(len(levels)) if not outside[j][owner <= j].any()), default=-1)
-        descent = _Descent(self, levels, chain, owner)
+        descent = Descent(levels, chain, owner, self._qps, self.tolerance)
         start = max(solved + 1, 1)
         if start == len(levels):
-            return self._solution(levels, chain.points[-1], {}, Status.SOLVED)
+            return answered(levels, chain.points[-1], {}, Status.SOLVED)
         usable = max((k for k in range(len(levels)) if chain.spaces[k].size), default=0)
         trial = min(self._bite, usable)
         if trial > start:
@@ -203,7 +199,7 @@ class Cascade:
                 self._held = held
                 if len(hard.b) and _relative(hard.A @ x - hard.b, hard.b) > self.tolerance:
                     return None
-                solution = self._solution(levels, x, {}, Status.SOLVED)
+                solution = answered(levels, x, {}, Status.SOLVED)
                 solution.levels[0].residual = max(float(most), 0.0)
                 return solution
             if first < len(levels):
@@ -222,152 +218,13 @@ class Cascade:
             held[first] = held[first].joined(Held(np.array([row]), np.array([side])))
         return None
 
-    def _remember(self, levels: Sequence[Level], owner: Array, descent: "_Descent") -> None:
+    def _remember(self, levels: Sequence[Level], owner: Array, descent: Descent) -> None:
         if not owner.any():
             self._held = [descent.held.get(k, Held()) for k in range(len(levels))]
-
-    def _solution(
-        self,
-        levels: Sequence[Level],
-        x: Array,
-        qps: dict[int, QPResult],
-        status: Status,
-        failed: tuple[int, str] | None = None,
-    ) -> Solution:
-        """Results of all levels; `failed` is the first that has none, and why."""
-        results = []
-        for k, level in enumerate(levels):
-            qp = qps.get(k)
-            if failed is not None and k >= failed[0]:
-                results.append(LevelResult(level, x, qp is not None, 0.0, Status.FAILED, reason=failed[1]))
-            elif qp is not None:
-                results.append(LevelResult(level, x, True, qp.residual, qp.status, reason=qp.reason))
-            else:
-                results.append(LevelResult(level, x, False, 0.0, Status.SOLVED))
-        return Solution(x, results, status)
 
 
 def _relative(residual: Array, b: Array) -> float:
     return float(np.abs(residual).max(initial=0.0)) / (1.0 + float(np.abs(b).max(initial=0.0)))
-
-
-@dataclass(slots=True)
-class _Band:
-    """Inequalities ``lower <= C x <= upper``."""
-
-    C: Array
-    lower: Array
-    upper: Array
-
-    def around(self, x: Array, Z: Array) -> "_Band":
-        """The same in y, for ``x + Z y``."""
-        value = self.C @ x
-        return _Band(self.C @ Z, self.lower - value, self.upper - value)
-
-    def with_0(self) -> "_Band":
-        """With 0 inside: what the level above has reached is feasible, whatever rounding says."""
-        return _Band(self.C, np.minimum(self.lower, 0.0), np.maximum(self.upper, 0.0))
-
-
-class _Descent:
-    """Levels that need QPs, from a starting level to the last one."""
-
-    def __init__(self, cascade: Cascade, levels: Sequence[Level], chain: Chain, owner: Array) -> None:
-        self.cascade, self.levels, self.chain, self.owner = cascade, levels, chain, owner
-        self.C, self.lower, self.upper = chain.C, chain.lower, chain.upper
-        self.first_bitten = len(levels)
-        self.held: dict[int, Held] = {}
-
-    def run(self, start: int, satisfied: bool, optional: bool = False) -> Solution | None:
-        """QPs from level `start` on; None if the first one has no solution and was optional.
-
-        `satisfied` says that the chain's point above `start` satisfies the inequalities.
-        """
-        cascade, levels = self.cascade, self.levels
-        tolerance = cascade.tolerance
-        lower, upper = self.lower.copy(), self.upper.copy()
-        x = self.chain.points[start - 1]
-        Z = self.chain.spaces[start].Z
-        frozen = False  # whether violated inequalities have been frozen, so that the chain's bases hold no more
-        qps: dict[int, QPResult] = {}
-        self.first_bitten, self.held, last = len(levels), {}, len(levels) - 1
-        for k in range(start, len(levels)):
-            level = levels[k]
-            if not frozen:
-                Z = self.chain.spaces[k].Z
-            if not Z.shape[1]:
-                if k == start == 1 and self.outside(x):
-                    return cascade._solution(levels, x, qps, Status.FAILED, (0, NO_ROOM))
-                break
-            B = level.A @ Z
-            own = self.owner == k
-            if k > start and not len(level.b) and not own.any():
-                continue
-            bound = self.owner < k
-            bounding = _Band(self.C[bound], lower[bound], upper[bound]).around(x, Z)
-            if feasible := satisfied or k > start:
-                bounding = bounding.with_0()
-            wanted = _Band(self.C[own], lower[own], upper[own]).around(x, Z)
-            problem = self._qp(B, level.b - level.A @ x, bounding, wanted)
-            problem.feasible = feasible
-            first = optional and k == start
-            qp = cascade._qps.solve((k, first), problem, second=not first)
-            if qp.status == Status.FAILED:
-                if first:
-                    return None
-                # Without a first feasible point nothing can be kept; below it, the answer of the levels above is.
-                failed = k if feasible else 0
-                return cascade._solution(levels, x, qps, Status.FAILED, (failed, qp.reason))
-            qps[k] = qp
-            n = Z.shape[1]
-            x = x + Z @ qp.y[:n]
-            # An inequality with a multiplier, or violated, stays where it is whatever the levels below do (its
-            # multiplier would have to push on the level otherwise): it bounds no more, it is part of what is held.
-            multipliers = np.zeros(len(lower))
-            multipliers[bound] = qp.multipliers[: len(bounding.lower)]
-            value = self.C @ x
-            multipliers[own] = value[own] - np.clip(value[own], lower[own], upper[own])
-            # The QP's accuracy lets rows that are not tight have small multipliers: those are worth a guess at the next
-            # tick, which is checked, but not freezing.
-            gap = np.where(multipliers > 0.0, upper - value, value - lower)
-            tight = (gap < 10.0 * tolerance) & (np.abs(multipliers) > tolerance * (10.0 if k < last else 0.01))
-            self.held[k] = Held(np.flatnonzero(tight), np.sign(multipliers[tight]))
-            least = np.where(self.owner == k, 10.0 * tolerance, PUSHES)
-            pushes = np.abs(multipliers) > least * (1.0 + np.abs(multipliers).max(initial=0.0))
-            held = np.flatnonzero(tight & pushes)
-            if len(held):
-                self.first_bitten = min(self.first_bitten, k)
-            if k == last:
-                break
-            if len(held):
-                lower[held], upper[held] = -np.inf, np.inf
-                B = np.vstack([B, self.C[held] @ Z])
-                frozen = True
-            if frozen:
-                scale = max(1.0, float(np.abs(B).max(initial=0.0)))
-                Z = project(B, cascade.rank_tolerance * scale).remaining(np.asfortranarray(Z))
-        worst = max((qp.status for qp in qps.values()), default=Status.SOLVED)
-        return cascade._solution(levels, x, qps, worst)
-
-    def outside(self, x: Array) -> bool:
-        """Whether x violates an inequality of level 0."""
-        hard, tolerance = self.owner == 0, self.cascade.tolerance
-        value = self.C[hard] @ x
-        return bool((value > self.upper[hard] + tolerance).any() or (value < self.lower[hard] - tolerance).any())
-
-    def _qp(self, B: Array, r: Array, bounding: _Band, wanted: _Band) -> QP:
-        """One level's QP in (y, w): ``B y = r`` by least squares, and the least slack w of its own inequalities."""
-        n, p = B.shape[1], len(wanted.lower)
-        H, g = np.zeros((n + p, n + p)), np.zeros(n + p)
-        H[:n, :n], g[:n] = B.T @ B, -(B.T @ r)
-        if self.cascade.damping:
-            H[:n, :n] += self.cascade.damping**2 * np.eye(n)
-        if not p:
-            return QP(H, g, bounding.C, bounding.lower, bounding.upper)
-        H[n:, n:] = np.eye(p)
-        C = np.block([[bounding.C, np.zeros((len(bounding.lower), p))], [wanted.C, -np.eye(p)]])
-        lower, upper = np.append(bounding.lower, wanted.lower), np.append(bounding.upper, wanted.upper)
-        return QP(H, g, C, lower, upper)
 
 
 def _inequalities(levels: Sequence[Level]) -> tuple[Array, Array, Array, Array]:

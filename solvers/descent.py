@@ -1,0 +1,172 @@
+"""Quadratic programs, one a level, where the chain of least squares breaks inequalities.
+
+Each is posed in the null space of what the levels above have reached.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.chain import Chain, Held
+from solvers.nullspace import project
+from solvers.proxqp import QP, PersistentQPs, QPResult
+from solvers.rows import Array, Level, LevelResult, Solution, Status
+
+PUSHES = 1e-4
+"""Multiplier from which on a bound is held as an equality for the levels below. Where there is little room, the QPs'
+accuracy lets others be as large as that; one that is smaller than need be stays a bound."""
+NO_ROOM = "its equalities leave no room, and break a bound"
+
+
+@dataclass(slots=True)
+class _Band:
+    """Inequalities ``lower <= C x <= upper``."""
+
+    C: Array
+    lower: Array
+    upper: Array
+
+    def around(self, x: Array, Z: Array) -> "_Band":
+        """The same in y, for ``x + Z y``."""
+        value = self.C @ x
+        return _Band(self.C @ Z, self.lower - value, self.upper - value)
+
+    def with_0(self) -> "_Band":
+        """With 0 inside: what the level above has reached is feasible, whatever rounding says."""
+        return _Band(self.C, np.minimum(self.lower, 0.0), np.maximum(self.upper, 0.0))
+
+
+class Descent:
+    """Levels that need QPs, from a starting level to the last one.
+
+    Args:
+        levels: The hierarchy.
+        chain: Its optimum without inequalities.
+        owner: Level of each inequality, shape (p,).
+        qps: Solves them.
+        tolerance: Violation that counts as none.
+
+    Attributes:
+        first_bitten: The first level that an inequality keeps from doing better; their number if there is none.
+        held: Inequalities that are tight and push, by level.
+    """
+
+    def __init__(
+        self, levels: Sequence[Level], chain: Chain, owner: Array, qps: PersistentQPs, tolerance: float
+    ) -> None:
+        self.levels, self.chain, self.owner = levels, chain, owner
+        self.qps, self.tolerance = qps, tolerance
+        self.C, self.lower, self.upper = chain.C, chain.lower, chain.upper
+        self.first_bitten = len(levels)
+        self.held: dict[int, Held] = {}
+
+    def run(self, start: int, satisfied: bool, optional: bool = False) -> Solution | None:
+        """QPs from level `start` on; None if the first one has no solution and was optional.
+
+        `satisfied` says that the chain's point above `start` satisfies the inequalities.
+        """
+        levels, tolerance = self.levels, self.tolerance
+        lower, upper = self.lower.copy(), self.upper.copy()
+        x = self.chain.points[start - 1]
+        Z = self.chain.spaces[start].Z
+        frozen = False  # whether violated inequalities have been frozen, so that the chain's bases hold no more
+        qps: dict[int, QPResult] = {}
+        self.first_bitten, self.held, last = len(levels), {}, len(levels) - 1
+        for k in range(start, len(levels)):
+            level = levels[k]
+            if not frozen:
+                Z = self.chain.spaces[k].Z
+            if not Z.shape[1]:
+                if k == start == 1 and self.outside(x):
+                    return answered(levels, x, qps, Status.FAILED, (0, NO_ROOM))
+                break
+            B = level.A @ Z
+            own = self.owner == k
+            if k > start and not len(level.b) and not own.any():
+                continue
+            bound = self.owner < k
+            bounding = _Band(self.C[bound], lower[bound], upper[bound]).around(x, Z)
+            if feasible := satisfied or k > start:
+                bounding = bounding.with_0()
+            wanted = _Band(self.C[own], lower[own], upper[own]).around(x, Z)
+            problem = self._qp(B, level.b - level.A @ x, bounding, wanted)
+            problem.feasible = feasible
+            first = optional and k == start
+            qp = self.qps.solve((k, first), problem, second=not first)
+            if qp.status == Status.FAILED:
+                if first:
+                    return None
+                # Without a first feasible point nothing can be kept; below it, the answer of the levels above is.
+                failed = k if feasible else 0
+                return answered(levels, x, qps, Status.FAILED, (failed, qp.reason))
+            qps[k] = qp
+            n = Z.shape[1]
+            x = x + Z @ qp.y[:n]
+            # An inequality with a multiplier, or violated, stays where it is whatever the levels below do (its
+            # multiplier would have to push on the level otherwise): it bounds no more, it is part of what is held.
+            multipliers = np.zeros(len(lower))
+            multipliers[bound] = qp.multipliers[: len(bounding.lower)]
+            value = self.C @ x
+            multipliers[own] = value[own] - np.clip(value[own], lower[own], upper[own])
+            # The QP's accuracy lets rows that are not tight have small multipliers: those are worth a guess at the next
+            # tick, which is checked, but not freezing.
+            gap = np.where(multipliers > 0.0, upper - value, value - lower)
+            tight = (gap < 10.0 * tolerance) & (np.abs(multipliers) > tolerance * (10.0 if k < last else 0.01))
+            self.held[k] = Held(np.flatnonzero(tight), np.sign(multipliers[tight]))
+            least = np.where(self.owner == k, 10.0 * tolerance, PUSHES)
+            pushes = np.abs(multipliers) > least * (1.0 + np.abs(multipliers).max(initial=0.0))
+            held = np.flatnonzero(tight & pushes)
+            if len(held):
+                self.first_bitten = min(self.first_bitten, k)
+            if k == last:
+                break
+            if len(held):
+                lower[held], upper[held] = -np.inf, np.inf
+                B = np.vstack([B, self.C[held] @ Z])
+                frozen = True
+            if frozen:
+                scale = max(1.0, float(np.abs(B).max(initial=0.0)))
+                Z = project(B, self.chain.rank_tolerance * scale).remaining(np.asfortranarray(Z))
+        worst = max((qp.status for qp in qps.values()), default=Status.SOLVED)
+        return answered(levels, x, qps, worst)
+
+    def outside(self, x: Array) -> bool:
+        """Whether x violates an inequality of level 0."""
+        hard, tolerance = self.owner == 0, self.tolerance
+        value = self.C[hard] @ x
+        return bool((value > self.upper[hard] + tolerance).any() or (value < self.lower[hard] - tolerance).any())
+
+    def _qp(self, B: Array, r: Array, bounding: _Band, wanted: _Band) -> QP:
+        """One level's QP in (y, w): ``B y = r`` by least squares, and the least slack w of its own inequalities."""
+        n, p = B.shape[1], len(wanted.lower)
+        H, g = np.zeros((n + p, n + p)), np.zeros(n + p)
+        H[:n, :n], g[:n] = B.T @ B, -(B.T @ r)
+        if self.chain.damping:
+            H[:n, :n] += self.chain.damping**2 * np.eye(n)
+        if not p:
+            return QP(H, g, bounding.C, bounding.lower, bounding.upper)
+        H[n:, n:] = np.eye(p)
+        C = np.block([[bounding.C, np.zeros((len(bounding.lower), p))], [wanted.C, -np.eye(p)]])
+        lower, upper = np.append(bounding.lower, wanted.lower), np.append(bounding.upper, wanted.upper)
+        return QP(H, g, C, lower, upper)
+
+
+def answered(
+    levels: Sequence[Level],
+    x: Array,
+    qps: dict[int, QPResult],
+    status: Status,
+    failed: tuple[int, str] | None = None,
+) -> Solution:
+    """Results of all levels; `failed` is the first that has none, and why."""
+    results = []
+    for k, level in enumerate(levels):
+        qp = qps.get(k)
+        if failed is not None and k >= failed[0]:
+            results.append(LevelResult(level, x, qp is not None, 0.0, Status.FAILED, reason=failed[1]))
+        elif qp is not None:
+            results.append(LevelResult(level, x, True, qp.residual, qp.status, reason=qp.reason))
+        else:
+            results.append(LevelResult(level, x, False, 0.0, Status.SOLVED))
+    return Solution(x, results, status)
