@@ -21,6 +21,7 @@ POSE_RATE = 100.0  # Hz, at which the places of bodies are compared
 INSET = 0.010  # m that the ZMP has to stay inside the support polygon
 MADE = 0.15  # m from its place, a footfall that counts as made
 LANDED = 0.1  # s after a planned landing: the foot stands
+AROUND = 0.06  # s before and after a switch of contacts: its ramps
 SATURATED = 0.99  # of a torque limit
 RECOVERY = 3.0  # s after a push: a robot that still stands then has survived it
 KEY_POINTS = (
@@ -154,7 +155,8 @@ def zmp(log: RunLog, motion: Motion) -> Figures:
 
 
 def contacts(log: RunLog, robot: Robot) -> Figures:
-    """Switches of contact modes, and how far feet that should stand slipped or tilted."""
+    """Switches of contact modes, the largest change of a torque from one tick to the next around them [N m], and how
+    far feet that should stand slipped or tilted."""
     feet = Points.of(robot, log.q, robot.feet)
     slips, tilts = [0.0], [0.0]
     for index, foot in enumerate(robot.feet):
@@ -165,8 +167,13 @@ def contacts(log: RunLog, robot: Robot) -> Figures:
                 slips.append(float(np.linalg.norm(position[rows, :2] - position[rows[0], :2], axis=1).max()))
         upward = feet.rotations[foot][mode != FOOT_OFF][:, :, 2]
         tilts.extend(np.arctan2(np.linalg.norm(upward[:, :2], axis=1), upward[:, 2]).tolist())
+    switched = np.flatnonzero(np.diff(log.foot_mode, axis=0).any(axis=1))
+    steps, around = np.abs(np.diff(log.torque, axis=0)), round(AROUND / log.period) if log.ticks > 1 else 0
     return {
         "switches": int(np.count_nonzero(np.diff(log.foot_mode, axis=0))),
+        "torque_step_max_nm": max(
+            (float(steps[max(tick - around, 0) : tick + around + 1].max()) for tick in switched), default=None
+        ),
         "slip_max_m": max(slips),
         "sole_tilt_max_deg": float(np.rad2deg(max(tilts))),
     }

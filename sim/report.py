@@ -44,6 +44,7 @@ LINES: tuple[tuple[str, str, float, str, str], ...] = (
     ("steps.path_ratio", "way through the room, robot over human", 1.0, "", "1"),
     ("zmp.inside", "ticks with the ZMP inside the support", 100.0, "%", "100"),
     ("zmp.min_margin_m", "ZMP to the support's edge, least", 1e3, "mm", "10 or more"),
+    ("contacts.torque_step_max_nm", "torque step at a switch, greatest", 1.0, "N m", "0"),
     ("contacts.slip_max_m", "slip of a standing foot, greatest", 1e3, "mm", "0"),
     ("contacts.sole_tilt_max_deg", "tilt of a sole, greatest", 1.0, "deg", "0"),
     ("slide.way_m", "way of feet that slide", 1e2, "cm", ""),

@@ -19,6 +19,9 @@ SLIDING_LOAD = 0.07, 0.11
 """Least and greatest normal force of a sliding contact, in weights of the robot."""
 SLIDING_SHARE = (SLIDING_LOAD[1] / LARGEST_LOAD) ** (1.0 / 3.0)
 """`Contact.load` at which a fixed contact may carry as much as a sliding one."""
+LEAD = 5
+"""Power of the rest of the ramp with which a contact still gives its point the acceleration with which it arrived: most
+of it has gone after a quarter of the ramp, before it moves the foot."""
 STILL = 0.002
 """Speed [m/s] below which a sliding vertex meets less than the whole friction."""
 
@@ -74,6 +77,9 @@ class Contact:
         self.vertices = vertices - inset * np.sign(vertices - centre) * [1.0, 1.0, 0.0]
         self.friction, self.stiffness, self.damping = friction, stiffness, damping
         self.way, self.sliding_friction = way, sliding_friction
+        self.arrival: Array | None = None
+        """Acceleration (6,) that the point was given before the contact was made, world axes [m/s², rad/s²]. What the
+        contact asks for is led over from it within the ramp: no joint's torque steps."""
         self._bounded = -1.0, 0.0, np.empty(0), np.empty(0)  # at which load, and the bounds of the forces then
         self._normals = np.eye(len(vertices))
         sides = ("+x", "-x", "+y", "-y", "normal")
@@ -161,7 +167,12 @@ class Contact:
         Velocity damping alone would hold a foot in whatever tilt it has landed.
         """
         frame = tick.frame(self.point)
-        return _lying(frame.position, frame.rotation, frame.velocity, self.stiffness, self.damping)
+        wanted = _lying(frame.position, frame.rotation, frame.velocity, self.stiffness, self.damping)
+        if self.arrival is not None:
+            wanted += (1.0 - self.load) ** LEAD * (self.arrival - wanted)
+            if self.load >= 1.0:
+                self.arrival = None
+        return wanted
 
     def _sliding_map(self, tick: Tick) -> Array:
         """Normal forces, and the friction that goes with them, as wrenches (6, nc)."""

@@ -1,12 +1,13 @@
 """State in, torques out: one tick of the stack of tasks."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 
 from solvers.rows import Level, Solution, Solver, Status
+from sot.contact import Contact
 from sot.dynamics import Dynamics, FormName
 from sot.robot import Robot
 from sot.schedule import Schedule
@@ -76,6 +77,8 @@ class Controller:
         self.tick = Tick(robot, period)
         self._held = np.zeros(robot.na)
         self._explained = -np.inf
+        self._off: list[Contact] = []  # contacts that were, a tick ago
+        self._acceleration = np.zeros(robot.nv)
 
     def __call__(self, t: float, q: Array, v: Array, loads: Mapping[str, float] | None = None) -> Command:
         """One tick: the state at time `t` [s], Pinocchio's conventions, to torques.
@@ -86,6 +89,7 @@ class Controller:
         stack, robot = self.stack, self.robot
         if self.schedule is not None:
             self.schedule.apply(t, stack, loads)
+        self._meet(stack.contacts)
         self.tick.contacts = stack.contacts
         self.tick.update(t, q, v)
         modelled = perf_counter()
@@ -99,6 +103,7 @@ class Controller:
             torque = np.minimum(np.maximum(decoded.torque, -robot.effort), robot.effort)
             self._held = torque
             acceleration, wrenches = decoded.acceleration, decoded.wrenches
+            self._acceleration = acceleration
             zmp = self._zmp(decoded.wrenches)
         else:
             # Always from the last torque that was solved for: damping added to damping would become a stiffness.
@@ -121,6 +126,14 @@ class Controller:
             1e6 * (solved - assembled),
             unsolved,
         )
+
+    def _meet(self, contacts: Sequence[Contact]) -> None:
+        """Tell contacts that have just been made with which acceleration their points arrive."""
+        for contact in self._off:
+            if contact.mode != "off":
+                frame = self.tick.frame(contact.point)  # of the last tick still
+                contact.arrival = frame.jacobian @ self._acceleration + frame.drift
+        self._off = [contact for contact in contacts if contact.mode == "off"]
 
     def _zmp(self, wrenches: Array) -> Array:
         """The point of the floor about which the contacts' forces have no horizontal moment.

@@ -1,9 +1,12 @@
 """Steps in closed loop: the robot walks two steps of a motion made for the test."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from scenarios import stacks
+from scenarios.replay import Replay, replay
 from sim import figures
 from sim.log import FOOT_OFF
 from sim.loop import run
@@ -14,9 +17,10 @@ from sot.motion.trajectory import Motion
 from sot.robot import Robot
 from tests.sot.stepping import stepping_motion
 
+WALK = Path(__file__).parents[2] / "../shared/mocap/bandai_walk.bvh"
 RATE = 500.0
 JUMP = 15.0
-"""Most that any joint's torque may change from one tick to the next around a switch [N m]."""
+"""Most that any joint's torque may change from one tick to the next around a switch, at that rate [N m]."""
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +56,12 @@ def test_in_balance_and_without_slip(motion, stepped):
 
 
 def test_no_joint_torque_jumps_at_a_switch(motion, stepped):
-    switches = np.flatnonzero(np.diff(stepped.foot_mode, axis=0).any(axis=1))
-    jumps = np.abs(np.diff(stepped.torque, axis=0)).max(axis=1)
-    around = round(0.06 * RATE)
-    assert max(jumps[tick - around : tick + around].max() for tick in switches) < JUMP
+    assert figures.contacts(stepped, motion.robot)["torque_step_max_nm"] < JUMP
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not WALK.is_file(), reason="the clip is not here")
+def test_no_joint_torque_steps_by_more_than_a_tenth_of_its_limit_while_walking(tmp_path):
+    report = replay(Replay(str(WALK), feet="auto", duration=4.0), tmp_path, lambda what, share: None)
+    assert not report["fell"] and report["contacts"]["switches"] > 8
+    assert report["contacts"]["torque_step_max_nm"] < 0.1 * Robot.load("hrp2").effort.max()

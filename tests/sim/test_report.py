@@ -42,7 +42,10 @@ def test_a_perfect_run_has_no_error(motion, log):
     assert all(value == pytest.approx(0.0, abs=1e-9) for value in made["tracking"].values())
     assert made["likeness"]["segment_deg"] == pytest.approx(0.0, abs=1e-5)
     assert made["zmp"]["inside"] == 1.0
-    assert made["contacts"] == {**{"switches": 0, "slip_max_m": 0.0, "sole_tilt_max_deg": pytest.approx(0.0, abs=1e-9)}}
+    assert made["contacts"] == {
+        **{"switches": 0, "torque_step_max_nm": None, "slip_max_m": 0.0},
+        "sole_tilt_max_deg": pytest.approx(0.0, abs=1e-9),
+    }
     assert made["slides"] == [] and set(made["slide"].values()) == {None}
     assert made["limits"]["self_collision_min_m"] is None
     counts = {"infeasible_ticks": 0, "fallback_ticks": 0, "max_residual": 0.0}
@@ -73,7 +76,7 @@ def test_has_the_agreed_keys(motion, log):
     assert set(made["retarget"]) == {"key_point_rms_m", "frames_per_s"}
     assert set(made["zmp"]) == {"inside", "min_margin_m", "rms_to_planned_m"}
     assert set(made["contacts"]) == {
-        *("switches", "slip_max_m", "sole_tilt_max_deg"),
+        *("switches", "torque_step_max_nm", "slip_max_m", "sole_tilt_max_deg"),
     }
     assert set(made["limits"]) == {
         *("position_max_excess_rad", "velocity_max_excess", "torque_max_excess", "self_collision_min_m"),
@@ -166,6 +169,14 @@ def test_slip_counts_from_where_a_stance_begins(motion, log):
     made = figures.contacts(log, motion.robot)
     assert made["slip_max_m"] == pytest.approx(0.0, abs=1e-9)
     assert made["switches"] == 4
+
+
+def test_torque_steps_count_around_switches(motion, log):
+    log.torque[60, 4] = 70.0  # far from any switch
+    log.foot_mode[150:250, 0] = FOOT_OFF
+    log.torque[155:, 3] += 20.0
+    log.torque[240:, 5] -= 30.0
+    assert figures.contacts(log, motion.robot)["torque_step_max_nm"] == pytest.approx(30.0)
 
 
 def test_tilt_counts_only_while_the_foot_should_lie_flat(motion, log):

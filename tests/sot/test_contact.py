@@ -195,3 +195,16 @@ def test_the_drive_lays_a_tilted_foot_flat_and_at_rest(robot):
     assert max(tilts) < 1.1 * tilts[0]
     assert tilts[-1] < 1e-3 and abs(position[2]) < 1e-4 and np.abs(velocity).max() < 1e-3
     assert rotation[:, 0] @ heading > 0.99  # it is not turned about the vertical
+
+
+def test_what_a_contact_asks_for_is_led_over_from_how_its_point_arrived(robot):
+    contact, tick = Contact(FOOT, robot.sole(FOOT)), Tick(robot)
+    tick.update(0.0, *random_state(robot, np.random.default_rng(3)))
+    wanted, contact.arrival = contact.acceleration(tick), np.arange(6.0)
+    away = []
+    for contact.load in np.linspace(0.0, 1.0, 11):
+        away.append(np.abs(contact.acceleration(tick) - wanted).max())
+    np.testing.assert_allclose(away[0], np.abs(np.arange(6.0) - wanted).max())
+    assert (np.diff(away) < 0.0).all() and away[-1] == 0.0
+    contact.load = 0.5  # gives its load away again
+    np.testing.assert_array_equal(contact.acceleration(tick), wanted)

@@ -147,3 +147,15 @@ def test_any_period_brings_the_robot_back_to_rest(period, name, lean):
     assert np.abs(v).max() < 0.05 and np.abs(q[7:] - robot.rest[7:]).max() < 0.05 * limits.min()
     for foot in robot.feet:
         assert abs(tick.frame(foot).position[2]) < 1e-3
+
+
+def test_a_foot_goes_on_as_it_arrived_in_the_tick_that_makes_its_contact(robot):
+    stack, (q, v) = standing_stack(robot), standing_state(robot, np.random.default_rng(4))
+    controller, contact, given = Controller(robot, stack, Cascade()), stack.contact("left_foot"), []
+    for k, (mode, load) in enumerate((("off", 0.0), ("fixed", 0.0), ("fixed", 1.0))):
+        contact.mode, contact.load = mode, load
+        command = controller(0.001 * k, q, v)
+        frame = controller.tick.frame("left_foot")
+        given.append(frame.jacobian @ command.acceleration + frame.drift)
+    np.testing.assert_allclose(given[1], given[0], atol=1e-6 * (1.0 + np.abs(given[0]).max()))
+    assert np.abs(given[2] - given[0]).max() > 0.1
