@@ -8,8 +8,8 @@ from solvers.compiled import compiled
 
 Array = np.ndarray
 
-ON_LINE = 1e-9
-"""A point no farther than this from the edge between its neighbours is no corner [m]."""
+GRID = 2.0**-40
+"""Points are told apart from this distance on [m]."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,8 @@ class Polygon:
     @classmethod
     def hull(cls, points: Array) -> "Polygon":
         """The convex hull of points (m, 2), which must not all lie on one line."""
-        return cls(*_hull(points[np.lexsort((points[:, 1], points[:, 0]))]))
+        grid = (points / GRID).round() * GRID  # so that differences are exact, and lines found to be lines
+        return cls(*_hull(grid[np.lexsort((grid[:, 1], grid[:, 0]))]))
 
     @property
     def vertices(self) -> Array:
@@ -101,7 +102,7 @@ def _hull(points: Array) -> tuple[Array, Array]:
         first = count
         for k in range(len(points)):
             point = points[k if way > 0 else len(points) - 1 - k]
-            while count - first >= 2 and _turn(corners[count - 2], corners[count - 1], point) <= ON_LINE:
+            while count - first >= 2 and _turn(corners[count - 2], corners[count - 1], point) <= 0.0:
                 count -= 1
             corners[count] = point
             count += 1
@@ -118,7 +119,5 @@ def _hull(points: Array) -> tuple[Array, Array]:
 
 @compiled
 def _turn(a: Array, b: Array, c: Array) -> float:
-    """Distance of b to the right of the way from a to c [m]; negative to the left."""
-    x, y = c[0] - a[0], c[1] - a[1]
-    length = np.sqrt(x * x + y * y)
-    return (x * (a[1] - b[1]) - y * (a[0] - b[0])) / length if length > 0.0 else 0.0
+    """Positive if the way from a over b to c turns left."""
+    return (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])

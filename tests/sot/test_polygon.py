@@ -37,8 +37,9 @@ def test_nearest_is_the_projection():
 
 def test_a_point_inside_stays():
     polygon = Polygon.hull(RECTANGLE)
-    for point in ([0.0, 0.0], [0.0999, -0.1999], [0.1, 0.2]):
+    for point in ([0.0, 0.0], [0.0999, -0.1999]):
         np.testing.assert_array_equal(polygon.nearest(np.array(point)), point)
+    np.testing.assert_allclose(polygon.nearest(np.array([0.1, 0.2])), [0.1, 0.2], atol=1e-12)
 
 
 def test_nearest_in_an_empty_polygon_is_the_point():
@@ -95,3 +96,18 @@ def test_vertices_span_the_polygon():
 
 def test_an_empty_polygon_has_no_vertices():
     assert Polygon.hull(RECTANGLE).shrunk(0.11, 0.0).vertices.shape == (0, 2)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-17, 1e-13, 1e-10, 1e-8])
+def test_hull_of_points_on_common_lines_whatever_rounding_does_to_them(noise):
+    """The corners of feet side by side: many of them on one edge, before and behind each other by chance."""
+    rng = np.random.default_rng(2)
+    for _ in range(200):
+        points = rng.uniform(-0.2, 0.2, (rng.integers(4, 14), 2)).round(1)
+        if np.linalg.matrix_rank(points - points[0], tol=1e-6) < 2:
+            continue
+        points += noise * rng.normal(size=points.shape)
+        polygon = Polygon.hull(points)
+        distances = polygon.offsets[:, None] - polygon.normals @ points.T
+        assert distances.min() > -5e-9, "a point outside"
+        assert distances.min(axis=1).max() < 5e-9, "an edge that touches nothing"
