@@ -9,13 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lapack
 
+from solvers.dense import INDEPENDENT, WELL
 from solvers.rows import Array
 
 _WORK = 64  # LAPACK's block size: workspace per row or column
-CONDITION = 1e-5
-"""Normal equations are trusted while the shortest direction is longer than this, relative to the first."""
-WELL = 1e-3
-"""With directions no shorter than this their first answer is as good as it gets."""
 _UPPER = np.triu(np.ones((256, 256)))
 
 
@@ -113,7 +110,7 @@ def determined(B: Array, r: Array, tolerance: float, damping: float = 0.0) -> Ar
     factor, failed = lapack.dpotrf(normal, lower=0)
     diagonal = factor.diagonal().tolist()
     shortest, longest = min(diagonal), max(diagonal)
-    if failed or not shortest > max(tolerance, CONDITION * longest):
+    if failed or not shortest > max(tolerance, INDEPENDENT * longest):
         return None
     y, _ = lapack.dpotrs(factor, B.T @ r)
     if shortest > WELL * longest:

@@ -53,7 +53,6 @@ class Dynamics:
         self.units = Units.of(robot)
         self._layout: Layout | None = None
         self._key: list[object] = []
-        self._contacts = 0
 
     def assemble(
         self,
@@ -77,7 +76,7 @@ class Dynamics:
             key += [name, *tasks]
         if self._layout is None or key != self._key:
             form = _FORMS[self.name](self.robot, self.units, sum(contact.force_count for contact in contacts))
-            self._layout, self._key, self._contacts = Layout(form, contacts, every, rows), key, len(contacts)
+            self._layout, self._key = Layout(form, contacts, every, rows), key
         form = self._layout.form
         form.motion[:, : form.nv], form.bias = tick.M, tick.h
         return self._layout.write(tick, rows)
@@ -85,9 +84,9 @@ class Dynamics:
     def decode(self, x: Array) -> Decoded:
         """Read a solution of the levels that were assembled last."""
         assert self._layout is not None
-        form = self._layout.form
-        forces, wrenches = [_NO_FORCE] * self._contacts, np.zeros((self._contacts, 6))
-        for k, footing in self._layout.footings:
+        layout, form = self._layout, self._layout.form
+        forces, wrenches = [_NO_FORCE] * layout.contacts, np.zeros((layout.contacts, 6))
+        for k, footing in layout.footings:
             forces[k] = x[footing.columns] * self.units.force
             np.matmul(footing.map, forces[k], out=wrenches[k])
         return Decoded(x[: form.nv], form.torque(x), forces, wrenches)

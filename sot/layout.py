@@ -33,7 +33,8 @@ class Layout:
 
     Attributes:
         levels: As they were written last.
-        footings: Of the contacts that are not off, each with its place among all.
+        contacts: Number of contacts.
+        footings: Of those that are not off, each with its place among all.
     """
 
     def __init__(
@@ -43,7 +44,7 @@ class Layout:
         levels: Sequence[tuple[str, Sequence[Task]]],
         rows: Sequence[Rows],
     ) -> None:
-        self.form = form
+        self.form, self.contacts = form, len(contacts)
         self.levels: list[Level] = []
         self.footings: list[tuple[int, Footing]] = []
         self._equalities: list[tuple[int, Task, Equality]] = []
@@ -76,13 +77,9 @@ class Layout:
         dynamics.A, dynamics.b = form.equation()
         for k, task, equality in self._equalities:
             own = rows[k]
-            wanted = own.lower
-            if task.on == "acceleration":
-                equality.A, equality.scale = own.A, own.weight
-            else:
-                seen = form.seen(task.on, own)
-                equality.A, equality.scale = seen.A, seen.scale
-                wanted = wanted if seen.offset is None else wanted - seen.offset
+            seen = form.seen(task.on, own)
+            equality.A, equality.scale = seen.A, seen.scale
+            wanted = own.lower if seen.offset is None else own.lower - seen.offset
             equality.b = wanted if own.weight == 1.0 else own.weight * wanted
         for k, task, bounds in self._bounds:
             own = rows[k]
