@@ -1,7 +1,6 @@
 """Edits of a dance as a text file that a person writes: metres, degrees, and the seconds of the recording."""
 
 import math
-import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,6 +8,7 @@ from scenarios.stack_file import load_module, whatever_it_raises
 from sot.errors import InputError
 from sot.motion.edit import EASE, Edit
 from sot.task import AXIS_NAMES
+from sot.toml_file import read_toml
 
 KEYS = ("point", "joint", "axis", "by", "through", "function", "target", "from", "to", "ease")
 
@@ -19,12 +19,7 @@ def read(path: Path) -> tuple[Edit, ...]:
     Raises:
         InputError: no such file, or something in it that makes no sense, with its place.
     """
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}): give a file of edits (.toml)") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not a TOML file: {error}") from None
+    content = read_toml(path, "a file of edits")
     entries = content.pop("edit", [])
     if content or not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise InputError(f"{path}: holds something else than [[edit]] tables")

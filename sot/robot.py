@@ -1,6 +1,5 @@
 """A humanoid robot: one model file (MJCF or URDF), and what the model leaves unnamed, from a text file beside it."""
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -13,6 +12,7 @@ import pinocchio as pin
 
 from sot.errors import InputError
 from sot.fetch import Package, fetched
+from sot.toml_file import read_toml
 from sot.urdf import Urdf
 
 MODELS = Path(__file__).parent / "models"
@@ -188,12 +188,7 @@ class _RobotFile:
 
     def __init__(self, path: Path):
         self.path = path
-        try:
-            self.content = tomllib.loads(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise InputError(f"{path}: cannot be read ({error.strerror}): give a robot file (.toml)") from None
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise InputError(f"{path}: not a TOML file: {error}") from None
+        self.content = read_toml(path, "a robot file")
 
     def get(self, key: str, *kinds: type) -> Any:
         """Value of a dotted key, of one of the kinds."""

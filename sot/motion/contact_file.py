@@ -2,7 +2,6 @@
 
 import math
 import os
-import tomllib
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 from sot.errors import InputError
 from sot.motion.footwork import Step
 from sot.robot import FEET
+from sot.toml_file import read_toml
 
 HEAD = """\
 # When each foot is off the floor, in seconds of the clip. Between its steps a foot stands, where the dancer's does.
@@ -35,12 +35,7 @@ def read(path: Path) -> tuple[Step, ...]:
     Raises:
         InputError: not such a file, or a step that makes no sense.
     """
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}): give a file of contacts (.toml)") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not a TOML file: {error}") from None
+    content = read_toml(path, "a file of contacts")
     entries = content.pop("step", [])
     if content or not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise InputError(
