@@ -1,6 +1,5 @@
 """Ramos 2011, Figures 3 and 5 to 8, of our own dances: pictures, and a recording of the robots side by side."""
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,11 +12,12 @@ from scenarios.ramos_edits import HAND, KNEES, Knee, dancers_height, knee_joint
 from sim.blueprint import layout
 from sim.bodies import send_robot
 from sim.chart import Curve, Panel, write
-from sim.columns import COLORS, Columns
+from sim.columns import COLORS
 from sim.figures import Points
 from sim.log import RunLog, nearest_frames
 from sim.panels import FRAME_RATE, MM, MODES, Tab, changes
 from sim.plots import Curves, Plot, States
+from sim.recorder import recording
 from sim.shapes import read_shapes
 from sim.visuals import BONES, send_floor, send_human, send_name
 from sot.motion.plan import PLAN_RATE, Plan
@@ -154,30 +154,22 @@ def record(path: Path, three: Three, title: str) -> None:
     """The dancer, the geometric copy, the posture task and the final dance side by side, with their curves."""
     motion, robot, shapes = three.planned.motion, three.geometric.robot, read_shapes(three.geometric.robot)
     panels = _tabs(three)
-    partial = path.with_name(f".{path.name}.part")
-    stream = rr.RecordingStream("humanoid-sot")
-    stream.save(partial, default_blueprint=layout(motion, panels, aside=SIDE))
-    stream.send_recording_name(title)
-    columns = Columns(stream)
-    columns.static("about", rr.TextDocument(ABOUT.format(title=title), media_type=rr.MediaType.MARKDOWN))
-    columns.static("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
-    send_floor(columns, motion, 1.5 * SIDE)
-    human, times = three.planned.human, three.dances["final"][0]
-    send_human(columns, human, times)
-    waist = human.points["waist"][nearest_frames(times, human.rate, human.count)]
-    send_name(columns, "world/human", "dancer", times, waist[:, :2])
-    columns.static("world/human", rr.Transform3D(translation=[0.0, -1.5 * SIDE, 0.0]))
-    for k, (name, (times, q)) in enumerate(three.dances.items()):
-        ghost = COLORS["ghost"] if name == "geometric" else None
-        send_robot(columns, f"world/{name}", robot, shapes, times, q, ghost=ghost)
-        send_name(columns, f"world/{name}", name, times, q[:, :2])
-        columns.static(f"world/{name}", rr.Transform3D(translation=[0.0, (k - 0.5) * SIDE, 0.0]))
-    for tab in panels:
-        for plot in tab.plots:
-            plot.send(columns)
-    columns.send()
-    stream.disconnect()
-    os.replace(partial, path)
+    with recording(path, title, ABOUT.format(title=title), layout(motion, panels, aside=SIDE)) as columns:
+        columns.static("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+        send_floor(columns, motion, 1.5 * SIDE)
+        human, times = three.planned.human, three.dances["final"][0]
+        send_human(columns, human, times)
+        waist = human.points["waist"][nearest_frames(times, human.rate, human.count)]
+        send_name(columns, "world/human", "dancer", times, waist[:, :2])
+        columns.static("world/human", rr.Transform3D(translation=[0.0, -1.5 * SIDE, 0.0]))
+        for k, (name, (times, q)) in enumerate(three.dances.items()):
+            ghost = COLORS["ghost"] if name == "geometric" else None
+            send_robot(columns, f"world/{name}", robot, shapes, times, q, ghost=ghost)
+            send_name(columns, f"world/{name}", name, times, q[:, :2])
+            columns.static(f"world/{name}", rr.Transform3D(translation=[0.0, (k - 0.5) * SIDE, 0.0]))
+        for tab in panels:
+            for plot in tab.plots:
+                plot.send(columns)
 
 
 ABOUT = """# {title}

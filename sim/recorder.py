@@ -1,10 +1,13 @@
 """A run as a rerun recording: the robot beside its reference and the human, and its curves over time."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import rerun as rr
+import rerun.blueprint as rrb
 
 from sim.blueprint import layout
 from sim.columns import Columns
@@ -29,18 +32,33 @@ def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Plan | 
     """
     log, robot = log.trimmed(), motion.robot
     panels = tabs(log, motion, plan)
+    blueprint = layout(motion, panels, bool(log.conflicts))
+    with recording(path, f"{info.clip}, {robot.label}", _about(info, robot), blueprint) as columns:
+        send_visuals(columns, log, info, motion, plan.human if plan else None)
+        for tab in panels:
+            for plot in tab.plots:
+                plot.send(columns)
+        for t, rows in log.conflicts:
+            columns.over_time("conflicts", np.array([t]), rr.TextLog.columns(text=[rows], level=["WARN"]))
+
+
+@contextmanager
+def recording(path: Path, title: str, about: str, blueprint: rrb.Blueprint) -> Iterator[Columns]:
+    """What a recording (`.rrd`) is filled with; it appears under its name once it is complete.
+
+    Args:
+        path: file to write.
+        title: shown by the viewer.
+        about: a text beside it, Markdown.
+        blueprint: where the viewer shows what.
+    """
     partial = path.with_name(f".{path.name}.part")
     stream = rr.RecordingStream("humanoid-sot")
-    stream.save(partial, default_blueprint=layout(motion, panels, bool(log.conflicts)))
-    stream.send_recording_name(f"{info.clip}, {robot.label}")
+    stream.save(partial, default_blueprint=blueprint)
+    stream.send_recording_name(title)
     columns = Columns(stream)
-    columns.static("about", rr.TextDocument(_about(info, robot), media_type=rr.MediaType.MARKDOWN))
-    send_visuals(columns, log, info, motion, plan.human if plan else None)
-    for tab in panels:
-        for plot in tab.plots:
-            plot.send(columns)
-    for t, rows in log.conflicts:
-        columns.over_time("conflicts", np.array([t]), rr.TextLog.columns(text=[rows], level=["WARN"]))
+    columns.static("about", rr.TextDocument(about, media_type=rr.MediaType.MARKDOWN))
+    yield columns
     columns.send()
     stream.disconnect()
     os.replace(partial, path)
