@@ -70,13 +70,13 @@ def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
     sliding = plan(human, robot, "planted", request.rate, slide=AHEAD, height=HEIGHT)
     geometric = sampled(robot, planned.imitation, planned.motion.phases, request.rate)
     posture = perform(request, posture_only(KEPT), planned.motion, planned, tell)
-    knees = oscillating_knees(planned, slid(sliding))
-    raised = raises(planned, posture.run.log.trimmed())
+    slides = slid(sliding)
+    knees = oscillating_knees(planned, slides)
+    raised = without(raises(planned, posture.run.log.trimmed()), slides)
     edits = (*knee_edits(sliding, knees), *hand_edits(sliding, raised))
     final = perform(request, posture_only(HAND_KEPT, edits), sliding.motion, sliding, tell)
     logs = posture.run.log.trimmed(), final.run.log.trimmed()
-    raised = without(raised, slid(sliding))
-    three = Three(planned, geometric, *logs, knees, raised, slid(sliding))
+    three = Three(planned, geometric, *logs, knees, raised, slides)
 
     tell("recording", None)
     runs = {name: keep(danced, out / name, tell) for name, danced in ((POSTURE, posture), (FINAL, final))}

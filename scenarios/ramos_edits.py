@@ -47,7 +47,7 @@ class Knee:
     swing: Oscillation
 
 
-def oscillating_knees(planned: Plan, slides: Sequence[Span] = ()) -> list[Knee]:
+def oscillating_knees(planned: Plan, slides: Sequence[Span]) -> list[Knee]:
     """The knees' oscillations in the geometric motion while the clip plays and no foot slides, in order of time."""
     robot, y = planned.motion.robot, planned.imitation.knots
     times = np.arange(len(y)) / PLAN_RATE
@@ -87,11 +87,11 @@ def knee_edits(planned: Plan, knees: Sequence[Knee]) -> list[Edit]:
 def dancers_height(planned: Plan) -> Array:
     """Height of the right hand at the knots if the robot's arm pointed as the dancer's does (T,) [m]."""
     robot, human = planned.motion.robot, planned.human
-    chain = [f"{SIDE}_{joint}" for joint in ("shoulder", "elbow", "wrist")]
-    rest = _places(robot, robot.rest[None], chain)
-    now = _places(robot, to_configuration(planned.imitation.knots), (chain[0], HAND, WRIST))
+    shoulder, elbow = f"{SIDE}_shoulder", f"{SIDE}_elbow"
+    rest = Points.of(robot, robot.rest[None], (shoulder, elbow, WRIST)).positions
+    now = Points.of(robot, to_configuration(planned.imitation.knots), (shoulder, HAND, WRIST)).positions
     count = len(now[HAND])
-    wrist = now[chain[0]][:, 2].copy()
+    wrist = now[shoulder][:, 2].copy()
     for segment in (f"{SIDE}_upper_arm", f"{SIDE}_forearm"):
         near, far = SEGMENTS[segment]
         wrist += np.linalg.norm(rest[far] - rest[near]) * human.segment_direction(segment)[:count, 2]
@@ -101,7 +101,7 @@ def dancers_height(planned: Plan) -> Array:
 def hand_height(log: RunLog, robot: Robot) -> tuple[Array, Array]:
     """Height of the right hand during a run: times and heights at PLAN_RATE [s, m]."""
     rows = log.rows_at(PLAN_RATE)
-    return log.time[rows], _places(robot, log.q[rows], (HAND,))[HAND][:, 2]
+    return log.time[rows], Points.of(robot, log.q[rows], (HAND,)).positions[HAND][:, 2]
 
 
 def raises(planned: Plan, log: RunLog) -> list[Span]:
@@ -141,9 +141,9 @@ def merged(spans: Sequence[Span], planned: Plan) -> list[Span]:
 def hand_edits(planned: Plan, spans: Sequence[Span]) -> list[Edit]:
     """The right hand raised to where the dancer's was, Ramos VI-B."""
     wanted = dancers_height(planned)
-    own = _places(planned.motion.robot, knots(planned)[: len(wanted)], (HAND,))[HAND][:, 2]
+    own = Points.of(planned.motion.robot, knots(planned)[: len(wanted)], (HAND,)).positions[HAND][:, 2]
     by = curve(slow_part(wanted - own, PLAN_RATE, HAND_HZ))
-    return [Edit(HAND, "z", by=by, start=start, end=end) for start, end in without(spans, slid(planned))]
+    return [Edit(HAND, "z", by=by, start=start, end=end) for start, end in spans]
 
 
 def curve(values: Array) -> Callable[[float], float]:
@@ -170,7 +170,3 @@ def amplitude(times: Array, angle: Array, of: Oscillation) -> float:
     rate = (len(times) - 1) / (times[-1] - times[0])
     inside = (times >= of.start) & (times <= of.end)
     return float(np.sqrt(2.0 * np.mean(swing(angle, rate, of.frequency)[inside] ** 2)))
-
-
-def _places(robot: Robot, q: Array, names: tuple[str, ...] | list[str]) -> dict[str, Array]:
-    return dict(Points.of(robot, q, tuple(names)).positions)
