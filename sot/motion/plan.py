@@ -17,7 +17,7 @@ from sot.motion.footwork import Step
 from sot.motion.human import Human
 from sot.motion.kinematics import Chains, Kinematics
 from sot.motion.limits import Limits
-from sot.motion.slides import Way, find_slides
+from sot.motion.slides import Way, find_slide
 from sot.motion.smooth import ease, slow_part
 from sot.motion.spline import Spline
 from sot.motion.stance import LEAD, TAIL, Build, on_time_line, over_feet
@@ -107,7 +107,7 @@ def plan(
             "auto", planted if the dancer's feet never really move.
         contacts: the steps to make, in the clip's time, instead of those found in it; none may be planted.
         rate: samples per second of the motion [Hz].
-        slide: the way of a slide to put in where the dancer stands on one foot most, see `slides.find_slides`; feet
+        slide: the way of a slide to put in where the dancer stands on one foot most, see `slides.find_slide`; feet
             have to be planted.
         height: error of the hips' height that is accepted for a smoother motion of a robot whose feet are planted [m]:
             the smaller, the more of what the dancer's knees swing is kept, but for while a foot slides.
@@ -185,7 +185,7 @@ class _Fit:
     def slid(self, course: Course, whole: Spline, way: Way) -> Course:
         """The same course with a slide where the body, as it looks, has its ZMP."""
         zmp = Centroidal.along(self.robot, *to_pinocchio(*(whole(course.human.times, k) for k in range(3)))).zmp()
-        return slid(course, self.robot, find_slides(self.robot, course.phases, zmp, PLAN_RATE, way))
+        return slid(course, self.robot, [find_slide(self.robot, course.phases, zmp, PLAN_RATE, way)])
 
     def feasible(
         self, course: Course, wanted: Targets, whole: Spline, mends: int, rough: bool = False

@@ -24,8 +24,6 @@ SPEED = 0.0125
 """Mean speed of a slide [m/s]: the faster, the less of the time does MuJoCo's floor carry it (docs/lessons.md)."""
 REST = 0.2
 """Time that a sliding foot rests before and after its way [s]."""
-SHIFT = 1.0
-"""Time on both feet between two slides [s]."""
 
 
 @dataclass(frozen=True)
@@ -53,24 +51,21 @@ def slide_time(way: Way, robot: Robot) -> float:
     return 2.0 * REST + (float(np.hypot(way[0], way[1])) + reach * abs(way[2])) / SPEED
 
 
-def find_slides(
-    robot: Robot, phases: Sequence[Phase], zmp: Array, rate: float, way: Way = AHEAD, count: int = 1
-) -> tuple[Slide, ...]:
-    """The stretches of a motion in which a foot can best slide, in order of time.
+def find_slide(robot: Robot, phases: Sequence[Phase], zmp: Array, rate: float, way: Way = AHEAD) -> Slide:
+    """The stretch of a motion in which a foot can best slide.
 
     A foot may slide while the ZMP lies wholly where the other one alone can hold it. If that is never long enough, the
-    ZMP has to be brought there (`off`): the stretches taken are those in which it is the least way off, on average.
+    ZMP has to be brought there (`off`): the stretch taken is that in which it is the least way off, on average.
 
     Args:
         robot: who moves.
-        phases: its contacts; slides lie where both feet stand, after the lead-in and before the rest at the end.
+        phases: its contacts; a slide lies where both feet stand, after the lead-in and before the rest at the end.
         zmp: (T, 2) from time zero on [m].
         rate: samples per second [Hz].
-        way: of each slide.
-        count: how many slides.
+        way: of the slide.
 
     Raises:
-        InputError: the motion has no room for them.
+        InputError: the motion has no room for it.
     """
     ticks = round(slide_time(way, robot) * rate)
     first, last = round(LEAD * rate), len(zmp) - round(TAIL * rate)
@@ -84,18 +79,13 @@ def find_slides(
         for k, foot in enumerate(robot.feet):
             total = np.concatenate([[0.0], np.cumsum(_off(robot, phase, foot, zmp[begin:end]))])
             costs[k, begin : end - ticks + 1] = (total[ticks:] - total[:-ticks]) / ticks
-    found: list[Slide] = []
-    for _ in range(count):
-        k, start = divmod(int(np.argmin(costs)), len(zmp))
-        if not np.isfinite(costs[k, start]):
-            raise InputError(
-                f"the motion is too short for {'a slide' if count == 1 else f'{count} slides'}: one takes "
-                f"{ticks / rate:.1f} s on both feet, after {LEAD:g} s and before the last {TAIL:g} s"
-            )
-        found.append(Slide(robot.feet[k], start / rate, (start + ticks) / rate, way, float(costs[k, start])))
-        taken = ticks + round(SHIFT * rate)
-        costs[:, max(start - taken + 1, 0) : start + taken] = np.inf
-    return tuple(sorted(found, key=lambda slide: slide.start))
+    k, start = divmod(int(np.argmin(costs)), len(zmp))
+    if not np.isfinite(costs[k, start]):
+        raise InputError(
+            f"the motion is too short for a slide: one takes {ticks / rate:.1f} s on both feet, after {LEAD:g} s and "
+            f"before the last {TAIL:g} s"
+        )
+    return Slide(robot.feet[k], start / rate, (start + ticks) / rate, way, float(costs[k, start]))
 
 
 def slid_phases(phases: Sequence[Phase], slides: Sequence[Slide], robot: Robot) -> tuple[Phase, ...]:
@@ -106,11 +96,12 @@ def slid_phases(phases: Sequence[Phase], slides: Sequence[Slide], robot: Robot) 
             if phase.end <= slide.start:
                 made.append(phase)
                 continue
-            feet = {**phase.feet}
-            there = _moved(feet[slide.foot], slide, robot, np.ones(1)) if slide.foot in feet else None
-            after = feet if there is None else {**feet, slide.foot: pin.SE3(there.rotation[0], there.position[0])}
+            after = dict(phase.feet)
+            if slide.foot in after:
+                there = _moved(after[slide.foot], slide, robot, np.ones(1))
+                after[slide.foot] = pin.SE3(there.rotation[0], there.position[0])
             if phase.start < slide.end:
-                alone = {foot: pose for foot, pose in feet.items() if foot != slide.foot}
+                alone = {foot: pose for foot, pose in phase.feet.items() if foot != slide.foot}
                 made.append(replace(phase, end=slide.start))
                 made.append(Phase(slide.start, slide.end, alone, (slide.foot,)))
             made.append(Phase(max(phase.start, slide.end), phase.end, after, phase.sliding))

@@ -6,7 +6,7 @@ import pytest
 
 from sot.errors import InputError
 from sot.motion.contacts import planted
-from sot.motion.slides import SHIFT, Slide, find_slides, slid_paths, slid_phases, slide_time
+from sot.motion.slides import Slide, find_slide, slid_paths, slid_phases, slide_time
 from sot.motion.support import BESIDE_SLIDE, supports
 from sot.motion.swing import standing
 from sot.robot import Robot, robots
@@ -41,7 +41,7 @@ def leaning(phases, *parts):
 def test_a_foot_slides_while_the_zmp_lies_in_the_other(robot, phases):
     lasts = slide_time(WAY, robot)
     zmp = leaning(phases, ("left_foot", 12.0, 12.5 + lasts, 1.0), ("right_foot", 3.0, 3.0 + 0.5 * lasts, 1.0))
-    (slide,) = find_slides(robot, phases, zmp, RATE, WAY)
+    slide = find_slide(robot, phases, zmp, RATE, WAY)
     assert slide.foot == "right_foot" and slide.way == WAY
     assert 12.0 <= slide.start < slide.end <= 12.5 + lasts
     assert slide.end - slide.start == pytest.approx(lasts, abs=1.0 / RATE)
@@ -51,24 +51,15 @@ def test_a_foot_slides_while_the_zmp_lies_in_the_other(robot, phases):
 def test_where_it_never_does_the_zmp_has_to_be_moved_the_least(robot, phases):
     lasts = slide_time(WAY, robot)
     zmp = leaning(phases, ("left_foot", 5.0, 5.0 + lasts, 0.3), ("right_foot", 20.0, 20.0 + lasts, 0.5))
-    (slide,) = find_slides(robot, phases, zmp, RATE, WAY)
+    slide = find_slide(robot, phases, zmp, RATE, WAY)
     assert slide.foot == "left_foot"
     assert slide.start == pytest.approx(20.0, abs=0.2)
     assert 0.0 < slide.off < 0.1
 
 
-def test_slides_keep_apart(robot, phases):
-    zmp = leaning(phases, ("left_foot", 8.0, 32.0, 1.0))
-    first, second = find_slides(robot, phases, zmp, RATE, WAY, count=2)
-    assert first.off == second.off == 0.0
-    assert second.start - first.end >= SHIFT - 1.5 / RATE
-
-
 def test_a_motion_may_be_too_short(robot):
     with pytest.raises(InputError, match=r"too short for a slide: one takes \d+\.\d s on both feet"):
-        find_slides(robot, planted(robot, 5.0), np.zeros((251, 2)), RATE, WAY)
-    with pytest.raises(InputError, match="too short for 9 slides"):
-        find_slides(robot, planted(robot, SECONDS), np.zeros((round(SECONDS * RATE) + 1, 2)), RATE, WAY, count=9)
+        find_slide(robot, planted(robot, 5.0), np.zeros((251, 2)), RATE, WAY)
 
 
 def test_afterwards_the_foot_stands_where_it_has_come_to(robot, phases):
