@@ -5,7 +5,7 @@ from itertools import combinations
 
 from sot.motion.edit import Change, Edit, edited_joints, edited_point
 from sot.motion.trajectory import Motion
-from sot.robot import Robot
+from sot.robot import GROUPS, Robot
 from sot.schedule import RAMP, Schedule
 from sot.stack import Stack
 from sot.task import AXIS_NAMES, Task
@@ -87,7 +87,7 @@ def _limb(robot: Robot, one: Edit) -> set[str]:
     if not one.rows:
         return {one.of}
     carrier = robot.model.names[robot.model.frames[robot.point(one.of)].parentJoint]
-    for group in ("left_arm", "right_arm", "left_leg", "right_leg", "chest", "head"):
+    for group in GROUPS:
         names = {robot.joints[k] for k in robot.groups[group]}
         if carrier in names:
             return names

@@ -1,7 +1,7 @@
 """A dance edited: x_n(t) = x_o(t) + x_m(t) on an axis of a point or on a joint, Ramos IV-B."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -136,10 +136,6 @@ class Change:
 
     start: float
     table: Array
-    _none: Moved = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "_none", Moved(*np.zeros(self.table.shape[1:])))
 
     @classmethod
     def of(cls, edit: Edit, motion: Motion) -> "Change":
@@ -167,7 +163,7 @@ class Change:
         x = (t - self.start) * RATE
         k = int(x)
         if not 0.0 <= x < len(self.table) - 1:
-            return self._none
+            return Moved(*np.zeros(self.table.shape[1:]))
         return Moved(*(self.table[k] + (x - k) * (self.table[k + 1] - self.table[k])))
 
 

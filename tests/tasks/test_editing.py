@@ -56,6 +56,13 @@ def test_it_comes_before_the_first_level_that_it_interferes_with(motion):
         assert f"outranks '{outranked}'" in edit(stack, Schedule(), motion, [one])[0]
 
 
+def test_without_a_posture_it_comes_before_what_decides_on_the_forces(motion):
+    stack = stacks.planted(motion.robot, motion)
+    stack.remove("Posture")
+    (line,) = edit(stack, Schedule(), motion, [Edit("right_hand", "z", by=0.1, start=1.0, end=3.0)])
+    assert "outranks 'forces'" in line
+
+
 def test_edits_of_one_point_share_a_level_and_a_reference(motion):
     stack, schedule = stacks.planted(motion.robot, motion), Schedule()
     edits = [

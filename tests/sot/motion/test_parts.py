@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -58,6 +60,13 @@ def test_jacobians_against_finite_differences(robot, wanted, name):
         step = STEP * np.eye(robot.nv)[column]
         before, after = (part.evaluate(knots, y + sign * step)[0] for sign in (-1.0, 1.0))
         np.testing.assert_allclose(J[:, :, i], (after - before) / (2 * STEP), atol=1e-5 * np.abs(J).max())
+
+
+def test_the_hips_height_counts_by_the_error_that_is_accepted(robot, wanted, rest):
+    bodies = [make("body", robot, replace(wanted, height=height)) for height in (0.02, 0.01)]
+    coarse, fine = (body.evaluate(np.array([70, 110]), rest[[70, 110]] + 0.1)[0] for body in bodies)
+    (height,) = np.flatnonzero((coarse != fine).any(axis=0))
+    np.testing.assert_allclose(fine[:, height], 2.0 * coarse[:, height])
 
 
 def test_arm_moves_what_points_it_and_no_more(robot, wanted):

@@ -6,8 +6,9 @@ import pytest
 
 from sot.errors import InputError
 from sot.motion import Human, Plan, plan, read, recognise
-from sot.motion.contacts import support
+from sot.motion.contacts import Phase, support
 from sot.motion.likeness import hand_path_ratio, segment_deg
+from sot.motion.plan import CALMING, PLAN_RATE, calmed
 from sot.robot import Robot
 from tests.sot.motion.humans import dancer
 
@@ -119,6 +120,18 @@ def test_a_slide_is_put_in_with_the_zmp_in_the_other_foot():
     assert np.abs(gone[motion.times > phase.end] - [0.03, 0.0, 0.0]).max() < 5e-4
     assert np.abs(motion.track(standing).position - phase.feet[standing].translation).max() < 5e-4
     assert np.all(motion.q[:, 7:] >= robot.lower) and np.all(motion.q[:, 7:] <= robot.upper)
+
+
+def test_the_hips_keep_their_bounce_but_for_while_a_foot_slides():
+    times = np.arange(600) / PLAN_RATE
+    hips = np.column_stack([np.zeros(600), 0.1 * times, 0.8 + 0.02 * np.sin(2.0 * np.pi * 2.0 * times)])
+    feet = {"left_foot": pin.SE3.Identity()}
+    phases = (Phase(0.0, 4.0, feet), Phase(4.0, 8.0, feet, ("right_foot",)), Phase(8.0, 12.0, feet))
+    calm = calmed(hips, phases)
+    away = (times < 4.0 - CALMING) | (times > 8.0 + CALMING)
+    np.testing.assert_array_equal(calm[away], hips[away])
+    np.testing.assert_array_equal(calm[:, :2], hips[:, :2])
+    assert np.abs(calm[(times > 4.0) & (times < 8.0), 2] - 0.8).max() < 0.002
 
 
 def test_slides_that_do_not_fit():

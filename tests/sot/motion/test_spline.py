@@ -73,3 +73,14 @@ def test_starts_and_ends_at_rest():
         np.testing.assert_allclose(spline(np.array([t]), 1), 0.0, atol=1e-9)
         np.testing.assert_allclose(spline(np.array([t]), 2), 0.0, atol=1e-9)
     np.testing.assert_allclose(spline.knots[0], 0.0, atol=1e-6)
+
+
+def test_what_is_asked_of_second_derivatives_is_met():
+    wanted = np.sin(2.0 * np.pi * np.arange(200) / 199.0)[:, None]
+    still = Spline(np.zeros((202, 1)), PERIOD)
+    limit = np.ones(1)
+    fit = LimitedFit(200, PERIOD, -10.0 * limit, 10.0 * limit, 10.0 * limit, 100.0 * limit, 1e4 * limit, 1e-9)
+    nothing, J = np.zeros((200, 1)), np.ones((200, 1, 1))
+    bent, solution = fit.step(still, 1e-6 * J, nothing, bends=(still.accelerations - wanted, J))
+    assert solution.solved
+    np.testing.assert_allclose(bent.accelerations[5:-5], wanted[5:-5], atol=0.02)

@@ -14,6 +14,7 @@ from sot.motion.footwork import Stand, Step
 from sot.motion.path import Way
 from sot.motion.stance import Build, on_time_line, over_feet
 from sot.motion.support import RAMP, supports
+from sot.motion.swing import BEND, _bump
 from sot.motion.targets import targets
 from sot.motion.tempo import Move, clock_of, tempo
 from sot.motion.timetable import DOUBLE, STANCE, SWING, timetable
@@ -278,3 +279,15 @@ def test_a_dancer_that_turns_round_keeps_its_chest_over_its_feet(robot):
     straight = targets(human, robot, build, np.zeros(human.count)).frames["chest"][-1]
     round_about = targets(turned, robot, build, np.full(human.count, np.pi)).frames["chest"][-1]
     np.testing.assert_allclose(half @ straight, round_about, atol=1e-9)
+
+
+def test_a_foot_comes_down_more_gently_than_it_goes_up():
+    share = np.linspace(0.0, 1.0, 2001)
+    height = _bump(share)
+    assert height.max() == pytest.approx(1.0, abs=1e-6)
+    assert height[[0, -1]].tolist() == [0.0, 0.0]
+    bend = np.diff(height, 2) / share[1] ** 2
+    assert np.abs(bend).max() == pytest.approx(BEND, rel=1e-2)
+    assert np.abs(bend[[0, -1]]).max() < 0.02 * BEND
+    near = share < 0.1
+    assert np.all(height[::-1][near] <= height[near]) and height[::-1][near].max() < 0.5 * height[near].max()
