@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from sim.log import FOOT_FIXED, FOOT_OFF, RunInfo, RunLog, nearest_frames
+from sim.log import FOOT_FIXED, FOOT_OFF, RunInfo, RunLog, nearest_frames, stretches
 from sim.support import planned_support
 from solvers.rows import Status
 from sot.motion.likeness import hand_path_ratio, segment_deg
@@ -161,18 +161,21 @@ def contacts(log: RunLog, robot: Robot) -> Figures:
     slips, tilts = [0.0], [0.0]
     for index, foot in enumerate(robot.feet):
         mode, position = log.foot_mode[:, index], feet.positions[foot]
-        edges = np.flatnonzero(np.diff(mode)) + 1
-        for rows in np.split(np.arange(log.ticks), edges):
-            if len(rows) and mode[rows[0]] == FOOT_FIXED:
-                slips.append(float(np.linalg.norm(position[rows, :2] - position[rows[0], :2], axis=1).max()))
+        for state, rows in stretches(mode):
+            if state == FOOT_FIXED:
+                slips.append(float(np.linalg.norm(position[rows, :2] - position[rows.start, :2], axis=1).max()))
         upward = feet.rotations[foot][mode != FOOT_OFF][:, :, 2]
         tilts.extend(np.arctan2(np.linalg.norm(upward[:, :2], axis=1), upward[:, 2]).tolist())
-    switched = np.flatnonzero(np.diff(log.foot_mode, axis=0).any(axis=1))
+    switches = np.diff(log.foot_mode, axis=0) != 0
     steps, around = np.abs(np.diff(log.torque, axis=0)), round(AROUND / log.period) if log.ticks > 1 else 0
     return {
-        "switches": int(np.count_nonzero(np.diff(log.foot_mode, axis=0))),
+        "switches": int(np.count_nonzero(switches)),
         "torque_step_max_nm": max(
-            (float(steps[max(tick - around, 0) : tick + around + 1].max()) for tick in switched), default=None
+            (
+                float(steps[max(tick - around, 0) : tick + around + 1].max())
+                for tick in np.flatnonzero(switches.any(axis=1))
+            ),
+            default=None,
         ),
         "slip_max_m": max(slips),
         "sole_tilt_max_deg": float(np.rad2deg(max(tilts))),

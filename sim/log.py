@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
+from itertools import pairwise
 from typing import Any, Self
 
 import numpy as np
@@ -153,6 +154,12 @@ class RunLog:
             return np.arange(self.ticks)
         step = max(1.0 / (rate * self.period), 1.0)
         return np.round(np.arange(0.0, self.ticks - 0.5, step)).astype(int).clip(max=self.ticks - 1)
+
+
+def stretches(values: np.ndarray) -> list[tuple[int, slice]]:
+    """Stretches in which a column (T,) of whole numbers keeps its value: the value and its rows, in order."""
+    ends = [0, *(np.flatnonzero(np.diff(values)) + 1).tolist(), len(values)]
+    return [(int(values[start]), slice(start, end)) for start, end in pairwise(ends) if start < end]
 
 
 def nearest_frames(times: np.ndarray, rate: float, count: int) -> np.ndarray:

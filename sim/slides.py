@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from sim.figures import Figures, Points
-from sim.log import FOOT_SLIDING, RunLog
+from sim.log import FOOT_SLIDING, RunLog, stretches
 from sot.motion.contacts import Phase, phase_at, support
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
@@ -45,9 +45,8 @@ def slides(log: RunLog, motion: Motion) -> list[dict[str, Any]]:
     """
     robot, found = motion.robot, []
     for index, foot in enumerate(robot.feet):
-        mode = log.foot_mode[:, index]
-        for rows in np.split(np.arange(log.ticks), np.flatnonzero(np.diff(mode)) + 1):
-            if not len(rows) or mode[rows[0]] != FOOT_SLIDING:
+        for mode, rows in stretches(log.foot_mode[:, index]):
+            if mode != FOOT_SLIDING:
                 continue
             place = Points.of(robot, log.q[rows], (foot,)).positions[foot][:, :2]
             load = log.foot_wrench[rows, index, 2] / (robot.mass * GRAVITY)
@@ -56,8 +55,8 @@ def slides(log: RunLog, motion: Motion) -> list[dict[str, Any]]:
             found.append(
                 {
                     "foot": foot,
-                    "start_s": float(log.time[rows[0]]),
-                    "end_s": float(log.time[rows[-1]] + log.period),
+                    "start_s": float(log.time[rows.start]),
+                    "end_s": float(log.time[rows.stop - 1] + log.period),
                     "way_m": float(np.linalg.norm(np.diff(place, axis=0), axis=1).sum()),
                     "moved_m": float(np.linalg.norm(place - place[0], axis=1).max()),
                     "contact": float(np.mean(load > 0.0)),
@@ -79,9 +78,10 @@ def _smoothed(values: np.ndarray, period: float) -> np.ndarray:
     return np.lib.stride_tricks.sliding_window_view(values, window, axis=0).mean(axis=-1)
 
 
-def _soles(log: RunLog, motion: Motion, foot: str, rows: np.ndarray) -> Polygon | None:
+def _soles(log: RunLog, motion: Motion, foot: str, rows: slice) -> Polygon | None:
     """What the feet that the motion has stand beside a foot support."""
-    phase = motion.phases[int(phase_at(motion.phases, log.time[rows])[len(rows) // 2])]
+    middle = log.time[(rows.start + rows.stop) // 2]
+    phase = motion.phases[int(phase_at(motion.phases, middle))]
     others = {other: pose for other, pose in phase.feet.items() if other != foot}
     return support(motion.robot, Phase(0.0, 0.0, others)) if others else None
 

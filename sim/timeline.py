@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from sim.chart import Bar, Lane, write_lanes
-from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_SLIDING, RunInfo, RunLog
+from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_SLIDING, RunInfo, RunLog, stretches
 from sot.robot import Robot
 
 ALWAYS, COMES = "#9fb4c7", "#2b6fd9"
@@ -55,6 +55,5 @@ def _runs(states: np.ndarray, log: RunLog) -> list[tuple[int, tuple[float, float
     """Runs of equal states (T,), each with when it starts and ends [s]."""
     if not log.ticks:
         return []
-    starts = np.flatnonzero(np.diff(states, prepend=states[0] - 1))
-    times = np.append(log.time[starts], log.time[-1] + log.period).tolist()
-    return [(int(states[k]), (times[n], times[n + 1])) for n, k in enumerate(starts.tolist())]
+    times = np.append(log.time, log.time[-1] + log.period).tolist()
+    return [(state, (times[rows.start], times[rows.stop])) for state, rows in stretches(states)]
