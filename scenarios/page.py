@@ -27,7 +27,8 @@ def write_page(folders: Sequence[Path], out: Path | None = None) -> Path:
     Raises:
         InputError: a folder is no run, or of another version; or the file cannot be written. Nothing is written then.
     """
-    repeated = next((folder for k, folder in enumerate(folders) if folder.resolve() in _resolved(folders[:k])), None)
+    places = [folder.resolve() for folder in folders]
+    repeated = next((folder for k, folder in enumerate(folders) if places[k] in places[:k]), None)
     if repeated is not None:
         raise InputError(f"{repeated}: given twice; name each run once")
     if out is None:
@@ -37,15 +38,11 @@ def write_page(folders: Sequence[Path], out: Path | None = None) -> Path:
     runs = [_read(folder) for folder in folders]
     check_writable(out.parent)
     out.parent.mkdir(parents=True, exist_ok=True)
-    names = [folder.resolve().name for folder in folders]
+    names = [place.name for place in places]
     if len(set(names)) < len(names):
         names = [str(folder) for folder in folders]
     page.write(out, names, [report for report, _ in runs], [traces for _, traces in runs])
     return out
-
-
-def _resolved(folders: Sequence[Path]) -> set[Path]:
-    return {folder.resolve() for folder in folders}
 
 
 def _read(folder: Path) -> tuple[Mapping[str, Any], Traces]:

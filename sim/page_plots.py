@@ -107,22 +107,9 @@ class Plot:
 
     def limits(self, values: Sequence[float], axis: str = "y") -> None:
         """Draw level lines; what is shown reaches from the lowest to the highest."""
-        shapes = self.layout["shapes"]
         for value in values:
-            line = {"color": LIMIT, "width": 1}
-            shapes.append(
-                {
-                    "type": "line",
-                    "xref": "paper",
-                    "x0": 0,
-                    "x1": 1,
-                    "yref": axis,
-                    "y0": value,
-                    "y1": value,
-                    "line": line,
-                }
-            )
-        drawn = [shape["y0"] for shape in shapes if shape["yref"] == axis]
+            self.level(value, axis)
+        drawn = [shape["y0"] for shape in self.layout["shapes"] if shape["yref"] == axis]
         room = ROOM * (max(drawn) - min(drawn))
         self.layout[axis.replace("y", "yaxis")]["range"] = [min(drawn) - room, max(drawn) + room]
 
@@ -136,8 +123,7 @@ def balance(runs: Sequence[Shown]) -> list[Plot]:
             zmp.add(run, MM * run["support_least"][:, axis], "support", **edge)
             zmp.add(run, MM * run["support_greatest"][:, axis], "support", fill="tonexty", fillcolor=_pale(run), **edge)
         for run in runs:
-            for column, dash in (("zmp_control", "dot"), ("zmp_planned", "dash")):
-                name = column.removeprefix("zmp_").replace("control", "controller")
+            for column, name, dash in (("zmp_control", "controller", "dot"), ("zmp_planned", "planned", "dash")):
                 zmp.add(run, MM * run[column][:, axis], name, dash, opacity=FAINT, yaxis=side)
             zmp.add(run, MM * run["zmp_measured"][:, axis], "measured", yaxis=side)
     error = _overlaid("Centre of mass off its reference [mm]", runs, lambda run: MM * run["com_error"], TALL)

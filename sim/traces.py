@@ -52,6 +52,7 @@ class Traces:
         """
         log, robot = log.trimmed(), motion.robot
         frames = nearest_frames(log.time, motion.rate, len(motion.q))
+        sides = support_sides(log, motion)
         columns = {
             "angle": log.q[:, 7:],
             "reference": motion.q[frames, 7:],
@@ -59,8 +60,8 @@ class Traces:
             "zmp_measured": log.zmp_measured,
             "zmp_control": log.zmp_control,
             "zmp_planned": log.zmp_planned,
-            "support_least": support_sides(log, motion)[:, 0],
-            "support_greatest": support_sides(log, motion)[:, 1],
+            "support_least": sides[:, 0],
+            "support_greatest": sides[:, 1],
             "com_error": np.linalg.norm(log.com - motion.com[frames], axis=1),
             "force_normal": log.foot_wrench[:, :, 2],
             "force_along": np.linalg.norm(log.foot_wrench[:, :, :2], axis=2),
