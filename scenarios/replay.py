@@ -130,10 +130,16 @@ def dance(request: Replay, tell: Tell) -> Dance:
     """
     make_solver(request.solver)  # before any work
     robot = Robot.load(request.robot)
-    for one in edit_file.read(request.edits) if request.edits else ():
+    edits = edit_file.read(request.edits) if request.edits else ()
+    for one in edits:
         one.check(robot)
     compose = load_stack(request.stack) if request.stack else _shipped
-    return perform(request, compose, *_motion(request, robot, tell), tell)
+
+    def compose_edited(robot: Robot, motion: Motion) -> Composition:
+        composition = compose(robot, motion)
+        return composition._replace(edits=composition.edits + edits)
+
+    return perform(request, compose_edited, *_motion(request, robot, tell), tell)
 
 
 def perform(request: Replay, compose: Composer, motion: Motion, planned: Plan | None, tell: Tell) -> Dance:
@@ -144,8 +150,6 @@ def perform(request: Replay, compose: Composer, motion: Motion, planned: Plan | 
     """
     robot, solver = motion.robot, make_solver(request.solver)
     stack, schedule, edits = compose(robot, motion)
-    if request.edits:
-        edits += edit_file.read(request.edits)
     told: list[str] = []
     if edits:
         schedule = schedule or Schedule()
