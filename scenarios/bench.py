@@ -12,7 +12,6 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from scenarios.peers import rows as peer_rows
 from scenarios.replay import RECORDING, Replay, Tell, dance
 from sim.log import RunLog
 from sim.reference import Reference, hot_reference_us
@@ -142,13 +141,16 @@ def _show_phases(figures: Mapping[str, Any], console: Console) -> None:
     heads = (*STATISTICS, "mean")
     for head in (*heads, "mean in references"):
         table.add_column(head, justify="right")
-    unit = figures["reference_us"]["interleaved"]
-    for name, times in figures["tick_us"].items():
-        relative = "-" if unit is None else f"{times['mean'] / unit:.2f}"
-        table.add_row(name, *(f"{times[head]:.0f}" for head in heads), relative)
+
+    def add(tick_us: Mapping[str, Mapping[str, float]], reference_us: float | None, indent: str = "") -> None:
+        for name, times in tick_us.items():
+            relative = f"{times['mean'] / reference_us:.2f}" if reference_us else "-"
+            table.add_row(indent + name, *(f"{times[head]:.0f}" for head in heads), relative)
+
+    add(figures["tick_us"], figures["reference_us"]["interleaved"])
     for peer in figures.get("peers", ()):
-        for row in peer_rows(peer):
-            table.add_row(*row)
+        table.add_row(escape(peer["name"]))
+        add(peer["tick_us"], peer["reference_us"], indent="  ")
     console.print(table)
 
 

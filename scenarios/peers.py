@@ -2,7 +2,6 @@
 
 import json
 import math
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -32,14 +31,3 @@ def read_peer(path: Path) -> dict[str, Any]:
     if not complete:
         raise InputError(f"{path}: not the figures of a peer; `python benchmarks/peer_tsid.py` prints them")
     return {key: peer[key] for key in ("name", "tick_us", "reference_us")}
-
-
-def rows(peer: Mapping[str, Any]) -> list[tuple[str, ...]]:
-    """A peer's phases as rows of `scenarios.bench`'s table, its name before the first, those without a figure left
-    out."""
-    table = [(str(peer["name"]), *[""] * (len(FIGURES) + 1))]
-    for phase, times in peer["tick_us"].items():
-        if times["mean"] > 0.0:
-            relative = f"{times['mean'] / peer['reference_us']:.2f}" if peer["reference_us"] else "-"
-            table.append((f"  {phase}", *(f"{times[key]:.0f}" for key in FIGURES), relative))
-    return table
