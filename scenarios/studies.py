@@ -60,11 +60,11 @@ def run_scenario(
     if clip or request.start or request.duration is not None:
         raise InputError(f"{name} dances no clip: leave the clip and its part out, or run {', '.join(OF_A_CLIP)}")
     request = replace(request, clip=name)
-    scenario = SCENARIOS[request.clip]
+    scenario = SCENARIOS[name]
     check_writable(out)
-    if request.clip in STUDIES:
-        if request != Replay(request.clip, rate=request.rate, feet=request.feet):
-            raise InputError(f"{request.clip} is no robot under physics: it takes no options but --rate and --out")
+    if name in STUDIES:
+        if request != Replay(name, rate=request.rate, feet=request.feet):
+            raise InputError(f"{name} is no robot under physics: it takes no options but --rate and --out")
         out.mkdir(parents=True, exist_ok=True)
         figures = scenario.study(request.rate, out, tell)
         report.write(figures, out / REPORT)
@@ -79,4 +79,4 @@ def run_scenario(
     danced = perform(request, compose, motion, None, tell)
     if not hasattr(scenario, "findings"):
         return keep(danced, out, tell), None
-    return keep(danced, out, tell, {request.clip: scenario.findings(danced, out, tell)}), scenario.show
+    return keep(danced, out, tell, {name: scenario.findings(danced, out, tell)}), scenario.show
