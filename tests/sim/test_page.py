@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from sim import page
+from sim import page, page_plots
 from sim.log import RunInfo
 from sim.report import report
 from sim.traces import BUCKETS, VERSION, Traces, extremes, middles
@@ -116,3 +116,17 @@ def test_runs_of_different_robots_and_stacks_are_compared(motion, log, tmp_path)
     assert all(f"<h3>{name}</h3>" in text for name in names)
     assert len(figures(text)) == 3 + 2 + 2 + len(names) + 3 + 4
     assert all({curve["legendgroup"] for curve in shown["data"]} == {"one", "two"} for shown in figures(text)[:5])
+
+
+def test_plots_show_the_limits(motion, log):
+    runs = [page_plots.Shown("one", page_plots.COLORS[0], Traces.of(log, INFO, motion))]
+    robot, joint = motion.robot, 3
+    shown = {plot.title: plot.layout for plots in page_plots.limbs(runs).values() for plot in plots}
+    layout = shown[robot.joints[joint]]
+    ends = np.rad2deg([robot.lower[joint], robot.upper[joint]])
+    for axis, limits in (("y", ends), ("y2", robot.effort[joint] * np.array([-1.0, 1.0]))):
+        assert [shape["y0"] for shape in layout["shapes"] if shape["yref"] == axis] == pytest.approx(limits)
+        low, high = layout[axis.replace("y", "yaxis")]["range"]
+        assert low < limits[0] < limits[1] < high < limits[1] + 0.1 * np.ptp(limits)
+    (period,) = page_plots.ticks(runs)[0].layout["shapes"]
+    assert period["y0"] == period["y1"] == pytest.approx(1e6 * log.trimmed().period)
