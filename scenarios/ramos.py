@@ -187,7 +187,7 @@ def posture_only(kept: float, edits: Sequence[Edit] = ()) -> Composer:
                 "forces": [LeastForces()],
             },
         )
-        for foot in {foot for phase in motion.phases for foot in phase.sliding}:
+        for foot in sorted({foot for phase in motion.phases for foot in phase.sliding}):
             stack.contact(foot).way = way = motion.pose(foot)
             stack.add(FootSliding(robot, foot, way), level="feet", before="posture")
         return Composition(stack, Sliding(motion.phases), tuple(edits))
