@@ -58,40 +58,33 @@ class Tick:
         self.t = 0.0
         self.period = period
         self.contacts: Sequence[Contact] = ()
-        self.data = robot.model.createData()
-        self._momentum_data = robot.model.createData()
-        self._rest = np.zeros(robot.nv)
-        self._frames: dict[str, FrameState] = {}
+        self.data = data = robot.model.createData()
         # Live views of where Pinocchio writes: to ask it for them anew takes longer than to compute what is in them.
-        self._places: dict[str, tuple[int, Array, Array]] = {}
-        self._com = tuple(part[0] for part in (self.data.com, self.data.vcom, self.data.acom))
-        self._com_jacobian: Array | None = None
+        self.M, self.com = data.M, data.com[0]
+        self._forces, self._base, self._A_g = data.nle, data.oMi[1].rotation, data.Ag
+        self._J, self._mass = data.J, robot.mass
+        self.h, self.com_jacobian = np.empty(robot.nv), np.empty((3, robot.nv))
+        self.com_velocity, self.com_drift = np.empty(3), np.empty(3)
+        self._points: dict[str, tuple[FrameState, Array]] = {}
+        self._frames: dict[str, FrameState] = {}
         self._centroidal: tuple[Array, Array, Array] | None = None
-        self.update(0.0, robot.rest, self._rest)
+        self.update(0.0, robot.rest, np.zeros(robot.nv))
 
     def update(self, t: float, q: Array, v: Array) -> "Tick":
         """Take a new state, and return the tick itself."""
         model, data, robot = self.robot.model, self.data, self.robot
         self.t, self.q, self.v = t, q, v
-        self.h = pin.nonLinearEffects(model, data, q, v).copy()
-        _add_friction(self.h, v, robot.damping, robot.friction)
-        self.M = pin.crba(model, data, q)
-        # With v̇ = 0 accelerations are drifts; this also leaves data.v and data.a for the frames below.
-        pin.centerOfMass(model, data, q, v, self._rest, False)
-        self.com, self.com_velocity, self.com_drift = self._com
-        pin.computeJointJacobians(model, data)
+        # In world axes it leaves the joints' places and Jacobians, the centre of mass and A_g as well.
+        pin.crba(model, data, q, pin.Convention.WORLD)
+        pin.nonLinearEffects(model, data, q, v)
         pin.updateFramePlacements(model, data)
+        _take(
+            *(self._forces, self._base, self._A_g, self._mass, v, robot.damping, robot.friction),
+            *(self.h, self.com_jacobian, self.com_velocity, self.com_drift),
+        )
         self._frames.clear()
-        self._com_jacobian = None
         self._centroidal = None
         return self
-
-    @property
-    def com_jacobian(self) -> Array:
-        """``ċ = J v``, shape (3, nv)."""
-        if self._com_jacobian is None:
-            self._com_jacobian = pin.jacobianCenterOfMass(self.robot.model, self.data, False)
-        return self._com_jacobian
 
     def frame(self, point: str) -> FrameState:
         """State of an operational point.
@@ -101,15 +94,10 @@ class Tick:
         """
         state = self._frames.get(point)
         if state is None:
-            model, data = self.robot.model, self.data
-            if point not in self._places:
-                frame = self.robot.point(point)
-                place = data.oMf[frame]
-                self._places[point] = frame, place.translation, place.rotation
-            frame, position, rotation = self._places[point]
-            jacobian = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
-            drift = pin.getFrameClassicalAcceleration(model, data, frame, pin.LOCAL_WORLD_ALIGNED).vector
-            state = FrameState(position, rotation, jacobian @ self.v, jacobian, drift)
+            if point not in self._points:
+                self._points[point] = self._point(point)
+            state, moved_by = self._points[point]
+            _move(self._J, self.v, moved_by, state.position, state.velocity, state.jacobian, state.drift)
             self._frames[point] = state
         return state
 
@@ -119,16 +107,98 @@ class Tick:
         Linear part first, world axes.
         """
         if self._centroidal is None:
-            model = self.robot.model
-            data = self._momentum_data  # its own: the frames' drifts in `data` must survive
-            drift = pin.computeCentroidalMomentumTimeVariation(model, data, self.q, self.v, self._rest).vector.copy()
-            matrix = pin.ccrba(model, data, self.q, self.v)
-            self._centroidal = data.hg.vector.copy(), matrix, drift
+            # Ȧ_g v is what has to act on the base from outside when v̇ is zero, seen from the CoM, less the weight.
+            force, moment = self._base @ self._forces[:3], self._base @ self._forces[3:6]
+            moment += np.cross(self.data.oMi[1].translation - self.com, force)
+            force[2] -= self._mass * GRAVITY
+            self._centroidal = self._A_g @ self.v, self._A_g, np.concatenate([force, moment])
         return self._centroidal
+
+    def _point(self, name: str) -> tuple[FrameState, Array]:
+        """Room for a point's state, and the velocities that move it, from the base outwards."""
+        robot, model = self.robot, self.robot.model
+        frame = robot.point(name)
+        place = self.data.oMf[frame]
+        moved_by = [
+            model.idx_vs[joint] + k
+            for joint in model.supports[model.frames[frame].parentJoint]
+            for k in range(model.nvs[joint])
+        ]
+        state = FrameState(place.translation, place.rotation, np.empty(6), np.zeros((6, robot.nv)), np.empty(6))
+        return state, np.array(moved_by)
 
 
 @compiled
-def _add_friction(h: Array, v: Array, damping: Array, friction: Array) -> None:
-    """Add what the joints' damping and friction take."""
+def _take(
+    forces: Array,
+    base: Array,
+    A_g: Array,
+    mass: float,
+    v: Array,
+    damping: Array,
+    friction: Array,
+    h: Array,
+    com_jacobian: Array,
+    com_velocity: Array,
+    com_drift: Array,
+) -> None:
+    """What follows from Pinocchio's forces, with gravity and without losses, its A_g and the base's axes (3, 3)."""
+    h[:] = forces
     for k in range(len(damping)):
         h[6 + k] += damping[k] * v[6 + k] + friction[k] * np.tanh(v[6 + k] / COULOMB_SPEED)
+    for i in range(3):
+        com_velocity[i] = 0.0
+        for k in range(len(v)):
+            com_jacobian[i, k] = A_g[i, k] / mass
+            com_velocity[i] += com_jacobian[i, k] * v[k]
+        # The force on the base that lets nothing accelerate but by J̇ v.
+        com_drift[i] = (base[i, 0] * forces[0] + base[i, 1] * forces[1] + base[i, 2] * forces[2]) / mass
+    com_drift[2] -= GRAVITY
+
+
+@compiled
+def _move(
+    J: Array, v: Array, moved_by: Array, position: Array, velocity: Array, jacobian: Array, drift: Array
+) -> None:
+    """A point's velocity, Jacobian and drift from the joints' Jacobian J, whose twists are about the world's origin.
+
+    A joint's axis is carried by what it turns: ``J̇_k = V × J_k`` with the twist V (linear, angular) of the body before
+    it; the base's six together carry themselves, ``V × V = 0``.
+    """
+    px, py, pz = position[0], position[1], position[2]
+    twist, change = np.zeros(6), np.zeros(6)
+    for n in range(len(moved_by)):
+        k = moved_by[n]
+        x, y, z, a, b, c = J[0, k], J[1, k], J[2, k], J[3, k], J[4, k], J[5, k]
+        jacobian[0, k], jacobian[1, k], jacobian[2, k] = x + b * pz - c * py, y + c * px - a * pz, z + a * py - b * px
+        jacobian[3, k], jacobian[4, k], jacobian[5, k] = a, b, c
+        x, y, z, a, b, c = x * v[k], y * v[k], z * v[k], a * v[k], b * v[k], c * v[k]
+        if n >= 6:
+            u, w = twist[:3], twist[3:]
+            change[0] += w[1] * z - w[2] * y + u[1] * c - u[2] * b
+            change[1] += w[2] * x - w[0] * z + u[2] * a - u[0] * c
+            change[2] += w[0] * y - w[1] * x + u[0] * b - u[1] * a
+            change[3] += w[1] * c - w[2] * b
+            change[4] += w[2] * a - w[0] * c
+            change[5] += w[0] * b - w[1] * a
+        twist[0] += x
+        twist[1] += y
+        twist[2] += z
+        twist[3] += a
+        twist[4] += b
+        twist[5] += c
+    _shift(twist, position, velocity)
+    _shift(change, position, drift)
+    # What turns and moves on leaves its place on a curve.
+    drift[0] += twist[4] * velocity[2] - twist[5] * velocity[1]
+    drift[1] += twist[5] * velocity[0] - twist[3] * velocity[2]
+    drift[2] += twist[3] * velocity[1] - twist[4] * velocity[0]
+
+
+@compiled
+def _shift(twist: Array, to: Array, out: Array) -> None:
+    """A twist about the world's origin as one about another point."""
+    out[:] = twist
+    out[0] += twist[4] * to[2] - twist[5] * to[1]
+    out[1] += twist[5] * to[0] - twist[3] * to[2]
+    out[2] += twist[3] * to[1] - twist[4] * to[0]
