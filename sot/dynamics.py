@@ -78,7 +78,7 @@ class Dynamics:
             form = _FORMS[self.name](self.robot, self.units, sum(contact.force_count for contact in contacts))
             self._layout, self._key = Layout(form, contacts, every, rows), key
         form = self._layout.form
-        form.motion[:, : form.nv], form.bias = tick.M, tick.h
+        form.motion[:, : form.nv], form.bias = tick.M.T, tick.h  # M is symmetric, and so it lies in memory like motion
         return self._layout.write(tick, rows)
 
     def decode(self, x: Array) -> Decoded:

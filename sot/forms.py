@@ -12,10 +12,10 @@ structure that `solvers.reduction` asks for.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
+from solvers.compiled import compiled
 from solvers.rows import Block, Rows
 from sot.robot import Robot
 from sot.task import On
@@ -45,18 +45,6 @@ class Units:
         return cls(weight, weight / 8.0, float(np.median(robot.effort)))
 
 
-class Linear(NamedTuple):
-    """``y = (scale / weight) A x[start : start + k] + offset``, with the weight of the task's rows.
-
-    Where `selects` is given, A is these rows of the identity; no offset is 0."""
-
-    A: Array
-    scale: float
-    start: int = 0
-    selects: slice | None = None
-    offset: Array | None = None
-
-
 class Form(ABC):
     """The variables of a tick.
 
@@ -67,6 +55,7 @@ class Form(ABC):
 
     Attributes:
         size: Number of variables.
+        variables: What tasks are about that is among the variables: where it begins, and its unit there.
         share: Scale of the equation of motion's rows [1/N].
         motion: ``M v̇ − Jᵀ φ`` as a matrix on (v̇, φ), φ in `Units.force`, shape (nv, nv + forces); to be filled in.
         bias: h, shape (nv,) [N, N m].
@@ -75,16 +64,16 @@ class Form(ABC):
     def __init__(self, robot: Robot, units: Units, forces: int) -> None:
         self.units, self.nv, self.na, self.forces = units, robot.nv, robot.na, forces
         self.size, self.share = self._size(), 1.0 / units.weight
+        self.variables: dict[On, tuple[int, float]] = {"acceleration": (0, 1.0), "force": (robot.nv, units.force)}
         self.motion = np.empty((robot.nv, robot.nv + forces))
         self.bias = np.empty(robot.nv)
 
-    def seen(self, on: On, rows: Rows) -> Linear:
-        """What a task's rows are about, ``A y`` with y accelerations, torques or forces, as a function of x."""
-        if on == "acceleration":
-            return Linear(rows.A, rows.weight, 0, rows.selects)
-        if on == "force":
-            return Linear(rows.A, rows.weight * self.units.force, self.nv, rows.selects)
-        return self._torques(rows)
+    def joints(self, rows: Rows) -> tuple[Array, Array]:
+        """A task's rows ``A τ`` as ``B (v̇, φ) + c``, by the joints' rows of the equation of motion: B and c."""
+        if rows.selects is None:
+            return rows.A @ self.motion[6:], rows.A @ self.bias[6:]
+        joints = slice(6 + rows.selects.start, 6 + rows.selects.stop)
+        return self.motion[joints], self.bias[joints]
 
     def block(self) -> Block:
         """Whose the rows of `equation` are."""
@@ -101,9 +90,6 @@ class Form(ABC):
     @abstractmethod
     def _size(self) -> int: ...
 
-    @abstractmethod
-    def _torques(self, rows: Rows) -> Linear: ...
-
 
 class Condensed(Form):
     """x = (v̇, φ)."""
@@ -117,17 +103,15 @@ class Condensed(Form):
 
     def torque(self, x: Array) -> Array:
         """From the joints' rows."""
-        return self.motion[6:] @ x + self.bias[6:]
-
-    def _torques(self, rows: Rows) -> Linear:
-        if rows.selects is None:
-            return Linear(rows.A @ self.motion[6:], rows.weight, offset=rows.A @ self.bias[6:])
-        joints = slice(6 + rows.selects.start, 6 + rows.selects.stop)
-        return Linear(self.motion[joints], rows.weight, offset=self.bias[joints])
+        return _driven(self.motion, self.bias, x)
 
 
 class Full(Form):
     """x = (v̇, φ, τ), τ in `Units.torque`."""
+
+    def __init__(self, robot: Robot, units: Units, forces: int) -> None:
+        super().__init__(robot, units, forces)
+        self.variables["torque"] = (self.nv + forces, units.torque)
 
     def _size(self) -> int:
         return self.nv + self.forces + self.na
@@ -142,8 +126,14 @@ class Full(Form):
         """As they stand there."""
         return self.units.torque * x[self.nv + self.forces :]
 
-    def _torques(self, rows: Rows) -> Linear:
-        return Linear(rows.A, rows.weight * self.units.torque, self.nv + self.forces, rows.selects)
+
+@compiled
+def _driven(motion: Array, bias: Array, x: Array) -> Array:
+    torque = bias[6:].copy()
+    for k in range(len(torque)):
+        for i in range(len(x)):
+            torque[k] += motion[6 + k, i] * x[i]
+    return torque
 
 
 _OF_BASE = ("force x", "force y", "force z", "moment x", "moment y", "moment z")

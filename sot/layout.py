@@ -10,7 +10,7 @@ import numpy as np
 from solvers.compiled import compiled
 from solvers.rows import Block, Equality, Level, Rows
 from sot.contact import Contact
-from sot.forms import Form, Linear
+from sot.forms import Form
 from sot.task import Task
 from sot.tick import Tick
 
@@ -47,8 +47,8 @@ class Layout:
         self.form, self.contacts = form, len(contacts)
         self.levels: list[Level] = []
         self.footings: list[tuple[int, Footing]] = []
-        self._equalities: list[tuple[int, Task, Equality]] = []
-        self._bounds: list[tuple[int, Task, _Bounds]] = []
+        self._equalities: list[tuple[int, float, Equality]] = []
+        self._bounds: list[tuple[int, float, Task, _Bounds]] = []
         asked = iter(enumerate(rows))
         for name, tasks in levels:
             pile = _Pile()
@@ -58,14 +58,14 @@ class Layout:
             for task in tasks:
                 k, own = next(asked)
                 block = Block(task.name, task.unit, task.weight, task.equality, _ANY, task.gives_way, task.labels)
-                seen = form.seen(task.on, own)
+                start, unit = form.variables.get(task.on, (0, 0.0))
                 if task.equality:
-                    equality = Equality(seen.A, own.lower, seen.scale, seen.start, seen.selects)
-                    self._equalities.append((k, task, pile.equality(block, equality)))
+                    equality = Equality(own.A, own.lower, start=start, selects=own.selects if unit else None)
+                    self._equalities.append((k, unit, pile.equality(block, equality)))
                 else:
-                    constant = own.selects is not None and seen.selects is not None
-                    bounds = _Bounds(block, len(own.lower), seen.start, constant)
-                    self._bounds.append((k, task, pile.inequality(bounds)))
+                    width = own.A.shape[1] if unit else form.nv + form.forces
+                    bounds = _Bounds(block, slice(start, start + width), len(own.lower), own.selects is not None)
+                    self._bounds.append((k, unit, task, pile.inequality(bounds)))
             self.levels.append(pile.level(name, form.size))
         self.levels[0].kind = self
 
@@ -75,15 +75,21 @@ class Layout:
         for _, footing in self.footings:
             footing.write(tick)
         dynamics.A, dynamics.b = form.equation()
-        for k, task, equality in self._equalities:
+        for k, unit, equality in self._equalities:
             own = rows[k]
-            seen = form.seen(task.on, own)
-            equality.A, equality.scale = seen.A, seen.scale
-            wanted = own.lower if seen.offset is None else own.lower - seen.offset
-            equality.b = wanted if own.weight == 1.0 else own.weight * wanted
-        for k, task, bounds in self._bounds:
+            weight, wanted = own.weight, own.lower
+            if unit:
+                equality.A, equality.scale = own.A, weight * unit
+            else:
+                equality.A, offset = form.joints(own)
+                equality.scale, wanted = weight, wanted - offset
+            equality.b = wanted if weight == 1.0 else weight * wanted
+        for k, unit, task, bounds in self._bounds:
             own = rows[k]
-            bounds.write(form.seen(task.on, own), own.lower, own.upper, own.weight)
+            if unit:
+                bounds.write(own.A, own.weight * unit, own.lower, own.upper, own.weight)
+            else:
+                bounds.joints(*form.joints(own), own.lower, own.upper, own.weight)
             bounds.block.labels = task.labels
         for level in self.levels:
             level.renew()
@@ -124,7 +130,7 @@ class Footing:
         count = len(contact.force_inequalities(1.0)[1])
         labels = contact.force_labels(count)
         block = Block(f"Friction {contact.point}", "N", share, False, _ANY, FRICTION_GIVES_WAY, labels)
-        self._friction = pile.inequality(_Bounds(block, count, columns.start, constant=True))
+        self._friction = pile.inequality(_Bounds(block, columns, count, constant=True))
 
     def write(self, tick: Tick) -> None:
         """Its rows at a tick."""
@@ -140,7 +146,7 @@ class Footing:
         if self._pressure is not None:
             self._pressure.A = contact.force_equalities(tick)
         F, lower, upper = contact.force_inequalities(self._units.weight)
-        self._friction.write(Linear(F, 1.0, self.columns.start), lower, upper, 1.0 / self._units.force)
+        self._friction.write(F, 1.0, lower, upper, 1.0 / self._units.force)
 
 
 class _Bounds:
@@ -148,31 +154,37 @@ class _Bounds:
 
     Args:
         block: Whose they are.
+        columns: The variables that they involve.
         count: Of rows.
-        start: The first variable that they involve.
         constant: Whether their matrix stays what it is, but for its scale.
     """
 
-    def __init__(self, block: Block, count: int, start: int, constant: bool) -> None:
-        self.block, self.count, self._start, self._constant = block, count, start, constant
+    def __init__(self, block: Block, columns: slice, count: int, constant: bool) -> None:
+        self.block, self.count, self._columns, self._constant = block, count, columns, constant
         self._none = np.zeros(count)
         self._scale: float | None = None  # at which the matrix was written
-        self._seen: Array | None = None  # whose numbers the upper bounds are
+        self._seen: tuple[Array | None, Array | None] = None, None  # whose numbers the matrix and the upper bounds are
 
     def place(self, C: Array, lower: Array, upper: Array) -> None:
         """Where to write."""
-        self._C, self._lower, self._upper = C, lower, upper
+        self._C, self._lower, self._upper = C[:, self._columns], lower, upper
 
-    def write(self, seen: Linear, lower: Array, upper: Array, share: float) -> None:
-        """Write ``lower <= seen <= upper``, times a share that is in the scale of what is seen already."""
-        same = seen.scale == self._scale
-        if not (self._constant and same):
-            np.multiply(seen.A, seen.scale, out=self._C[:, self._start : self._start + seen.A.shape[1]])
-        # Arrays that nobody can write to are the same as last time.
-        if upper is not self._seen or not same or upper.flags.writeable or seen.offset is not None:
-            offset = self._none if seen.offset is None else seen.offset
-            _scaled(lower, upper, offset, share, self._lower, self._upper)
-        self._scale, self._seen = seen.scale, upper
+    def write(self, A: Array, scale: float, lower: Array, upper: Array, share: float) -> None:
+        """Write ``lower <= A y <= upper``, times a share that is in the scale of A already.
+
+        Arrays that nobody can write to are the same as last time.
+        """
+        same, (matrix, bound) = scale == self._scale, self._seen
+        if not (same and (self._constant or (A is matrix and not A.flags.writeable))):
+            np.multiply(A, scale, out=self._C)
+        if not (same and upper is bound and not upper.flags.writeable):
+            _scaled(lower, upper, self._none, share, self._lower, self._upper)
+        self._scale, self._seen = scale, (A, upper)
+
+    def joints(self, B: Array, offset: Array, lower: Array, upper: Array, share: float) -> None:
+        """Write ``lower <= B x + offset <= upper``, times a share."""
+        np.multiply(B, share, out=self._C)
+        _scaled(lower, upper, offset, share, self._lower, self._upper)
 
 
 @compiled
