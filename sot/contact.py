@@ -157,7 +157,7 @@ class Contact:
             else:
                 lower, upper = np.full(5 * count, -np.inf), np.zeros(5 * count)
                 lower[4::5], upper[4::5] = 0.0, top
-            upper.flags.writeable = False  # the same until the load changes, and known to be
+            lower.flags.writeable = upper.flags.writeable = False  # the same until the load changes, and known to be
             self._bounded = self.load, weight, lower, upper
         return self._cone, self._bounded[2], self._bounded[3]
 

@@ -75,7 +75,7 @@ class Controller:
         self.robot, self.stack, self.solver, self.schedule = robot, stack, solver, schedule
         self.dynamics = Dynamics(robot, form)
         self.tick = Tick(robot, period)
-        self._held = np.zeros(robot.na)
+        self._held, self._least = np.zeros(robot.na), -robot.effort
         self._explained = -np.inf
         self._off: list[Contact] = []  # contacts that were, a tick ago
         self._acceleration = np.zeros(robot.nv)
@@ -100,11 +100,9 @@ class Controller:
         if usable:
             decoded = self.dynamics.decode(solution.x)
             # Only rounding is left to clip: the bounds are rows of level 0.
-            torque = np.minimum(np.maximum(decoded.torque, -robot.effort), robot.effort)
-            self._held = torque
-            acceleration, wrenches = decoded.acceleration, decoded.wrenches
-            self._acceleration = acceleration
-            zmp = self._zmp(decoded.wrenches)
+            torque = np.minimum(np.maximum(decoded.torque, self._least), robot.effort)
+            acceleration, wrenches, zmp = decoded.acceleration, decoded.wrenches, decoded.zmp
+            self._held, self._acceleration = torque, acceleration
         else:
             # Always from the last torque that was solved for: damping added to damping would become a stiffness.
             torque = np.clip(self._held - HOLD_DAMPING * v[6:], -robot.effort, robot.effort)
@@ -134,16 +132,3 @@ class Controller:
                 frame = self.tick.frame(contact.point)  # of the last tick still
                 contact.arrival = frame.jacobian @ self._acceleration + frame.drift
         self._off = [contact for contact in contacts if contact.mode == "off"]
-
-    def _zmp(self, wrenches: Array) -> Array:
-        """The point of the floor about which the contacts' forces have no horizontal moment.
-
-        With all vertices on the floor it is the mean of them weighted by their normal forces, Ramos (11).
-        """
-        x = y = load = 0.0
-        for contact, (fx, fy, fz, mx, my, _) in zip(self.stack.contacts, wrenches.tolist(), strict=True):
-            px, py, pz = self.tick.frame(contact.point).position.tolist()
-            x += px * fz - pz * fx - my
-            y += py * fz - pz * fy + mx
-            load += fz
-        return np.array((x / load, y / load)) if load > 1.0 else np.full(2, np.nan)

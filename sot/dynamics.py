@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from solvers.compiled import compiled
 from solvers.rows import Level
 from sot.contact import Contact
 from sot.forms import Condensed, Form, Full, Units
@@ -17,6 +18,8 @@ from sot.tick import Tick
 Array = np.ndarray
 FormName = Literal["condensed", "full"]
 
+LEAST_LOAD = 1.0
+"""Without more than this on all contacts there is no zero-moment point [N]."""
 _FORMS: dict[FormName, type[Form]] = {"condensed": Condensed, "full": Full}
 
 
@@ -29,12 +32,15 @@ class Decoded:
         torque: τ, shape (na,) [N m].
         forces: φ of each contact [N].
         wrenches: Wrench of the floor on each contact's point, world axes, shape (contacts, 6) [N, N m].
+        zmp: Point of the floor about which these have no horizontal moment, shape (2,) [m]; nan without load. With all
+            vertices on the floor it is the mean of them weighted by their normal forces, Ramos (11).
     """
 
     acceleration: Array
     torque: Array
     forces: list[Array]
     wrenches: Array
+    zmp: Array
 
 
 class Dynamics:
@@ -86,10 +92,24 @@ class Dynamics:
         assert self._layout is not None
         layout, form = self._layout, self._layout.form
         forces, wrenches = [_NO_FORCE] * layout.contacts, np.zeros((layout.contacts, 6))
+        moments = np.zeros(3)
         for k, footing in layout.footings:
             forces[k] = x[footing.columns] * self.units.force
-            np.matmul(footing.map, forces[k], out=wrenches[k])
-        return Decoded(x[: form.nv], form.torque(x), forces, wrenches)
+            _add_up(footing.map, forces[k], footing.place, wrenches[k], moments)
+        load = moments[2]
+        zmp = moments[:2] / load if load > LEAST_LOAD else np.full(2, np.nan)
+        return Decoded(x[: form.nv], form.torque(x), forces, wrenches, zmp)
+
+
+@compiled
+def _add_up(G: Array, forces: Array, place: Array, wrench: Array, moments: Array) -> None:
+    """A contact's wrench, and what it adds to ``(−m_y, m_x, f_z)`` about the world's origin."""
+    for i in range(6):
+        for k in range(len(forces)):
+            wrench[i] += G[i, k] * forces[k]
+    moments[0] += place[0] * wrench[2] - place[2] * wrench[0] - wrench[4]
+    moments[1] += place[1] * wrench[2] - place[2] * wrench[1] + wrench[3]
+    moments[2] += wrench[2]
 
 
 _NO_FORCE = np.zeros(0)

@@ -110,10 +110,12 @@ class Footing:
     Attributes:
         columns: Its forces φ among the variables.
         map: From φ [N] to the wrench of the floor on its point, world axes, shape (6, k).
+        place: Where that point is, shape (3,) [m].
     """
 
     def __init__(self, contact: Contact, form: Form, columns: slice, pile: "_Pile") -> None:
         self.contact, self.columns, self.map = contact, columns, np.zeros((6, 0))
+        self.place = np.zeros(3)
         self._units = form.units
         self._axes = list(contact.held)
         self._on_motion = form.motion[:, columns]
@@ -136,6 +138,7 @@ class Footing:
         """Its rows at a tick."""
         contact, held = self.contact, self._held
         frame = tick.frame(contact.point)
+        self.place = frame.position
         held.A, held.b = frame.jacobian, contact.acceleration(tick) - frame.drift
         if len(self._axes) < 6:
             held.A, held.b = held.A[self._axes], held.b[self._axes]
@@ -163,7 +166,7 @@ class _Bounds:
         self.block, self.count, self._columns, self._constant = block, count, columns, constant
         self._none = np.zeros(count)
         self._scale: float | None = None  # at which the matrix was written
-        self._seen: tuple[Array | None, Array | None] = None, None  # whose numbers the matrix and the upper bounds are
+        self._seen: tuple[Array | None, ...] = None, None, None  # whose numbers the matrix and the bounds are
 
     def place(self, C: Array, lower: Array, upper: Array) -> None:
         """Where to write."""
@@ -174,12 +177,12 @@ class _Bounds:
 
         Arrays that nobody can write to are the same as last time.
         """
-        same, (matrix, bound) = scale == self._scale, self._seen
+        same, (matrix, least, most) = scale == self._scale, self._seen
         if not (same and (self._constant or (A is matrix and not A.flags.writeable))):
             np.multiply(A, scale, out=self._C)
-        if not (same and upper is bound and not upper.flags.writeable):
+        if not (same and lower is least and upper is most and not lower.flags.writeable):
             _scaled(lower, upper, self._none, share, self._lower, self._upper)
-        self._scale, self._seen = scale, (A, upper)
+        self._scale, self._seen = scale, (A, lower, upper)
 
     def joints(self, B: Array, offset: Array, lower: Array, upper: Array, share: float) -> None:
         """Write ``lower <= B x + offset <= upper``, times a share."""

@@ -58,18 +58,18 @@ class Proximity:
 
     def fastest(self, v: Array) -> Array:
         """What the distances' rates do not exceed at a velocity (nv,), shape (pairs,) [m/s]."""
-        return self._reach @ np.abs(v[6:])
+        return _fastest(self._reach, v)
 
-    def near(self, data: pin.Data, q: Array, within: Array | float) -> list[int]:
-        """Indices of the pairs that are less than `within` apart [m].
+    def near(self, data: pin.Data, q: Array, within: Array) -> list[int]:
+        """Indices of the pairs that are less than `within` apart.
 
         Args:
             data: Pinocchio's, with the places of the joints at q.
             q: Configuration, shape (nq,).
-            within: Distance of each pair, or of all [m].
+            within: Distance of each pair, shape (pairs,) [m].
         """
         joints = q[7:]
-        due = _due(self._apart, self._reach, self._seen, joints, np.broadcast_to(within, len(self._apart)))
+        due = _due(self._apart, self._reach, self._seen, joints, within)
         if not len(due):
             return []
         pin.updateGeometryPlacements(self._model, data, self._geometry, self._results)
@@ -108,6 +108,15 @@ class Proximity:
         self._each = list(self._results.distanceResults)  # views: looking them up costs more than a distance
         for request in self._results.distanceRequests:
             request.gjk_tolerance = GJK_TOLERANCE
+
+
+@compiled
+def _fastest(reach: Array, v: Array) -> Array:
+    fastest = np.zeros(len(reach))
+    for k in range(len(reach)):
+        for i in range(reach.shape[1]):
+            fastest[k] += reach[k, i] * abs(v[6 + i])
+    return fastest
 
 
 @compiled

@@ -29,13 +29,14 @@ class TorqueBounds(Task):
     def __init__(self, robot: Robot, fraction: float = 1.0) -> None:
         super().__init__("TorqueBounds", "N m", "N m", weight=1.0 / float(np.median(robot.effort)))
         self.labels = robot.joints
-        self._limit = fraction * robot.effort
+        self._upper = fraction * robot.effort
+        self._lower = -self._upper
         self._A = np.eye(robot.na)
         self.selects = slice(0, robot.na)
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``−limit <= τ <= limit``."""
-        return self._rows(self._A, -self._limit, self._limit)
+        return self._rows(self._A, self._lower, self._upper)
 
 
 class JointBounds(Task):

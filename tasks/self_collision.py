@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
+from solvers.compiled import compiled
 from solvers.rows import Rows
 from sot.proximity import Proximity
 from sot.robot import Robot
@@ -48,10 +49,10 @@ class SelfCollision(Task):
         self._least, self._acceleration = least, robot.acceleration
         self._proximity, self._ahead = Proximity(robot), robot.model.createData()
         self.pairs = self._proximity.pairs
-        self._bounds = self._braked(0)
+        self._limits = least, np.inf, np.inf, BRAKE, np.inf
         self._watched: list[int] = []
         self._looked = -np.inf
-        self._A, self._lower, self._upper = np.zeros((0, robot.nv)), np.zeros(0), np.zeros(0)
+        self._make_room(0, robot.nv)
 
     def observe(self, tick: Tick, pairs: Sequence[int]) -> tuple[Array, Array, Array, Array]:
         """Distances d of n pairs (n,), their rates (n,), J (n, nv) and J̇ v (n,)."""
@@ -71,42 +72,49 @@ class SelfCollision(Task):
         """
         if not 0.0 < tick.t - self._looked < LOOK - TIMING:
             self._watched, self._looked = self._look(tick), tick.t
-        near, self.error = self._watched, _NONE
-        if len(near) > len(self._lower):
-            self._A, self._lower = np.zeros((len(near), len(tick.v))), np.full(len(near), -np.inf)
-            self._upper, self._bounds = np.full(len(near), np.inf), self._braked(len(near))
-        count = len(near)
-        self._A[count:], self._lower[count:] = 0.0, -np.inf
+        near, count = self._watched, len(self._watched)
+        if count > len(self._free):
+            self._make_room(count, len(tick.v))
+        if not near:
+            self.error, self.labels = _NONE, ()
+            return self._rows(self._empty, self._free, self._upper)
+        A, lower = self._empty.copy(), self._free.copy()
+        distances, rates, J, drift = self.observe(tick, near)
+        wanted = self._bounds(distances, rates, tick.period)[0] - drift
+        # What the joints give at the accelerations that are relied upon.
+        most = np.abs(J[:, 6:]) @ self._acceleration
+        A[:count], lower[:count] = J, np.minimum(wanted, most)
+        self.error = np.maximum(self._least - distances, 0.0)
         self.labels = [" and ".join(self.pairs[k]) for k in near]
-        if near:
-            distances, rates, self._A[:count], drift = self.observe(tick, near)
-            self.error = np.maximum(self._least - distances, 0.0)
-            wanted = self._bounds(distances, rates, tick.period)[0] - drift
-            # What the joints give at the accelerations that are relied upon.
-            most = np.abs(self._A[:count, 6:]) @ self._acceleration
-            self._lower[:count] = np.minimum(wanted, most)
-        return self._rows(self._A, self._lower, self._upper)
+        return self._rows(A, lower, self._upper)
 
-    def _braked(self, pairs: int) -> AccelerationBounds:
-        """Bounds for some pairs, or fewer."""
-        return AccelerationBounds(*(np.full(pairs, limit) for limit in (self._least, np.inf, np.inf, BRAKE, np.inf)))
+    def _make_room(self, pairs: int, nv: int) -> None:
+        """For the rows of some pairs; those of none are read-only, so that nobody writes them twice."""
+        self._empty, self._free, self._upper = np.zeros((pairs, nv)), np.full(pairs, -np.inf), np.full(pairs, np.inf)
+        self._bounds = AccelerationBounds(*(np.full(pairs, limit) for limit in self._limits))
+        for same in (self._empty, self._free, self._upper):
+            same.flags.writeable = False
 
     def _look(self, tick: Tick) -> list[int]:
         """Pairs whose approach may have to be braked before the next look."""
         proximity, ahead = self._proximity, tick.period + LOOK
-        within = self._least + np.minimum(_stopping(proximity.fastest(tick.v), ahead), FAR)
-        near = proximity.near(tick.data, tick.q, within)
+        near = proximity.near(tick.data, tick.q, _within(proximity.fastest(tick.v), ahead, self._least))
         if not near:
             return near
         distances, J = proximity.found(tick.data, near)
-        close = distances < self._least + _stopping(np.maximum(-(J @ tick.v), 0.0), ahead)
+        close = distances < _within(np.maximum(-(J @ tick.v), 0.0), ahead, self._least)
         return [k for k, watch in zip(near, close, strict=True) if watch]
 
 
-def _stopping(speed: Array, ahead: float) -> Array:
-    """Way on which approaches at some speeds [m/s] are stopped, from some time ahead [s] on [m]."""
-    speed = speed + SURPRISE
-    return speed * (speed / (2.0 * BRAKE) + ahead)
+@compiled
+def _within(speeds: Array, ahead: float, least: float) -> Array:
+    """Distances [m] within which approaches at some speeds [m/s] cannot be stopped before the least distance, if that
+    is begun some time ahead [s]; not more than `FAR` from it."""
+    within = np.empty(len(speeds))
+    for k in range(len(speeds)):
+        speed = speeds[k] + SURPRISE
+        within[k] = least + min(speed * (speed / (2.0 * BRAKE) + ahead), FAR)
+    return within
 
 
 TIMING = 1e-9  # s: rounding of times

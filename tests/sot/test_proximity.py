@@ -54,7 +54,7 @@ def test_no_pair_that_is_near_is_missed(robot):
         for _ in range(25):
             q = pin.integrate(robot.model, q, 0.004 * v)
             tick.update(0.0, q, v)
-            within = rng.uniform(0.0, 0.2)
+            within = np.full(len(proximity.pairs), rng.uniform(0.0, 0.2))
             near = proximity.near(tick.data, q, within)
             everything, _ = proximity.measure(tick.data, range(len(proximity.pairs)))
             assert near == np.flatnonzero(everything < within).tolist()
