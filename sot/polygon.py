@@ -27,8 +27,7 @@ class Polygon:
     @classmethod
     def hull(cls, points: Array) -> "Polygon":
         """The convex hull of points (m, 2), which must not all lie on one line."""
-        grid = (points / GRID).round() * GRID  # so that differences are exact, and lines found to be lines
-        return cls(*_hull(grid[np.lexsort((grid[:, 1], grid[:, 0]))]))
+        return cls(*_hull(np.ascontiguousarray(points)))
 
     @property
     def vertices(self) -> Array:
@@ -56,6 +55,10 @@ class Polygon:
         cosine, sine = np.cos(heading), np.sin(heading)
         along, across = self.normals @ [cosine, sine], self.normals @ [-sine, cosine]
         return Polygon(self.normals, self.offsets - np.hypot(along * x, across * y))
+
+    def inset(self, by: float) -> "Polygon":
+        """With its edges moved inward by a distance [m]."""
+        return Polygon(self.normals, self.offsets - by)
 
     def nearest(self, point: Array) -> Array:
         """The point of the polygon that is nearest to a point (2,); the point itself if the polygon is empty."""
@@ -96,7 +99,8 @@ def nearest(normals: Array, offsets: Array, point: Array) -> Array:
 
 @compiled
 def _hull(points: Array) -> tuple[Array, Array]:
-    """Edges around points (m, 2) that are sorted by x, then y: lower chain and upper chain, each turning left."""
+    """Edges around points (m, 2): the lower chain and the upper chain of them sorted by x, then y, each turning left."""
+    points = _sorted(points)
     corners, count = np.empty((2 * len(points), 2)), 0
     for way in (1, -1):
         first = count
@@ -115,6 +119,20 @@ def _hull(points: Array) -> tuple[Array, Array]:
         normals[k, 0], normals[k, 1] = x / length, y / length
         offsets[k] = (x * start[0] + y * start[1]) / length
     return normals, offsets
+
+
+@compiled
+def _sorted(points: Array) -> Array:
+    """Points by x, then y, on a grid: so that differences are exact, and lines found to be lines."""
+    out = np.empty_like(points)
+    for k in range(len(points)):
+        x, y = np.rint(points[k, 0] / GRID) * GRID, np.rint(points[k, 1] / GRID) * GRID
+        place = k
+        while place and (out[place - 1, 0] > x or (out[place - 1, 0] == x and out[place - 1, 1] > y)):
+            out[place] = out[place - 1]
+            place -= 1
+        out[place, 0], out[place, 1] = x, y
+    return out
 
 
 @compiled

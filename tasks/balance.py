@@ -108,7 +108,7 @@ class Balance(Task):
             if contact.load < most:
                 share = min(contact.largest(1.0), 1.0)
                 corners.append(((1.0 - share) * full[:, None] + share * sole).reshape(-1, 2))
-        return Polygon.hull(np.concatenate(corners)).shrunk(self.margin, self.margin)
+        return Polygon.hull(np.concatenate(corners)).inset(self.margin)
 
 
 @compiled
