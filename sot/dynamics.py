@@ -30,7 +30,7 @@ class Decoded:
     Args:
         acceleration: v̇, shape (nv,).
         torque: τ, shape (na,) [N m].
-        forces: φ of each contact [N].
+        forces: φ of all contacts, one after the other, shape (forces,) [N].
         wrenches: Wrench of the floor on each contact's point, world axes, shape (contacts, 6) [N, N m].
         zmp: Point of the floor about which these have no horizontal moment, shape (2,) [m]; nan without load. With all
             vertices on the floor it is the mean of them weighted by their normal forces, Ramos (11).
@@ -38,7 +38,7 @@ class Decoded:
 
     acceleration: Array
     torque: Array
-    forces: list[Array]
+    forces: Array
     wrenches: Array
     zmp: Array
 
@@ -91,25 +91,22 @@ class Dynamics:
         """Read a solution of the levels that were assembled last."""
         assert self._layout is not None
         layout, form = self._layout, self._layout.form
-        forces, wrenches = [_NO_FORCE] * layout.contacts, np.zeros((layout.contacts, 6))
-        moments = np.zeros(3)
-        for k, footing in layout.footings:
-            forces[k] = x[footing.columns] * self.units.force
-            _add_up(footing.map, forces[k], footing.place, wrenches[k], moments)
-        load = moments[2]
-        zmp = moments[:2] / load if load > LEAST_LOAD else np.full(2, np.nan)
+        forces = self.units.force * x[form.nv : form.nv + form.forces]
+        wrenches, zmp = _felt(layout.maps, layout.bearer, layout.places, forces)
         return Decoded(x[: form.nv], form.torque(x), forces, wrenches, zmp)
 
 
 @compiled
-def _add_up(G: Array, forces: Array, place: Array, wrench: Array, moments: Array) -> None:
-    """A contact's wrench, and what it adds to ``(−m_y, m_x, f_z)`` about the world's origin."""
-    for i in range(6):
-        for k in range(len(forces)):
-            wrench[i] += G[i, k] * forces[k]
-    moments[0] += place[0] * wrench[2] - place[2] * wrench[0] - wrench[4]
-    moments[1] += place[1] * wrench[2] - place[2] * wrench[1] + wrench[3]
-    moments[2] += wrench[2]
-
-
-_NO_FORCE = np.zeros(0)
+def _felt(maps: Array, bearer: Array, places: Array, forces: Array) -> tuple[Array, Array]:
+    """What forces amount to: the wrenches on the contacts, and their zero-moment point, see `Layout` and `Decoded`."""
+    wrenches = np.zeros((len(places), 6))
+    for k in range(len(forces)):
+        for i in range(6):
+            wrenches[bearer[k], i] += maps[i, k] * forces[k]
+    x = y = load = 0.0
+    for k in range(len(places)):
+        fx, fy, fz, mx, my, _ = wrenches[k]
+        x += places[k, 0] * fz - places[k, 2] * fx - my
+        y += places[k, 1] * fz - places[k, 2] * fy + mx
+        load += fz
+    return wrenches, np.array((x / load, y / load)) if load > LEAST_LOAD else np.full(2, np.nan)

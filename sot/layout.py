@@ -33,8 +33,10 @@ class Layout:
 
     Attributes:
         levels: As they were written last.
-        contacts: Number of contacts.
-        footings: Of those that are not off, each with its place among all.
+        maps: From the forces φ of all contacts [N] to the wrench of the floor on their bearers' points, world axes,
+            shape (6, forces).
+        bearer: Whose each of these forces is, shape (forces,).
+        places: Where the points of the contacts are that are not off, shape (contacts, 3) [m].
     """
 
     def __init__(
@@ -44,9 +46,11 @@ class Layout:
         levels: Sequence[tuple[str, Sequence[Task]]],
         rows: Sequence[Rows],
     ) -> None:
-        self.form, self.contacts = form, len(contacts)
+        self.form = form
         self.levels: list[Level] = []
-        self.footings: list[tuple[int, Footing]] = []
+        self.maps, self.places = np.zeros((6, form.forces)), np.zeros((len(contacts), 3))
+        self.bearer = np.repeat(np.arange(len(contacts)), [contact.force_count for contact in contacts])
+        self._footings: list[Footing] = []
         self._equalities: list[tuple[int, float, Equality]] = []
         self._bounds: list[tuple[int, float, Task, _Bounds]] = []
         asked = iter(enumerate(rows))
@@ -72,7 +76,7 @@ class Layout:
     def write(self, tick: Tick, rows: Sequence[Rows]) -> list[Level]:
         """The levels of a tick; its mass matrix and bias are in the form already."""
         form, dynamics = self.form, self._dynamics
-        for _, footing in self.footings:
+        for footing in self._footings:
             footing.write(tick)
         dynamics.A, dynamics.b = form.equation()
         for k, unit, equality in self._equalities:
@@ -97,32 +101,34 @@ class Layout:
 
     def _stand(self, contacts: Sequence[Contact], pile: "_Pile") -> None:
         """What contacts ask of level 0."""
-        end = self.form.nv
+        end = 0
         for k, contact in enumerate(contacts):
-            columns = slice(end, end := end + contact.force_count)
+            own = slice(end, end := end + contact.force_count)
             if contact.mode != "off":
-                self.footings.append((k, Footing(contact, self.form, columns, pile)))
+                self._footings.append(Footing(contact, self.form, own, self.maps[:, own], self.places[k], pile))
 
 
 class Footing:
     """A contact's part of level 0, and of the equation of motion.
 
-    Attributes:
-        columns: Its forces φ among the variables.
-        map: From φ [N] to the wrench of the floor on its point, world axes, shape (6, k).
-        place: Where that point is, shape (3,) [m].
+    Args:
+        contact: One that is not off.
+        form: The variables.
+        own: Its forces φ among those of all contacts.
+        map, place: Where to write its part of `Layout.maps` and `Layout.places`.
+        pile: Level 0.
     """
 
-    def __init__(self, contact: Contact, form: Form, columns: slice, pile: "_Pile") -> None:
-        self.contact, self.columns, self.map = contact, columns, np.zeros((6, 0))
-        self.place = np.zeros(3)
-        self._units = form.units
+    def __init__(self, contact: Contact, form: Form, own: slice, map: Array, place: Array, pile: "_Pile") -> None:
+        self._contact, self._units, self._map, self._place = contact, form.units, map, place
         self._axes = list(contact.held)
+        columns = slice(form.nv + own.start, form.nv + own.stop)
         self._on_motion = form.motion[:, columns]
         block = Block(f"Contact {contact.point}", "m/s²", 1.0, True, _ANY, labels=contact.axes)
         self._held = pile.equality(block, Equality(np.empty((len(self._axes), form.nv)), np.empty(len(self._axes))))
         self._pressure: Equality | None = None
-        if columns.start == columns.stop:
+        self._friction: _Bounds | None = None
+        if own.start == own.stop:
             return
         share = 1.0 / form.units.force
         if links := contact.link_count:
@@ -136,16 +142,15 @@ class Footing:
 
     def write(self, tick: Tick) -> None:
         """Its rows at a tick."""
-        contact, held = self.contact, self._held
+        contact, held = self._contact, self._held
         frame = tick.frame(contact.point)
-        self.place = frame.position
         held.A, held.b = frame.jacobian, contact.acceleration(tick) - frame.drift
         if len(self._axes) < 6:
             held.A, held.b = held.A[self._axes], held.b[self._axes]
-        if self.columns.start == self.columns.stop:
+        self._place[:] = frame.position
+        if self._friction is None:
             return
-        self.map = contact.wrench_map(tick)
-        _press(frame.jacobian, self.map, -self._units.force, self._on_motion)
+        _press(frame.jacobian, contact.wrench_map(tick), -self._units.force, self._map, self._on_motion)
         if self._pressure is not None:
             self._pressure.A = contact.force_equalities(tick)
         F, lower, upper = contact.force_inequalities(self._units.weight)
@@ -197,14 +202,15 @@ def _scaled(lower: Array, upper: Array, offset: Array, share: float, to_lower: A
 
 
 @compiled
-def _press(jacobian: Array, wrenches: Array, scale: float, out: Array) -> None:
-    """``out = scale Jᵀ G``."""
-    for i in range(out.shape[0]):
-        for j in range(out.shape[1]):
+def _press(jacobian: Array, G: Array, scale: float, to_map: Array, to_motion: Array) -> None:
+    """Write a map G to wrenches, and ``scale Jᵀ G``."""
+    to_map[:] = G
+    for i in range(to_motion.shape[0]):
+        for j in range(to_motion.shape[1]):
             total = 0.0
             for k in range(6):
-                total += jacobian[k, i] * wrenches[k, j]
-            out[i, j] = scale * total
+                total += jacobian[k, i] * G[k, j]
+            to_motion[i, j] = scale * total
 
 
 class _Pile:

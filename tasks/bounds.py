@@ -91,26 +91,26 @@ class AccelerationBounds:
     """
 
     def __init__(self, lower: Array, upper: Array, velocity: Array, brake: Array, hard: Array) -> None:
-        self._limits = lower, upper, velocity, brake, hard
+        self._limits = np.array([lower, upper, velocity, brake, hard])
         self.outside = np.zeros(len(lower))
 
     def __call__(self, q: Array, v: Array, period: float) -> tuple[Array, Array]:
         """Smallest and largest acceleration of joints at q, moving with v, for a period [s]; shapes (n,)."""
-        low, high, self.outside = _viable(q, v, period, *self._limits)
+        low, high, self.outside = _viable(q, v, period, self._limits)
         return low, high
 
 
 @compiled
-def _viable(
-    q: Array, v: Array, period: float, lower: Array, upper: Array, velocity: Array, brake: Array, hard: Array
-) -> tuple[Array, Array, Array]:
-    low, high, outside = np.empty(len(q)), np.empty(len(q)), np.zeros(len(q))
+def _viable(q: Array, v: Array, period: float, limits: Array) -> Array:
+    """Least and greatest accelerations, and how far outside the joints are, (3, n)."""
+    lower, upper, velocity, brake, hard = limits
+    out = np.empty((3, len(q)))
     for k in range(len(q)):
-        high[k] = min(max(_largest(upper[k] - q[k], v[k], period, velocity[k], brake[k]), -hard[k]), hard[k])
-        low[k] = -min(max(_largest(q[k] - lower[k], -v[k], period, velocity[k], brake[k]), -hard[k]), hard[k])
-        low[k] = min(low[k], high[k])
-        outside[k] = max(q[k] - upper[k], 0.0) - max(lower[k] - q[k], 0.0)
-    return low, high, outside
+        high = min(max(_largest(upper[k] - q[k], v[k], period, velocity[k], brake[k]), -hard[k]), hard[k])
+        low = -min(max(_largest(q[k] - lower[k], -v[k], period, velocity[k], brake[k]), -hard[k]), hard[k])
+        out[0, k], out[1, k] = min(low, high), high
+        out[2, k] = max(q[k] - upper[k], 0.0) - max(lower[k] - q[k], 0.0)
+    return out
 
 
 @compiled
