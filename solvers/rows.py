@@ -12,6 +12,8 @@ from typing import Protocol
 
 import numpy as np
 
+from solvers.compiled import compiled
+
 Array = np.ndarray
 
 
@@ -98,12 +100,22 @@ class Equality:
 
     def seen(self, X: Array) -> Array:
         """``scale A x`` of all variables x in each row of X, shape (any, m)."""
-        part = X[:, self.start : self.start + self.A.shape[1]]
-        return self.scale * (part[:, self.selects] if self.selects is not None else part @ self.A.T)
+        if self.selects is not None:
+            return _columns(X, self.start + self.selects.start, self.start + self.selects.stop, self.scale)
+        return self.scale * (X[:, self.start : self.start + self.A.shape[1]] @ self.A.T)
 
     def residual(self, x: Array) -> Array:
         """``scale A x - b`` of all variables x, shape (m,)."""
         return self.times(x[self.start : self.start + self.A.shape[1]]) - self.b
+
+
+@compiled
+def _columns(X: Array, start: int, stop: int, scale: float) -> Array:
+    out = np.empty((len(X), stop - start))
+    for i in range(len(X)):
+        for k in range(stop - start):
+            out[i, k] = scale * X[i, start + k]
+    return out
 
 
 @dataclass(slots=True)

@@ -93,19 +93,16 @@ class Proximity:
 
     def found(self, data: pin.Data, pairs: Sequence[int]) -> tuple[Array, Array]:
         """The same of pairs that `near` has just found."""
-        distances, wrenches = [], []
-        for k in pairs:
-            result = self._each[k]
-            distances.append(result.min_distance)
-            # A unit force at the nearest points, from the first to the second: both lie on its line.
-            nx, ny, nz = result.normal.tolist()
-            x, y, z = result.getNearestPoint2().tolist()
-            wrenches.append((nx, ny, nz, y * nz - z * ny, z * nx - x * nz, x * ny - y * nx))
-        return np.array(distances), (np.array(wrenches).reshape(-1, 6) @ data.J) * self._moves[pairs]
+        distances, normals, points = np.empty(len(pairs)), np.empty((len(pairs), 3)), np.empty((len(pairs), 3))
+        for n, k in enumerate(pairs):
+            distances[n], normals[n] = self._each[k].min_distance, self._normals[k]
+            points[n] = self._each[k].getNearestPoint2()
+        return distances, _slopes(normals, points, data.J, self._moves, np.array(pairs, dtype=int))
 
     def _open(self) -> None:
         self._results = self._geometry.createData()
         self._each = list(self._results.distanceResults)  # views: looking them up costs more than a distance
+        self._normals = [result.normal for result in self._each]  # from the first shape to the second; views as well
         for request in self._results.distanceRequests:
             request.gjk_tolerance = GJK_TOLERANCE
 
@@ -129,6 +126,20 @@ def _due(apart: Array, reach: Array, seen: Array, joints: Array, within: Array) 
             least -= reach[k, i] * abs(seen[k, i] - joints[i])
         near[k] = least < within[k]
     return np.flatnonzero(near)
+
+
+@compiled
+def _slopes(normals: Array, points: Array, J: Array, moves: Array, pairs: Array) -> Array:
+    """Jacobian of the distances of some pairs, from what two unit forces along the normals at the points do."""
+    out = np.empty((len(pairs), J.shape[1]))
+    for n in range(len(pairs)):
+        nx, ny, nz = normals[n]
+        x, y, z = points[n]
+        a, b, c = y * nz - z * ny, z * nx - x * nz, x * ny - y * nx
+        for i in range(J.shape[1]):
+            slope = nx * J[0, i] + ny * J[1, i] + nz * J[2, i] + a * J[3, i] + b * J[4, i] + c * J[5, i]
+            out[n, i] = slope * moves[pairs[n], i]
+    return out
 
 
 def _candidates(robot: Robot) -> Iterator[tuple[int, int]]:
