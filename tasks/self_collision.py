@@ -17,8 +17,10 @@ Array = np.ndarray
 
 LOOK = 0.005
 """Pairs of shapes are looked through for those to watch at these intervals [s]."""
+LONGEST = 10.0
+"""Looks for which a pair is left alone at most."""
 SURPRISE = 0.25
-"""How much faster than now a pair may approach by the next look [m/s]."""
+"""How much faster a pair may approach from look to look [m/s]."""
 FAR = 0.1
 """Pairs this much further apart than they may come [m] are not watched: what is too fast for it is stopped harder."""
 BRAKE = 10.0
@@ -52,6 +54,7 @@ class SelfCollision(Task):
         self._limits = least, np.inf, np.inf, BRAKE, np.inf
         self._watched: list[int] = []
         self._looked = -np.inf
+        self._calm = np.full(len(self.pairs), -np.inf)  # times until which pairs may be left alone
         self._make_room(0, robot.nv)
 
     def observe(self, tick: Tick, pairs: Sequence[int]) -> tuple[Array, Array, Array, Array]:
@@ -97,24 +100,46 @@ class SelfCollision(Task):
 
     def _look(self, tick: Tick) -> list[int]:
         """Pairs whose approach may have to be braked before the next look."""
-        proximity, ahead = self._proximity, tick.period + LOOK
-        near = proximity.near(tick.data, tick.q, _within(proximity.fastest(tick.v), ahead, self._least))
+        if tick.t < self._looked:
+            self._calm[:] = -np.inf  # another run
+        proximity, v, period, least = self._proximity, tick.v, tick.period, self._least
+        within = _within(proximity.fastest(v), period, least, self._calm - TIMING, tick.t)
+        near = proximity.near(tick.data, tick.q, within)
         if not near:
             return near
         distances, J = proximity.found(tick.data, near)
-        close = distances < _within(np.maximum(-(J @ tick.v), 0.0), ahead, self._least)
-        return [k for k, watch in zip(near, close, strict=True) if watch]
+        looks = _left_alone(distances, J @ v, period, least)
+        self._calm[near] = tick.t + LOOK * looks
+        return [k for k, later in zip(near, looks.tolist(), strict=True) if not later]
 
 
 @compiled
-def _within(speeds: Array, ahead: float, least: float) -> Array:
-    """Distances [m] within which approaches at some speeds [m/s] cannot be stopped before the least distance, if that
-    is begun some time ahead [s]; not more than `FAR` from it."""
-    within = np.empty(len(speeds))
+def _stopping(speed: float, period: float, looks: float) -> float:
+    """Way on which an approach at a speed [m/s] is stopped if it is watched from so many looks on [m]."""
+    speed = speed + looks * SURPRISE
+    return min(speed * (speed / (2.0 * BRAKE) + period + looks * LOOK), FAR)
+
+
+@compiled
+def _within(speeds: Array, period: float, least: float, calm: Array, t: float) -> Array:
+    """Distances [m] below which pairs that approach at these speeds at most need a closer look."""
+    within = np.full(len(speeds), -np.inf)
     for k in range(len(speeds)):
-        speed = speeds[k] + SURPRISE
-        within[k] = least + min(speed * (speed / (2.0 * BRAKE) + ahead), FAR)
+        if calm[k] <= t:
+            within[k] = least + _stopping(speeds[k], period, 1.0)
     return within
+
+
+@compiled
+def _left_alone(distances: Array, rates: Array, period: float, least: float) -> Array:
+    """For how many looks pairs may be left alone: even if they then have sped up, each time by as much as is allowed
+    for, they are far enough apart to be stopped."""
+    looks = np.zeros(len(distances))
+    for k in range(len(looks)):
+        speed = max(-rates[k], 0.0)
+        while looks[k] < LONGEST and distances[k] >= least + _stopping(speed, period, looks[k] + 1.0):
+            looks[k] += 1.0
+    return looks
 
 
 TIMING = 1e-9  # s: rounding of times
