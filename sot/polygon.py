@@ -99,7 +99,7 @@ def nearest(normals: Array, offsets: Array, point: Array) -> Array:
 
 @compiled
 def _hull(points: Array) -> tuple[Array, Array]:
-    """Edges around points (m, 2): the lower chain and the upper chain of them sorted by x, then y, each turning left."""
+    """Edges around points (m, 2): by x, then y, the lower chain of them and the upper chain, each turning left."""
     points = _sorted(points)
     corners, count = np.empty((2 * len(points), 2)), 0
     for way in (1, -1):

@@ -157,9 +157,7 @@ def _take(
 
 
 @compiled
-def _move(
-    J: Array, v: Array, moved_by: Array, position: Array, velocity: Array, jacobian: Array, drift: Array
-) -> None:
+def _move(J: Array, v: Array, moved_by: Array, position: Array, velocity: Array, jacobian: Array, drift: Array) -> None:
     """A point's velocity, Jacobian and drift from the joints' Jacobian J, whose twists are about the world's origin.
 
     A joint's axis is carried by what it turns: ``J̇_k = V × J_k`` with the twist V (linear, angular) of the body before
