@@ -163,10 +163,10 @@ def _panel(panel: Panel) -> list[str]:
     for curve in reversed(panel.curves):
         style = _style(curve)
         if curve.label:  # beside the title, from the right
-            parts.append(_text(at, TOP - 9.0, curve.label, 10, "end"))
             at -= LETTER * len(curve.label) + 22.0
             y = TOP - 12.5
             parts.append(f"<line {style} x1='{at:.1f}' y1='{y}' x2='{at + 18.0:.1f}' y2='{y}'/>")
+            parts.append(_text(at + 21.0, TOP - 9.0, curve.label, 10, "start"))
             at -= 8.0
     for curve in panel.curves:
         style = _style(curve)
