@@ -11,6 +11,7 @@ import rerun.blueprint as rrb
 from scenarios import planar_arm as arm
 from sim.chart import Curve, Panel, limits, write
 from sim.columns import TIMELINE
+from sot.whole_file import whole
 
 if TYPE_CHECKING:
     from scenarios.planar3r import Track
@@ -54,33 +55,37 @@ def draw(path: Path, tracks: "Mapping[str, Track]", rate: float) -> None:
 def record(path: Path, tracks: "Mapping[str, Track]", rate: float) -> None:
     """The arms beside each other with their tips' paths, and curves of joints and errors."""
     stream = rr.RecordingStream("humanoid-sot")
-    partial = path.with_name(f".{path.name}.part")
-    stream.save(partial, default_blueprint=_layout())
-    stream.send_recording_name(f"planar3r, {rate:g} Hz")
-    for index, (name, track) in enumerate(tracks.items()):
-        aside, times = np.array([SIDE * index, 0.0]), [rr.TimeColumn(TIMELINE, duration=track.time)]
-        shapes = np.zeros((len(track.time), 4, 3), dtype=np.float32)
-        shapes[..., :2] = arm.links(track.q) + aside
-        shapes[..., 1] *= -1.0  # the view's axis points down
-        wanted = np.array([arm.desired(t)[0] for t in track.time])
-        way = np.column_stack([wanted[:, 1], -wanted[:, 0]]) + aside
-        entity = f"arms/{name}"
-        stream.log(f"{entity}/way", rr.LineStrips2D([way], colors=[(200, 60, 60)]), static=True)
-        label = rr.Points2D([aside + np.array([0.0, 0.3])], labels=[name], radii=[0.01], colors=[COLORS[name]])
-        stream.log(f"{entity}/name", label, static=True)
-        stream.log(f"{entity}/links", rr.LineStrips2D.from_fields(colors=[COLORS[name]], radii=[0.025]), static=True)
-        stream.send_columns(f"{entity}/links", times, rr.LineStrips2D.columns(strips=list(shapes[..., :2])))
-        stream.log(f"{entity}/goal", rr.Points2D.from_fields(colors=[(200, 60, 60)], radii=[0.05]), static=True)
-        stream.send_columns(f"{entity}/goal", times, rr.Points2D.columns(positions=way.astype(np.float32)))
-        for kind in ("q", "v", "a"):
-            for joint in range(3):
-                _curve(stream, f"{kind}/{joint + 1}/{name}", times, getattr(track, kind)[:, joint] / arm.DEGREE, name)
-        for k, task in enumerate(arm.TASKS):
-            _curve(stream, f"error/{task}/{name}", times, ERROR_FACTORS[k] * track.error[:, k], name)
-        _curve(stream, f"qps/{name}", times, track.qps.astype(float), name)
-    stream.flush()
-    stream.disconnect()
-    partial.replace(path)
+    with whole(path) as place:
+        stream.save(place, default_blueprint=_layout())
+        stream.send_recording_name(f"planar3r, {rate:g} Hz")
+        for index, (name, track) in enumerate(tracks.items()):
+            _record(stream, name, track, np.array([SIDE * index, 0.0]))
+        stream.flush()
+        stream.disconnect()
+
+
+def _record(stream: rr.RecordingStream, name: str, track: "Track", aside: Array) -> None:
+    """One arm, drawn somewhere."""
+    times = [rr.TimeColumn(TIMELINE, duration=track.time)]
+    shapes = np.zeros((len(track.time), 4, 3), dtype=np.float32)
+    shapes[..., :2] = arm.links(track.q) + aside
+    shapes[..., 1] *= -1.0  # the view's axis points down
+    wanted = np.array([arm.desired(t)[0] for t in track.time])
+    way = np.column_stack([wanted[:, 1], -wanted[:, 0]]) + aside
+    entity = f"arms/{name}"
+    stream.log(f"{entity}/way", rr.LineStrips2D([way], colors=[(200, 60, 60)]), static=True)
+    label = rr.Points2D([aside + np.array([0.0, 0.3])], labels=[name], radii=[0.01], colors=[COLORS[name]])
+    stream.log(f"{entity}/name", label, static=True)
+    stream.log(f"{entity}/links", rr.LineStrips2D.from_fields(colors=[COLORS[name]], radii=[0.025]), static=True)
+    stream.send_columns(f"{entity}/links", times, rr.LineStrips2D.columns(strips=list(shapes[..., :2])))
+    stream.log(f"{entity}/goal", rr.Points2D.from_fields(colors=[(200, 60, 60)], radii=[0.05]), static=True)
+    stream.send_columns(f"{entity}/goal", times, rr.Points2D.columns(positions=way.astype(np.float32)))
+    for kind in ("q", "v", "a"):
+        for joint in range(3):
+            _curve(stream, f"{kind}/{joint + 1}/{name}", times, getattr(track, kind)[:, joint] / arm.DEGREE, name)
+    for k, task in enumerate(arm.TASKS):
+        _curve(stream, f"error/{task}/{name}", times, ERROR_FACTORS[k] * track.error[:, k], name)
+    _curve(stream, f"qps/{name}", times, track.qps.astype(float), name)
 
 
 def _curve(stream: rr.RecordingStream, entity: str, times: list[rr.TimeColumn], values: Array, name: str) -> None:

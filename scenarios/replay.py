@@ -1,6 +1,5 @@
 """A clip, danced by a robot under physics: from the file to the recording and the report."""
 
-import os
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -26,6 +25,7 @@ from sot.motion.plan import Plan, plan
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
 from sot.schedule import Schedule
+from sot.whole_file import whole
 from tasks.editing import edit
 
 Tell = Callable[[str, float | None], object]
@@ -199,9 +199,8 @@ def retarget(request: Replay, out: Path, tell: Tell) -> Plan:
     if out.suffix == ".toml":
         contact_file.write(out, planned.travel.dancer if planned.travel else ())
         return planned
-    partial = out.with_name(f".{out.stem}.part.npz")
-    planned.motion.save(partial)
-    os.replace(partial, out)
+    with whole(out) as place:
+        planned.motion.save(place)
     return planned
 
 

@@ -1,13 +1,14 @@
 """Curves and bars as a picture (SVG) that any browser shows: panels in a grid, each with its axes and a legend."""
 
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
 import numpy as np
+
+from sot.whole_file import whole
 
 Array = np.ndarray
 
@@ -132,9 +133,8 @@ def _save(path: Path, title: str, drawn: Sequence[str], width: float, height: fl
     ]
     parts += drawn
     parts.append("</svg>\n")
-    partial = path.with_name(f".{path.name}.part")
-    partial.write_text("\n".join(parts), encoding="utf-8")
-    os.replace(partial, path)
+    with whole(path) as place:
+        place.write_text("\n".join(parts), encoding="utf-8")
 
 
 def _panel(panel: Panel) -> list[str]:

@@ -1,7 +1,6 @@
 """A run, or several to compare, as one page (HTML) that any browser shows, without a network."""
 
 import json
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from plotly.offline import get_plotlyjs
 from sim import page_plots, report
 from sim.page_plots import COLORS, Plot, Shown
 from sim.traces import Traces
+from sot.whole_file import whole
 
 TEMPLATE = "page.html"
 
@@ -68,9 +68,8 @@ def write(path: Path, names: Sequence[str], reports: Sequence[Mapping[str, Any]]
         sections=_sections(runs),
         library=Markup(get_plotlyjs()),
     )
-    partial = path.with_name(f".{path.name}.part")
-    partial.write_text(page, encoding="utf-8")
-    os.replace(partial, path)
+    with whole(path) as place:
+        place.write_text(page, encoding="utf-8")
 
 
 def _sections(runs: Sequence[Shown]) -> list[Section]:

@@ -1,6 +1,5 @@
 """A run as a rerun recording: the robot beside its reference and the human, and its curves over time."""
 
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,6 +17,7 @@ from sim.visuals import send_visuals
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
+from sot.whole_file import whole
 
 
 def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Plan | None) -> None:
@@ -52,16 +52,15 @@ def recording(path: Path, title: str, about: str, blueprint: rrb.Blueprint) -> I
         about: a text beside it, Markdown.
         blueprint: where the viewer shows what.
     """
-    partial = path.with_name(f".{path.name}.part")
     stream = rr.RecordingStream("humanoid-sot")
-    stream.save(partial, default_blueprint=blueprint)
-    stream.send_recording_name(title)
-    columns = Columns(stream)
-    columns.static("about", rr.TextDocument(about, media_type=rr.MediaType.MARKDOWN))
-    yield columns
-    columns.send()
-    stream.disconnect()
-    os.replace(partial, path)
+    with whole(path) as place:
+        stream.save(place, default_blueprint=blueprint)
+        stream.send_recording_name(title)
+        columns = Columns(stream)
+        columns.static("about", rr.TextDocument(about, media_type=rr.MediaType.MARKDOWN))
+        yield columns
+        columns.send()
+        stream.disconnect()
 
 
 def _about(info: RunInfo, robot: Robot) -> str:

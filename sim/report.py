@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -17,6 +16,7 @@ from sim.reference import hot_reference_us
 from sim.slides import slides, worst
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
+from sot.whole_file import whole
 
 DIGITS = 6
 TOLD = 3
@@ -139,9 +139,8 @@ def _fallbacks(log: RunLog) -> list[dict[str, Any]]:
 
 def write(report: Mapping[str, Any], path: Path) -> None:
     """Write a report as JSON, which appears under its name once it is complete."""
-    partial = path.with_name(f".{path.name}.part")
-    partial.write_text(json.dumps(report, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    os.replace(partial, path)
+    with whole(path) as place:
+        place.write_text(json.dumps(report, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def show(reports: Sequence[Mapping[str, Any]], console: Console) -> None:

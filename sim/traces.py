@@ -4,7 +4,6 @@ A recording holds more, but is twenty times as large, and rerun's ways to read o
 """
 
 import json
-import os
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from sim.support import support_sides
 from sim.timeline import lanes
 from sot.errors import InputError
 from sot.motion.trajectory import Motion
+from sot.whole_file import whole
 
 VERSION = 1
 """Of the file; to be counted up with every change of what is in it."""
@@ -103,10 +103,9 @@ class Traces:
 
     def save(self, path: Path) -> None:
         """Write to a file (`.npz`), which appears under its name once it is complete."""
-        partial = path.with_name(f".{path.stem}.part.npz")
         content: dict[str, Any] = {FACTS: np.array(json.dumps(self.facts)), **self.columns}
-        np.savez_compressed(partial, **content)
-        os.replace(partial, path)
+        with whole(path) as place:
+            np.savez_compressed(place, **content)
 
     @staticmethod
     def load(path: Path) -> "Traces":

@@ -1,7 +1,6 @@
 """The steps of a dance as a text file, to look at, to edit and to give back."""
 
 import math
-import os
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -10,6 +9,7 @@ from sot.errors import InputError
 from sot.motion.footwork import Step
 from sot.robot import FEET
 from sot.toml_file import read_toml
+from sot.whole_file import whole
 
 HEAD = """\
 # When each foot is off the floor, in seconds of the clip. Between its steps a foot stands, where the dancer's does.
@@ -24,9 +24,8 @@ def write(path: Path, steps: Sequence[Step]) -> None:
         f'\n[[step]]\nfoot = "{step.foot.removesuffix("_foot")}"\nlift = {step.lift:.2f}\nland = {step.land:.2f}\n'
         for step in steps
     ]
-    partial = path.with_name(f".{path.name}.part")
-    partial.write_text(HEAD + "".join(blocks), encoding="utf-8")
-    os.replace(partial, path)
+    with whole(path) as place:
+        place.write_text(HEAD + "".join(blocks), encoding="utf-8")
 
 
 def read(path: Path) -> tuple[Step, ...]:
