@@ -14,7 +14,9 @@ Form = Literal["pyramid", "unilateral"]
 
 LARGEST_LOAD = 2.0
 """Normal force of a contact whose ramp is almost over, in weights of the robot."""
-
+LEAST_LOAD = 0.02
+"""Normal force of a contact in the second half of its ramp and beyond, at least, in weights of the robot: a foot that
+does not press leaves the floor by fractions of a millimetre, tilts, and hits it again."""
 SLIDING_LOAD = 0.07, 0.11
 """Least and greatest normal force of a sliding contact, in weights of the robot."""
 SLIDING_SHARE = (SLIDING_LOAD[1] / LARGEST_LOAD) ** (1.0 / 3.0)
@@ -22,6 +24,8 @@ SLIDING_SHARE = (SLIDING_LOAD[1] / LARGEST_LOAD) ** (1.0 / 3.0)
 LEAD = 5
 """Power of the rest of the ramp with which a contact still gives its point the acceleration with which it arrived: most
 of it has gone after a quarter of the ramp, before it moves the foot."""
+SIDES = 8
+"""Of a friction pyramid: with four, a force along an axis has 71 % of the cone's friction, with eight 92 %."""
 STILL = 0.002
 """Speed [m/s] below which a sliding vertex meets less than the whole friction."""
 
@@ -31,8 +35,8 @@ class Contact:
 
     Forms of its force variables φ:
 
-    - "pyramid": a force (x, y, z), in the point's axes, at each vertex, Ramos (3), in the friction pyramid inscribed in
-      the cone.
+    - "pyramid": a force (x, y, z), in the point's axes, at each vertex, Ramos (3), in the friction pyramid of eight
+      sides inscribed in the cone; a foot that stands presses a little, at every vertex.
     - "unilateral": the paper's reduced form, Ramos (7)-(9): the wrench at the frame and the vertices' normal forces,
       linked by three equalities; pressure must not be negative, friction is not limited.
 
@@ -82,7 +86,7 @@ class Contact:
         contact asks for is led over from it within the ramp: no joint's torque steps."""
         self._bounded = -1.0, 0.0, np.empty(0), np.empty(0)  # at which load, and the bounds of the forces then
         self._normals = np.eye(len(vertices))
-        sides = ("+x", "-x", "+y", "-y", "normal")
+        sides = ("+x", "+x+y", "+y", "-x+y", "-x", "-x-y", "-y", "+x-y", "normal")
         self._labels = {
             len(part) * len(vertices): [f"vertex {k} {side}" for k in range(len(vertices)) for side in part]
             for part in (sides, sides[-1:])
@@ -155,8 +159,9 @@ class Contact:
             if self.form == "unilateral":
                 lower, upper = np.zeros(count), np.full(count, top)
             else:
-                lower, upper = np.full(5 * count, -np.inf), np.zeros(5 * count)
-                lower[4::5], upper[4::5] = 0.0, top
+                lower, upper = np.full((SIDES + 1) * count, -np.inf), np.zeros((SIDES + 1) * count)
+                lower[SIDES :: SIDES + 1] = max(0.0, 2.0 * self.load - 1.0) * LEAST_LOAD * weight / count
+                upper[SIDES :: SIDES + 1] = top
             lower.flags.writeable = upper.flags.writeable = False  # the same until the load changes, and known to be
             self._bounded = self.load, weight, lower, upper
         return self._cone, self._bounded[2], self._bounded[3]
@@ -185,10 +190,11 @@ class Contact:
         return np.vstack([forces.T, np.cross(arms, forces).T])
 
     def _pyramids(self) -> Array:
-        """Friction pyramids of all vertices, with the normal force as every fifth row."""
-        mu = self.friction / np.sqrt(2.0)  # inscribed: on its diagonals the pyramid reaches the cone, not beyond
-        corner = np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu], [0, 0, 1]])
-        return np.kron(np.eye(len(self.vertices)), corner)
+        """Friction pyramids of all vertices, with the normal force as the last row of each."""
+        turn = 2.0 * np.pi / SIDES
+        mu = self.friction * np.cos(turn / 2.0)  # inscribed: its edges lie in the cone, and nothing is beyond
+        sides = [(np.cos(k * turn), np.sin(k * turn), -mu) for k in range(SIDES)]
+        return np.kron(np.eye(len(self.vertices)), np.array([*sides, (0.0, 0.0, 1.0)]))
 
 
 @compiled

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from sot.contact import LEAD
 from sot.motion.footfalls import Footfalls
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
@@ -14,13 +15,17 @@ Array = np.ndarray
 DESCENT = 0.1
 SPEED_UP = 0.03
 """Speed at which a foot looks for a floor that it should have reached [m/s], and how long it takes to get there [s]."""
+RELEASE = 0.04
+"""Time within which a foot is led over from what its contact asked for to its path [s]: no joint's torque steps."""
 UP = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 
 
 class SwingFoot(OperationalPoint):
     """Moves a foot along a motion for as long as its contact is off; a foot that stands is not asked for anything.
 
-    Once the motion has the foot on the floor, and the contact is still off, it is lowered at a steady speed.
+    A path may leave the floor with an acceleration, and a foot not be where the path has it: what the foot is asked for
+    begins with what its contact asked for. Once the motion has the foot on the floor, and the contact is still off, it
+    is lowered at a steady speed.
 
     Args:
         robot: The robot.
@@ -36,12 +41,23 @@ class SwingFoot(OperationalPoint):
         self._planned = self._reference
         self._reference = self._lowered
         self._stances = Footfalls(motion.phases, foot)
+        self._stood, self._left = False, (-np.inf, np.zeros(6))  # when it left, with which acceleration
         self._none = np.zeros(0), np.zeros(0), np.zeros((0, robot.nv)), np.zeros(0), np.zeros(0)
 
     def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
         """As an `OperationalPoint` in all axes while the foot swings; no rows while it stands."""
-        swings = any(contact.point == self.point and contact.mode == "off" for contact in tick.contacts)
-        return super().observe(tick) if swings else self._none
+        contact = next((contact for contact in tick.contacts if contact.point == self.point), None)
+        if contact is None or contact.mode != "off":
+            self._stood = contact is not None
+            return self._none
+        if self._stood:
+            self._stood, self._left = False, (tick.t, contact.acceleration(tick))
+        error, rate, J, drift, feedforward = super().observe(tick)
+        start, left = self._left
+        share = 1.0 - (tick.t - start) / RELEASE
+        if share > 0.0:
+            feedforward = feedforward + share**LEAD * (left - feedforward - self.kp * error - self.kd * rate)
+        return error, rate, J, drift, feedforward
 
     def _lowered(self, t: float) -> Pose:
         pose = self._planned(t)

@@ -36,10 +36,6 @@ LIMITS = {  # place in the report: least, greatest
 }
 
 
-ANOTHER_ROBOT = {"contacts.sole_tilt_max_deg": (0.0, 3.0)}
-"""What is asked of robots that are no more than a file: a light foot may tilt as far as feet that step may."""
-
-
 def value(report: dict[str, Any], place: str) -> float:
     for key in place.split("."):
         report = report[key]
@@ -54,9 +50,8 @@ def test_dances_within_all_limits(name, tmp_path):
         pytest.skip(f"{dance.clip} is not here")
     report = replay(dance, tmp_path, lambda what, share: None)
     assert not report["fell"], report["fell_reason"]
-    limits = LIMITS | (ANOTHER_ROBOT if dance.robot.endswith(".toml") else {})
-    figures = {place: value(report, place) for place in limits}
-    beyond = {place: figures[place] for place, (low, high) in limits.items() if not low <= figures[place] <= high}
+    figures = {place: value(report, place) for place in LIMITS}
+    beyond = {place: figures[place] for place, (low, high) in LIMITS.items() if not low <= figures[place] <= high}
     assert beyond == {}
     assert (tmp_path / RECORDING).stat().st_size < 2e6 * report["duration_s"]
     assert (tmp_path / REPORT).is_file()

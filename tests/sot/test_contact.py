@@ -79,7 +79,7 @@ def test_friction_pyramids_lie_in_the_cone_and_touch_it(robot, friction):
     contact = Contact(FOOT, robot.sole(FOOT), friction)
     C, lower, upper = contact.force_inequalities(1000.0)
     count, slopes = len(contact.vertices), []
-    for angle in np.linspace(0, 2 * np.pi, 72, endpoint=False):
+    for angle in np.linspace(0, 2 * np.pi, 80, endpoint=False):
         along = np.array([np.cos(angle), np.sin(angle), 0.0])
         pull = np.kron(np.eye(count)[1], along)  # at one vertex, under a normal force of one newton there
         normal = np.kron(np.eye(count)[1], [0.0, 0.0, 1.0])
@@ -87,8 +87,9 @@ def test_friction_pyramids_lie_in_the_cone_and_touch_it(robot, friction):
         limit = (upper - C @ normal)[reach > 1e-9] / reach[reach > 1e-9]
         slopes.append(limit.min())
     assert max(slopes) == pytest.approx(friction)
-    assert min(slopes) == pytest.approx(friction / np.sqrt(2.0))
-    assert np.all(C @ normal <= upper + 1e-12) and np.all(C @ normal >= lower - 1e-12)
+    assert min(slopes) == pytest.approx(friction * np.cos(np.pi / 8.0))
+    each = np.tile([0.0, 0.0, 10.0], count)
+    assert np.all(C @ each <= upper + 1e-12) and np.all(C @ each >= lower - 1e-12)
     assert np.any(C @ -normal < lower)  # the floor does not pull
 
 
@@ -129,12 +130,26 @@ def test_load_limits_the_normal_force_and_with_it_the_friction(robot, load):
     count = len(contact.vertices)
     assert largest(contact, np.tile([0.0, 0.0, 1.0], count)) == pytest.approx(load**3 * 2000.0, abs=1e-6)
     assert largest(contact, np.tile([1.0, 0.0, 0.0], count)) == pytest.approx(
-        0.5 / np.sqrt(2) * load**3 * 2000, abs=1e-6
+        0.5 * np.cos(np.pi / 8) * load**3 * 2000, abs=1e-6
     )
     contact = Contact(FOOT, robot.sole(FOOT), form="unilateral")
     contact.load = load
     normals = np.concatenate([np.zeros(6), np.ones(count)])
     assert largest(contact, normals) == pytest.approx(load**3 * 2000.0, abs=1e-6)
+
+
+def test_a_foot_that_stands_presses_at_every_vertex_and_in_a_ramp_only_as_it_may(robot):
+    contact = Contact(FOOT, robot.sole(FOOT))
+    presses = []
+    for contact.load in np.linspace(0.0, 1.0, 11):
+        C, lower, upper = contact.force_inequalities(1000.0)
+        normals = C[:, 2::3].sum(axis=1) == 1.0
+        least, most = lower[normals], upper[normals]
+        assert len(least) == len(contact.vertices) and np.ptp(least) == 0.0
+        assert np.all(least <= 0.1 * most)
+        presses.append(least.sum())
+    assert presses[0] == presses[5] == 0.0 and presses[10] == pytest.approx(20.0)
+    assert np.diff(presses).max() < 5.0  # as gradually as the ramp
 
 
 def test_full_load_is_not_limited(robot):

@@ -58,3 +58,29 @@ def test_a_late_foot_is_lowered_steadily_and_without_a_kick(robot, motion):
     assert speed[0] < 0.02
     np.testing.assert_allclose(speed[8:], 0.1, rtol=0.02)
     assert np.abs(np.diff(speed)).max() < 0.02
+
+
+def test_a_foot_leaves_with_what_its_contact_asked_for_and_is_led_over_to_its_path(robot, motion):
+    """Off its path: a foot that stood beside its place is not pulled there at once."""
+    task, tick, contact = SwingFoot(robot, FOOT, motion), Tick(robot), Contact(FOOT, robot.sole(FOOT))
+    tick.contacts = [contact]
+    there = motion.sample(FIRST + 0.05)
+    velocity = there.v + 0.01
+
+    def wanted(mode: str, t: float) -> np.ndarray:
+        contact.mode = mode
+        tick.update(t, there.q, velocity)
+        rows = task.rows(tick)
+        return rows.lower + tick.frame(FOOT).drift if mode == "off" else np.zeros(0)
+
+    wanted("fixed", FIRST - 0.001)
+    stood = contact.acceleration(tick)
+    np.testing.assert_allclose(wanted("off", FIRST), stood)
+    plain, shares = SwingFoot(robot, FOOT, motion), []  # never saw it stand
+    for t in FIRST + np.arange(0.0, 0.05, 0.002):
+        led, path = wanted("off", t), plain.rows(tick).lower + tick.frame(FOOT).drift
+        lead = led - path
+        shares.append(lead @ (stood - path) / ((stood - path) @ (stood - path)))
+        np.testing.assert_allclose(lead, shares[-1] * (stood - path), atol=1e-9)
+    assert shares[0] == pytest.approx(1.0) and np.abs(shares[20:]).max() < 1e-12
+    assert np.all(np.diff(shares[:20]) < 0.0) and -np.diff(shares).min() < 0.25
