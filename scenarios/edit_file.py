@@ -10,7 +10,7 @@ from sot.motion.edit import EASE, Edit
 from sot.task import AXIS_NAMES
 from sot.toml_file import read_toml
 
-KEYS = ("point", "joint", "axis", "by", "through", "function", "target", "from", "to", "ease")
+KEYS = ("point", "joint", "axis", "by", "through", "function", "target", "from", "to", "ease", "limb_only")
 
 
 def read(path: Path) -> tuple[Edit, ...]:
@@ -51,6 +51,9 @@ def _edit(path: Path, place: str, entry: dict[str, object]) -> Edit:
         by = _function(path, place, entry["function"], unit)
     elif "by" in entry:
         by = unit * _number(place, "by", entry["by"])
+    limb_only = entry.get("limb_only", False)
+    if not isinstance(limb_only, bool):
+        raise InputError(f"{place}: limb_only is true or false, not {limb_only!r}")
     return Edit(
         of=of,
         axis=None if axis is None else str(axis),
@@ -60,6 +63,7 @@ def _edit(path: Path, place: str, entry: dict[str, object]) -> Edit:
         start=_number(place, "from", entry["from"]) if "from" in entry else None,
         end=_number(place, "to", entry["to"]) if "to" in entry else None,
         ease=_number(place, "ease", entry.get("ease", EASE)),
+        limb_only=limb_only,
         place=place,
     )
 

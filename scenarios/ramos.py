@@ -13,7 +13,19 @@ from scenarios.clips import locate
 from scenarios.ramos_edits import hand_edits, knee_edits, oscillating_knees, raises, slid, without
 from scenarios.ramos_figures import geometric_figures, hand_figures, knee_figures, slide_figures
 from scenarios.ramos_view import Three, draw_curves, draw_thumbnails, record
-from scenarios.replay import RECORDING, REPORT, TIMELINE, Replay, Tell, check_writable, keep, make_solver, perform
+from scenarios.replay import (
+    RECORDING,
+    REPORT,
+    TIMELINE,
+    Dance,
+    Replay,
+    Tell,
+    check_writable,
+    composed,
+    keep,
+    make_solver,
+    perform,
+)
 from scenarios.stack_file import Composer, Composition
 from sim import report, timeline
 from sot.contact import Contact
@@ -21,9 +33,10 @@ from sot.motion import Human, plan, read, recognise
 from sot.motion.edit import Edit
 from sot.motion.human import SIDES
 from sot.motion.oscillation import find_oscillations
-from sot.motion.plan import NOISE_HZ, sampled
+from sot.motion.plan import NOISE_HZ, Plan, sampled
 from sot.motion.slides import AHEAD
 from sot.motion.trajectory import Motion
+from sot.rehearsal import rebalanced, rehearsed
 from sot.robot import Robot
 from sot.sliding import Sliding
 from sot.stack import Stack
@@ -69,12 +82,12 @@ def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
     planned = plan(human, robot, "planted", request.rate, height=HEIGHT)
     sliding = plan(human, robot, "planted", request.rate, slide=AHEAD, height=HEIGHT)
     geometric = sampled(robot, planned.imitation, planned.motion.phases, request.rate)
-    posture = perform(request, posture_only(KEPT), planned.motion, planned, tell)
+    posture = _danced(request, posture_only(KEPT), planned, tell)
     slides = slid(sliding)
     knees = oscillating_knees(planned, slides)
     raised = without(raises(planned, posture.run.log.trimmed()), slides)
     edits = (*knee_edits(sliding, knees), *hand_edits(sliding, raised))
-    final = perform(request, posture_only(HAND_KEPT, edits), sliding.motion, sliding, tell)
+    final = _danced(request, posture_only(HAND_KEPT, edits), sliding, tell)
     logs = posture.run.log.trimmed(), final.run.log.trimmed()
     three = Three(planned, geometric, *logs, knees, raised, slides)
 
@@ -141,6 +154,14 @@ def show(figures: dict[str, Any], console: Console) -> None:
     console.print(table)
     for line in figures["edits"]:
         console.print(line, soft_wrap=True, highlight=False)
+
+
+def _danced(request: Replay, compose: Composer, planned: Plan, tell: Tell) -> Dance:
+    """A plan danced with a stack, its balance planned for what the stack makes of it."""
+    tell("rehearsing", None)
+    stack, schedule, _ = composed(request, compose, planned.motion)
+    motion = rebalanced(planned.motion, rehearsed(planned.motion, stack, make_solver(request.solver), schedule))
+    return perform(request, compose, motion, planned, tell)
 
 
 def part(human: Human, start: float, duration: float | None) -> tuple[float, float]:

@@ -143,7 +143,7 @@ def hand_edits(planned: Plan, spans: Sequence[Span]) -> list[Edit]:
     wanted = dancers_height(planned)
     own = Points.of(planned.motion.robot, knots(planned)[: len(wanted)], (HAND,)).positions[HAND][:, 2]
     by = curve(slow_part(wanted - own, PLAN_RATE, HAND_HZ))
-    return [Edit(HAND, "z", by=by, start=start, end=end) for start, end in spans]
+    return [Edit(HAND, "z", by=by, start=start, end=end, limb_only=True) for start, end in spans]
 
 
 def curve(values: Array) -> Callable[[float], float]:

@@ -25,6 +25,7 @@ from sot.motion.plan import Plan, plan
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
 from sot.schedule import Schedule
+from sot.stack import Stack
 from sot.whole_file import whole
 from tasks.editing import edit
 
@@ -149,12 +150,7 @@ def perform(request: Replay, compose: Composer, motion: Motion, planned: Plan | 
         InputError: anything in the request that does not fit.
     """
     robot, solver = motion.robot, make_solver(request.solver)
-    stack, schedule, edits = compose(robot, motion)
-    told: list[str] = []
-    if edits:
-        schedule = schedule or Schedule()
-        with blamed(request.stack):
-            told = edit(stack, schedule, motion, edits)
+    stack, schedule, told = composed(request, compose, motion)
     controller = Controller(robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
     world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes)
     tell("starting (the first time on a machine this compiles, for half a minute)", None)
@@ -174,7 +170,21 @@ def perform(request: Replay, compose: Composer, motion: Motion, planned: Plan | 
         mismatch=request.mismatch,
         pushes=request.pushes,
     )
-    return Dance(done, info, motion, planned, tuple(told))
+    return Dance(done, info, motion, planned, told)
+
+
+def composed(request: Replay, compose: Composer, motion: Motion) -> tuple[Stack, Schedule | None, tuple[str, ...]]:
+    """A stack for a motion, its changes over time, edits among them, and a line for each edit.
+
+    Raises:
+        InputError: anything that does not fit the motion.
+    """
+    stack, schedule, edits = compose(motion.robot, motion)
+    if not edits:
+        return stack, schedule, ()
+    schedule = schedule or Schedule()
+    with blamed(request.stack):
+        return stack, schedule, tuple(edit(stack, schedule, motion, edits))
 
 
 def _compile(motion: Motion) -> None:

@@ -81,13 +81,15 @@ class Contact:
         self.vertices = vertices - inset * np.sign(vertices - centre) * [1.0, 1.0, 0.0]
         self.friction, self.stiffness, self.damping = friction, stiffness, damping
         self.way, self.sliding_friction = way, sliding_friction
+        self.sticks = False
+        """Whether, while fixed, it gives any force that is needed: no floor does, but it tells what would be."""
         self.arrival: Array | None = None
         """Acceleration (6,) that the point was given before the contact was made, world axes [m/s², rad/s²]. What the
         contact asks for is led over from it within the ramp: no joint's torque steps."""
         self._bounded = -1.0, 0.0, np.empty(0), np.empty(0)  # at which load, and the bounds of the forces then
         self._normals = np.eye(len(vertices))
         sides = ("+x", "+x+y", "+y", "-x+y", "-x", "-x-y", "-y", "+x-y", "normal")
-        self._labels = {
+        self._labels: dict[int, list[str]] = {0: []} | {
             len(part) * len(vertices): [f"vertex {k} {side}" for k in range(len(vertices)) for side in part]
             for part in (sides, sides[-1:])
         }
@@ -149,6 +151,8 @@ class Contact:
 
     def force_inequalities(self, weight: float) -> tuple[Array, Array, Array]:
         """Rows ``lower <= C φ <= upper``; `weight` is the robot's [N]."""
+        if self.sticks and self.mode == "fixed":
+            return np.zeros((0, self.force_count)), np.zeros(0), np.zeros(0)
         if self.mode == "sliding":
             count = len(self.vertices)
             least, most = (share * weight / count for share in SLIDING_LOAD)

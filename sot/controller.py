@@ -78,7 +78,6 @@ class Controller:
         self._held, self._least = np.zeros(robot.na), -robot.effort
         self._explained = -np.inf
         self._off: list[Contact] = []  # contacts that were, a tick ago
-        self._acceleration = np.zeros(robot.nv)
 
     def __call__(self, t: float, q: Array, v: Array, loads: Mapping[str, float] | None = None) -> Command:
         """One tick: the state at time `t` [s], Pinocchio's conventions, to torques.
@@ -102,7 +101,7 @@ class Controller:
             # Only rounding is left to clip: the bounds are rows of level 0.
             torque = np.minimum(np.maximum(decoded.torque, self._least), robot.effort)
             acceleration, wrenches, zmp = decoded.acceleration, decoded.wrenches, decoded.zmp
-            self._held, self._acceleration = torque, acceleration
+            self._held, self.tick.acceleration = torque, acceleration
         else:
             # Always from the last torque that was solved for: damping added to damping would become a stiffness.
             torque = np.clip(self._held - HOLD_DAMPING * v[6:], -robot.effort, robot.effort)
@@ -130,5 +129,5 @@ class Controller:
         for contact in self._off:
             if contact.mode != "off":
                 frame = self.tick.frame(contact.point)  # of the last tick still
-                contact.arrival = frame.jacobian @ self._acceleration + frame.drift
+                contact.arrival = frame.jacobian @ self.tick.acceleration + frame.drift
         self._off = [contact for contact in contacts if contact.mode == "off"]

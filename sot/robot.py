@@ -134,6 +134,21 @@ class Robot:
         except KeyError:
             raise InputError(f"{self.name} has no foot '{foot}': choose one of {', '.join(self.soles)}") from None
 
+    def joint_numbers(self, joints: str | Sequence[str]) -> np.ndarray:
+        """Numbers (n,) of the joints of a group, or of some that are named.
+
+        Raises:
+            InputError: the robot has no such group or joint.
+        """
+        if isinstance(joints, str):
+            if joints not in self.groups:
+                raise InputError(f"{self.name} has no joint group '{joints}': it has {', '.join(self.groups)}")
+            return np.array(self.groups[joints])
+        unknown = [name for name in joints if name not in self.joints]
+        if unknown:
+            raise InputError(f"{self.name} has no joint '{unknown[0]}': it has {', '.join(self.joints)}")
+        return np.array([self.joints.index(name) for name in joints])
+
 
 @lru_cache
 def _load(path: Path) -> Robot:

@@ -46,6 +46,7 @@ class Tick:
         t: Time [s].
         period: Control period, from this tick to the next [s].
         contacts: The contacts of this tick, those that are off included.
+        acceleration: What the controller commanded a tick ago, v̇ (nv,); none at first.
         q, v: State, Pinocchio's conventions, shapes (nq,), (nv,).
         M: Mass matrix with the rotors' inertia, shape (nv, nv).
         h: Coriolis, centrifugal and gravity forces, and what the joints' damping and friction take, so that
@@ -58,6 +59,7 @@ class Tick:
         self.t = 0.0
         self.period = period
         self.contacts: Sequence[Contact] = ()
+        self.acceleration = np.zeros(robot.nv)
         self.data = data = robot.model.createData()
         # Live views of where Pinocchio writes: to ask it for them anew takes longer than to compute what is in them.
         self.M, self.com = data.M, data.com[0]

@@ -12,12 +12,20 @@ from sot.task import AXIS_NAMES, Task
 from tasks.operational_point import AXES, OperationalPoint
 from tasks.posture import Posture
 
+GUIDE = 0.3
+"""Weight of a limb's planned motion [m] beside what is edited of its point: what a joint's lever would have to be for
+both to count alike."""
+
 
 def edit(stack: Stack, schedule: Schedule, motion: Motion, edits: Sequence[Edit]) -> list[str]:
     """Let edits of a motion come and go; the reference is x_n(t) = x_o(t) + x_m(t).
 
     What is edited of one point or joint has a level of its own, before the first level that has the posture of the limb
     which it moves, or another task on the same point. That posture stays, as a guide for what the edit leaves open.
+
+    An edit that is `limb_only` moves the limb's joints and no others: where they cannot do it, the rest of the body
+    does not jump in. In its level the limb is guided by its planned motion, feed-forward included: a stretched arm,
+    which cannot move along itself, does not flail.
 
     Args:
         stack: Of the robot; its levels are as when the edits come.
@@ -33,6 +41,8 @@ def edit(stack: Stack, schedule: Schedule, motion: Motion, edits: Sequence[Edit]
     """
     for one in edits:
         one.check(motion.robot, motion.duration)
+        if one.limb_only and len(_limb(motion.robot, one)) == motion.robot.na:
+            raise one.error(f"{one.of} is on no limb: leave limb_only out")
     for (k, one), (_, other) in combinations(enumerate(edits, 1), 2):
         if one.meets(other):
             start, end = max(one.span[0], other.span[0]), min(one.span[1], other.span[1])
@@ -44,10 +54,13 @@ def edit(stack: Stack, schedule: Schedule, motion: Motion, edits: Sequence[Edit]
         outranked = _outranked(stack, motion.robot, [other for other, _ in own])
         task = _task(motion, one, own, f"edit {k}")
         start, end = one.span
+        level = f"{one.of} edited"
         # The task is there before anything changes, and until nothing does any more.
-        schedule.add(start - RAMP, task, f"{one.of} edited", before=outranked).remove(end + RAMP, task.name)
+        for asked in [task, *_guides(motion, one, edits, f"edit {k} guide")]:
+            schedule.add(start - RAMP, asked, level, before=outranked).remove(end + RAMP, asked.name)
         over = f"outranks '{outranked}', which stays as a guide" if outranked else "has no posture to outrank"
-        lines.append(f"edit {k}: {_what(one)}, {start:g} to {end:g} s: {over}")
+        alone = ", by its limb alone" if one.limb_only else ""
+        lines.append(f"edit {k}: {_what(one)}, {start:g} to {end:g} s{alone}: {over}")
     return lines
 
 
@@ -57,7 +70,16 @@ def _task(motion: Motion, one: Edit, own: Sequence[tuple[Edit, Change]], name: s
         reference = edited_joints(motion.robot, motion.joints, {one.of: [change for _, change in own]})
         return Posture(motion.robot, reference, [one.of], name=name)
     path = edited_point(motion.pose(one.of), [(other.rows, change) for other, change in own])
-    return OperationalPoint(motion.robot, one.of, path, "".join(AXES[row] for row in one.rows), name=name)
+    axes, limb = "".join(AXES[row] for row in one.rows), sorted(_limb(motion.robot, one)) if one.limb_only else None
+    return OperationalPoint(motion.robot, one.of, path, axes, name=name, joints=limb)
+
+
+def _guides(motion: Motion, one: Edit, edits: Sequence[Edit], name: str) -> list[Task]:
+    """The planned motion of a limb that does an edit alone, but for joints that are edited themselves."""
+    if not one.limb_only:
+        return []
+    free = _limb(motion.robot, one) - {other.of for other in edits}
+    return [Posture(motion.robot, motion.joints, sorted(free), weight=GUIDE, name=name)]
 
 
 def _what(one: Edit) -> str:

@@ -1,5 +1,7 @@
 """Position and orientation of a point of the robot, any axes of them, Ramos (18)-(19)."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pinocchio as pin
 
@@ -24,9 +26,12 @@ class OperationalPoint(MotionTask):
         axes: Any of "xyz" (position) and "RPY" (rotation about the world's X, Y, Z), the selection of Ramos (18).
         kp, kd, weight: As for `MotionTask`.
         name: Unless given, the point and its axes.
+        joints: A joint group or names of joints that alone are to move the point, all and the base unless given. What
+            the others do with it is taken to be what they were commanded a tick ago (`Tick.acceleration`).
 
     Raises:
-        InputError: If the robot has no such point, the axes are others, or a position is to give an orientation.
+        InputError: If the robot has no such point or joint, the axes are others, or a position is to give an
+            orientation.
     """
 
     def __init__(
@@ -39,6 +44,7 @@ class OperationalPoint(MotionTask):
         kd: float | None = None,
         weight: float = 1.0,
         name: str | None = None,
+        joints: str | Sequence[str] | None = None,
     ) -> None:
         if not axes or set(axes) - set(AXES) or len(set(axes)) < len(axes):
             raise InputError(f"axes '{axes}' of {point}: choose some of {AXES}, each once")
@@ -57,6 +63,9 @@ class OperationalPoint(MotionTask):
         if np.array_equal(self.selected, np.arange(self.selected[0], self.selected[-1] + 1)):
             self._of = slice(int(self.selected[0]), int(self.selected[-1]) + 1)
         self._reference: PoseReference = reference if callable(reference) else _still(reference)
+        self._others: Array | None = None
+        if joints is not None:
+            self._others = np.setdiff1d(np.arange(robot.nv), 6 + robot.joint_numbers(joints))
 
     def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
         """Error, its rate, J, J̇ v and feed-forward in the selected axes; orientation errors as rotation vectors."""
@@ -64,7 +73,12 @@ class OperationalPoint(MotionTask):
         error, rate = _deviation(
             frame.position, frame.rotation, frame.velocity, target.position, target.rotation, target.velocity
         )
-        return error[of], rate[of], frame.jacobian[of], frame.drift[of], target.acceleration[of]
+        J, drift = frame.jacobian[of], frame.drift[of]
+        if self._others is not None:
+            J = J.copy()
+            drift = drift + J[:, self._others] @ tick.acceleration[self._others]
+            J[:, self._others] = 0.0
+        return error[of], rate[of], J, drift, target.acceleration[of]
 
 
 @compiled

@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from sot.errors import InputError
 from sot.robot import Robot
 from sot.task import MotionTask
 from sot.tick import Tick
@@ -42,7 +41,7 @@ class Posture(MotionTask):
     ) -> None:
         label = "Posture" if joints is None else f"Posture {joints if isinstance(joints, str) else ' '.join(joints)}"
         super().__init__(name or label, "rad/s²", "rad", kp, kd, weight)
-        self.joints = _indices(robot, joints)
+        self.joints = np.arange(robot.na) if joints is None else robot.joint_numbers(joints)
         self.labels = [robot.joints[joint] for joint in self.joints]
         self.feedforward = feedforward
         self._reference: JointReference
@@ -67,16 +66,3 @@ class Posture(MotionTask):
         of = self._of
         forward = acceleration[of] if self.feedforward else self._no_drift
         return position[of] - tick.q[7:][of], velocity[of] - tick.v[6:][of], self._J, self._no_drift, forward
-
-
-def _indices(robot: Robot, joints: str | Sequence[str] | None) -> Array:
-    if joints is None:
-        return np.arange(robot.na)
-    if isinstance(joints, str):
-        if joints not in robot.groups:
-            raise InputError(f"{robot.name} has no joint group '{joints}': it has {', '.join(robot.groups)}")
-        return np.array(robot.groups[joints])
-    unknown = [name for name in joints if name not in robot.joints]
-    if unknown:
-        raise InputError(f"{robot.name} has no joint '{unknown[0]}': it has {', '.join(robot.joints)}")
-    return np.array([robot.joints.index(name) for name in joints])

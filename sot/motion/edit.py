@@ -37,6 +37,7 @@ class Edit:
         target: where the point goes, in the world [m].
         start, end: when it happens [s]; way-points have their own times.
         ease: how long the way in and the way out take [s].
+        limb_only: whether the limb does it alone, and the rest of the body does not help.
         place: where it was written, for messages.
 
     Raises:
@@ -51,6 +52,7 @@ class Edit:
     start: float | None = None
     end: float | None = None
     ease: float = EASE
+    limb_only: bool = False
     place: str = ""
 
     def __post_init__(self) -> None:
@@ -59,6 +61,8 @@ class Edit:
             raise self.error(f"give one of by, through and target, not {' and '.join(changes) or 'none'}")
         if self.axis is not None and self.axis not in AXIS_NAMES:
             raise self.error(f"{self.of} has no axis '{self.axis}': choose one of {', '.join(AXIS_NAMES)}")
+        if self.limb_only and self.target is None and self.axis is None:
+            raise self.error("only points have a limb that moves them: leave limb_only out")
         if self.target is not None and self.axis is not None:
             raise self.error("a target is a place, x, y and z: leave the axis out")
         if not 0.0 < self.ease < np.inf:

@@ -123,6 +123,7 @@ ON_HAND = '[[edit]]\npoint = "right_hand"\n'
 BAD_EDITS = {
     "not TOML": ("[[edit]\n", "edits.toml: not a TOML file"),
     "something else": ("[edit]\nby = 1\n", "something else than [[edit]] tables"),
+    "limb_only": (ON_HAND + "by = 0.1\nlimb_only = 1\n", "edits.toml: edit 1: limb_only is true or false, not 1"),
     "key": (ON_HAND + "by_how_much = 0.1\n", "edits.toml: edit 1 has an unknown key 'by_how_much'"),
     "nothing named": ("[[edit]]\nby = 0.1\n", "edits.toml: edit 1: give a point or a joint"),
     "point": ('[[edit]]\npoint = "tail"\naxis = "z"\nby = 0.1\nfrom = 0\nto = 1\n', "edit 1: hrp2 has no point 'tail'"),

@@ -8,6 +8,7 @@ from sot.errors import InputError
 from sot.motion.edit import Edit
 from sot.robot import Robot
 from sot.schedule import Schedule
+from sot.tick import Tick
 from tasks import OperationalPoint, Posture
 from tasks.editing import edit
 from tests.sim.runs import still_motion
@@ -87,3 +88,30 @@ def test_two_edits_of_the_same_thing_at_the_same_time_are_refused(motion):
     later = Edit("right_hand", target=(0.4, -0.3, 1.0), start=2.0, end=3.0)
     turned = Edit("right_hand", "yaw", by=0.1, start=1.0, end=2.0)
     assert len(edit(stacks.planted(motion.robot, motion), Schedule(), motion, [first, later, turned])) == 3
+
+
+def test_a_limb_does_an_edit_alone_guided_by_what_was_planned_for_it(motion):
+    robot, stack, schedule = motion.robot, stacks.planted(motion.robot, motion), Schedule()
+    edits = [
+        Edit("right_hand", "z", by=0.1, start=1.0, end=3.0, limb_only=True),
+        Edit("RARM5", by=0.2, start=1.5, end=3.5),
+    ]
+    lines = edit(stack, schedule, motion, edits)
+    assert lines[0] == "edit 1: right_hand z, 1 to 3 s, by its limb alone: outranks 'posture', which stays as a guide"
+    for t in np.arange(0.0, 2.5, 0.01):
+        schedule.apply(t, stack)
+    hand, guide = dict(stack.levels)["right_hand edited"]
+    arm = {robot.joints[k] for k in robot.groups["right_arm"]}
+    assert set(guide.labels) == arm - {"RARM5"} and guide.feedforward
+    columns = np.flatnonzero(np.abs(hand.rows(Tick(robot)).A).sum(axis=0))
+    assert {robot.joints[k - 6] for k in columns} <= arm
+    schedule.apply(3.3, stack)
+    assert "right_hand edited" not in order(stack)
+
+
+def test_what_is_on_no_limb_has_none_that_does_it_alone(motion):
+    with pytest.raises(InputError, match="waist is on no limb"):
+        one = Edit("waist", "z", by=0.1, start=1.0, end=3.0, limb_only=True)
+        edit(stacks.planted(motion.robot, motion), Schedule(), motion, [one])
+    with pytest.raises(InputError, match="only points have a limb"):
+        Edit("RARM5", by=0.1, start=1.0, end=3.0, limb_only=True)

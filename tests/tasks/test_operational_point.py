@@ -117,3 +117,22 @@ def test_wrong_points_and_axes_are_refused(robot):
     with pytest.raises(InputError, match="a target position has no orientation"):
         OperationalPoint(robot, "head", np.zeros(3))
     OperationalPoint(robot, "head", np.zeros(3), "xyz")
+
+
+def test_a_limb_alone_adds_what_the_others_were_commanded(robot):
+    """With the other joints and the base as commanded a tick ago, its rows ask for what those of the whole body do."""
+    rng = np.random.default_rng(6)
+    tick = Tick(robot).update(0.0, *random_state(robot, rng))
+    tick.acceleration = rng.standard_normal(robot.nv)
+    target = placement(tick, "right_hand")
+    target.translation[:] += 0.1
+    whole = OperationalPoint(robot, "right_hand", target, "xz").rows(tick)
+    alone = OperationalPoint(robot, "right_hand", target, "xz", joints="right_arm").rows(tick)
+    arm = 6 + robot.joint_numbers("right_arm")
+    assert np.abs(np.delete(alone.A, arm, axis=1)).max() == 0.0
+    np.testing.assert_array_equal(alone.A[:, arm], whole.A[:, arm])
+    acceleration = tick.acceleration.copy()
+    acceleration[arm] = rng.standard_normal(len(arm))
+    np.testing.assert_allclose(alone.A @ acceleration - alone.lower, whole.A @ acceleration - whole.lower, atol=1e-9)
+    with pytest.raises(InputError, match="no joint group 'tail'"):
+        OperationalPoint(robot, "right_hand", target, joints="tail")
