@@ -61,7 +61,7 @@ def write(path: Path, names: Sequence[str], reports: Sequence[Mapping[str, Any]]
         title=" and ".join(names) if len(names) < 4 else f"{len(names)} runs",
         runs=runs,
         reports=reports,
-        summary=[line for line in report.lines(reports) if set(line[1]) != {"-"}],
+        summary=list(report.lines(reports)),
         remarks=[
             (name, said) for name, one in zip(names, reports, strict=True) for said in (*one["remarks"], *one["edits"])
         ],

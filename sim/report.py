@@ -178,13 +178,17 @@ def _explained(solver: Mapping[str, Any]) -> Iterator[str]:
 def lines(reports: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[str], str, str]]:
     """Reports in plain words: what a line is about, its figure in each report, unit, and what to aim for.
 
+    What no report has a figure of has no line: slides where no foot slid, pushes of a run that nobody pushed.
+
     Raises:
         KeyError: a report lacks a figure.
     """
     yield "how it ended", [_ending(report) for report in reports], "", ""
+    pushed = any(report["pushes"]["given"] for report in reports)
     for place, words, factor, unit, aim in LINES:
         values = [figure_at(report, place) for report in reports]
-        yield words, ["-" if value is None else _digits(factor * value) for value in values], unit, aim
+        if (pushed or not place.startswith("pushes.")) and any(value is not None for value in values):
+            yield words, ["-" if value is None else _digits(factor * value) for value in values], unit, aim
 
 
 def _ending(report: Mapping[str, Any]) -> str:

@@ -13,7 +13,7 @@ from sim import figures
 from sim.log import FOOT_OFF, FOOT_SLIDING, Fallback, RunInfo, RunLog
 from sim.push import Push
 from sim.reference import Reference, hot_reference_us
-from sim.report import report, show, write
+from sim.report import lines, report, show, write
 from solvers.rows import Status
 from sot.motion.flight import Flight, remark
 from sot.motion.trajectory import Motion
@@ -264,7 +264,17 @@ def test_writes_whole_json_and_a_table(motion, log, tmp_path: Path):
     assert read["likeness"]["segment_deg"] is None
     console = Console(file=StringIO(), width=100)
     show([made, made], console)
-    assert "fell at 1.50 s: the waist sank" in " ".join(console.file.getvalue().split())
+    shown = " ".join(console.file.getvalue().split())
+    assert "fell at 1.50 s: the waist sank" in shown
+    assert "slide" not in shown and "pushes" not in shown
+
+
+def test_what_one_of_two_runs_has_is_told_of_both(motion, log):
+    pushed = replace(INFO, pushes=(Push(1.0, (80.0, 0.0, 0.0)),))
+    calm, other = (report(log, info, 0.5, motion, same_plan(motion)) for info in (INFO, pushed))
+    told = {words: values for words, values, _, _ in lines([calm, other])}
+    assert told["pushes survived"] == ["0", "1"]
+    assert told["strongest push survived"] == ["-", "8"]
 
 
 def test_reference_computation_takes_time():
