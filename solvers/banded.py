@@ -15,7 +15,7 @@ from scipy.linalg.lapack import dpbtrf, dpbtrs
 Array = NDArray[np.float64]
 
 TO_THE_BOUNDARY = 0.995
-START = 100.0  # multiplier of a limit at first, in half the room
+PRICE = 100.0  # usual of a limit, in half the room
 VIOLATION = 1e-5  # of half the room, what a limit may be missed by
 STATIONARY, ROUNDING = 1e-9, 1e-13  # what may be left of the gradient, of its start and of the largest curvature
 
@@ -35,7 +35,7 @@ class BandedQP:
 
     The structure of the limits is analysed once; `solve` may then be called with many H and g. The method is
     Mehrotra's predictor-corrector; where no limit is active, the unconstrained minimum is returned at once. Objectives
-    are expected to count squares of errors, in errors that one is ready to accept: START and `solve`'s tolerance do.
+    are expected to count squares of errors, in errors that one is ready to accept: PRICE and `solve`'s tolerance do.
     """
 
     def __init__(self, A: sp.sparray, lower: Array, upper: Array, band: int):
@@ -63,7 +63,13 @@ class BandedQP:
         self._cells, self._fold = _folding(self._G, band)
 
     def solve(
-        self, H: Array, g: Array, around: Array | None = None, iterations: int = 60, tolerance: float = 1e-3
+        self,
+        H: Array,
+        g: Array,
+        around: Array | None = None,
+        price: float = PRICE,
+        iterations: int = 60,
+        tolerance: float = 1e-3,
     ) -> BandedSolution:
         """The minimum, for a Hessian and a gradient of one's own.
 
@@ -71,6 +77,7 @@ class BandedQP:
             H: (n, band + 1) lower diagonals of the positive definite Hessian, `H[j, i - j] = H_ij`.
             g: (n,) gradient at `around`.
             around: (n,) point about which the objective is expanded, zero unless given.
+            price: multipliers that are to be expected of limits, in half the room; they start there.
             iterations: most Newton steps.
             tolerance: of complementarity: what a limit costs, times what is left to it in half the room, on average.
         """
@@ -82,8 +89,8 @@ class BandedQP:
         if slack.size == 0 or slack.min() >= 0.0:
             return BandedSolution(origin + x, True, 0, 0.0)
         stationary = STATIONARY * (1.0 + _largest(g)) + ROUNDING * _largest(H)
-        s, z = np.maximum(slack, 1.0), np.full(slack.size, START)
-        solved, iteration = False, 0
+        s, z = np.maximum(slack, 1.0), np.full(slack.size, price)
+        solved, iteration, normal = False, 0, np.empty_like(H)
         while iteration < iterations:
             dual = dsbmv(self.band, 1.0, H.T, x, lower=1) + g + Gt @ z
             primal = h - G @ x - s
@@ -92,7 +99,7 @@ class BandedQP:
             if solved:
                 break
             iteration += 1
-            normal = H.copy()
+            np.copyto(normal, H)
             normal.ravel()[cells] += self._fold @ (z / s)
             factor = _factor(normal)
 
@@ -137,9 +144,11 @@ def _folding(G: sp.csr_array, band: int) -> tuple[NDArray[np.int64], sp.csr_arra
                 rows.append(row[lower])
     if not products:
         return np.zeros(0, np.int64), sp.csr_array((0, G.shape[0]))
-    used, own = np.unique(np.concatenate(cells), return_inverse=True)
-    entries = np.concatenate(products), (own, np.concatenate(rows))
-    return used, sp.csr_array(entries, shape=(len(used), G.shape[0]))
+    cell = np.concatenate(cells)
+    used = np.zeros(G.shape[1] * (band + 1), bool)
+    used[cell] = True
+    entries = np.concatenate(products), ((np.cumsum(used) - 1)[cell], np.concatenate(rows))
+    return np.flatnonzero(used), sp.csr_array(entries, shape=(int(used.sum()), G.shape[0]))
 
 
 def _factor(H: Array) -> Array:
@@ -155,9 +164,8 @@ def _solve(factor: Array, b: Array) -> Array:
 
 
 def _longest(value: Array, step: Array) -> float:
-    """Largest multiple of the step, at most 1, that keeps the value non-negative."""
-    shrinking = step < 0.0
-    return min(1.0, float((value[shrinking] / -step[shrinking]).min())) if shrinking.any() else 1.0
+    """Largest multiple of the step, at most 1, that keeps the positive value non-negative."""
+    return 1.0 / max(1.0, -float((step / value).min()))
 
 
 def _largest(value: Array) -> float:

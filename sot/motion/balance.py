@@ -14,7 +14,7 @@ from scipy.linalg.blas import dsbmv
 
 from solvers.banded import BandedQP
 from sot.motion.centroidal import Centroidal
-from sot.motion.spline import AT_KNOT, Spline
+from sot.motion.spline import AT_KNOT, CURVE, JERK, Spline
 from sot.motion.support import Support
 
 Array = NDArray[np.float64]
@@ -51,31 +51,23 @@ def plan_balance(motion: Centroidal, wanted: Array, supports: Sequence[Support],
     until = [*(support.start for support in supports[1:]), np.inf]
     height, offset = motion.pendulum()
 
-    # variables of a knot: its control point's x and y, and the excursion of the ZMP
+    # variables of a knot: its control point's x and y, and the excursion of the ZMP; a row for each edge at each knot
     n = 3 * (length + 2)
-    curve = np.array([1.0, -2.0, 1.0]) / period**2
-    rows, columns, values, upper = [], [], [], []
-    count = 0
+    rows = []
     for support, stop in zip(supports, until, strict=True):
         # where supports meet, both count: between two knots the ZMP runs straight
         knots = np.flatnonzero((times > support.start - period + 1e-9) & (times < stop + period - 1e-9))
-        for normal, edge in zip(support.inset.normals, support.inset.offsets, strict=True):
-            row = count + np.arange(len(knots))
-            count += len(knots)
-            for i in range(3):
-                for axis in range(2):
-                    rows.append(row)
-                    columns.append(3 * (knots + i) + axis)
-                    values.append(normal[axis] * (AT_KNOT[i] - height[knots] * curve[i]))
-            rows.append(row)
-            columns.append(3 * (knots + 1) + 2)
-            values.append(-np.ones(len(knots)))
-            upper.append(edge - offset[knots] @ normal)
-    zmp_rows = sp.csr_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(count, n))
+        normals, offsets = support.inset.normals, support.inset.offsets
+        rows.append((np.repeat(knots, len(offsets)), np.tile(normals, (len(knots), 1)), np.tile(offsets, len(knots))))
+    knot, normal, edge = (np.concatenate(part) for part in zip(*rows, strict=True))
+    stencil = AT_KNOT - height[knot, None] * CURVE / period**2
+    values = np.column_stack([(stencil[:, :, None] * normal[:, None]).reshape(-1, 6), -np.ones(len(knot))])
+    columns = 3 * knot[:, None] + [0, 1, 3, 4, 6, 7, 5]
+    zmp_rows = sp.csr_array((values.ravel(), columns.ravel(), 7 * np.arange(len(knot) + 1)), shape=(len(knot), n))
     excursions = sp.csr_array((np.ones(length + 2), (np.arange(length + 2), np.arange(2, n, 3))), shape=(length + 2, n))
     A = sp.vstack([zmp_rows, excursions], format="csr")
-    lower = np.concatenate([np.full(count, -np.inf), np.zeros(length + 2)])
-    upper_all = np.concatenate([*upper, np.full(length + 2, np.inf)])
+    lower = np.concatenate([np.full(len(knot), -np.inf), np.zeros(length + 2)])
+    upper = np.concatenate([edge - np.sum(offset[knot] * normal, axis=1), np.full(length + 2, np.inf)])
 
     end = supports[-1].polygon.centre
     around = np.zeros((length + 2, 3))
@@ -83,7 +75,7 @@ def plan_balance(motion: Centroidal, wanted: Array, supports: Sequence[Support],
     H, g = _objective(wanted, period)
     g += dsbmv(H.shape[1] - 1, 1.0, H.T, around.ravel(), lower=1)
     H.reshape(-1, 3, 10)[[0, 1, 2, -3, -2, -1], :2, 0] += HELD
-    solution = BandedQP(A, lower, upper_all, band=H.shape[1] - 1).solve(H, g, around.ravel())
+    solution = BandedQP(A, lower, upper, band=H.shape[1] - 1).solve(H, g, around.ravel(), OUTSIDE)
     control = solution.x.reshape(-1, 3)
     com = Spline(control[:, :2].copy(), period)
     zmp = com.knots - height[:, None] * com.accelerations + offset
@@ -95,7 +87,7 @@ def _objective(target: Array, period: float) -> tuple[Array, Array]:
     length = len(target)
     H = np.zeros((length + 2, 3, 10))
     g = np.zeros((length + 2, 3))
-    jerk = np.array([-1.0, 3.0, -3.0, 1.0]) / (period**3 * JERK_ERROR)
+    jerk = JERK / (period**3 * JERK_ERROR)
     value = AT_KNOT / COM_ERROR
     for i in range(3):
         g[i : i + length, :2] -= value[i] * target / COM_ERROR

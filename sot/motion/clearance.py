@@ -49,6 +49,8 @@ class Clearance:
         normals, points = np.zeros((2, *missing.shape, 3))
         for k, q in enumerate(to_configuration(y)):
             apart = self._distances(q)
+            if apart.min(initial=np.inf) >= ROOM:
+                continue
             for i, pairs in enumerate(self._pairs):
                 if len(pairs) and (least := apart[pairs].min()) < ROOM:
                     nearest = self._each[pairs[apart[pairs].argmin()]]

@@ -62,8 +62,12 @@ class Grip:
         load = force[:, 2] - np.clip(force[:, 2], WEIGHT[0] * mass * GRAVITY, WEIGHT[1] * mass * GRAVITY)
         errors = np.column_stack([TURNED * turning, LOADED * load])
         self._asked |= errors != 0.0
-        maps = momentum_maps(self._robot, y)[:, [5, 2]] * np.array([TURNED, LOADED])[:, None]
-        return errors, maps * self._asked[:, :, None]
+        J = np.zeros((*errors.shape, y.shape[1]))
+        used = np.flatnonzero(self._asked.any(axis=1))
+        if len(used):
+            maps = momentum_maps(self._robot, y[used])[:, [5, 2]] * np.array([TURNED, LOADED])[:, None]
+            J[used] = maps * self._asked[used, :, None]
+        return errors, J
 
 
 def yaw_moments(force: Array, moment: Array, half: Array) -> tuple[Array, Array]:

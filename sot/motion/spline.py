@@ -120,7 +120,7 @@ class LimitedFit:
             ]
         )
         bottom = np.concatenate([np.tile(lower, count), -top[n:]])
-        self._qp = BandedQP(A, bottom, top, band=4 * size - 1)
+        self._qp = BandedQP(A, bottom, top, band=3 * size)  # jerk reaches that far, and only within a coordinate
 
     def step(
         self, spline: Spline, J: Array, e: Array, bends: tuple[Array, Array] | None = None
@@ -146,29 +146,28 @@ class LimitedFit:
         (T, s, s) and (T, s)."""
         count, size = self._count, self._size
         length = count - 2
-        H = np.zeros((count, size, 4 * size))
+        H = np.zeros((count, size, self._qp.band + 1))
         g = np.zeros((count, size))
         row, column = np.divmod(np.arange(size * size), size)
         jerk = np.diff(control, 3, axis=0)
-        for apart in range(4):
+        for apart in range(3):
             block = np.zeros((count, size, size))
             for stencil, normal, _ in parts:
                 for i in range(3 - apart):
                     block[i : i + length] += stencil[i] * stencil[i + apart] * normal
-            for i in range(4 - apart):
-                block[i : i + count - 3, np.arange(size), np.arange(size)] += (
-                    JERK[i] * JERK[i + apart] * self._jerk_weight
-                )
             stored = np.flatnonzero(row >= column) if apart == 0 else np.arange(size * size)
             offset = apart * size + row[stored] - column[stored]
             H[:, column[stored], offset] = block.reshape(count, -1)[:, stored]
+        for apart in range(4):
+            for i in range(4 - apart):
+                H[i : i + count - 3, :, apart * size] += JERK[i] * JERK[i + apart] * self._jerk_weight
         for stencil, _, gradient in parts:
             for i in range(3):
                 g[i : i + length] += stencil[i] * gradient
         for i in range(4):
             g[i : i + count - 3] += JERK[i] * self._jerk_weight * jerk
         self._hold_ends(H, g, control)
-        return H.reshape(count * size, 4 * size), g.ravel()
+        return H.reshape(count * size, -1), g.ravel()
 
     def _hold_ends(self, H: Array, g: Array, control: Array) -> None:
         """The first three control points keep their value, the last three are equal to one another."""
