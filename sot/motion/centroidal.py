@@ -52,6 +52,15 @@ class Centroidal:
         """Of the centre of mass (T, 3) [m/s²]."""
         return self.rate[:, :3] / self.mass
 
+    def toward(self, other: "Centroidal", share: float) -> "Centroidal":
+        """A share of the way to another one."""
+
+        def mixed(mine: Array, theirs: Array) -> Array:
+            return mine + share * (theirs - mine)
+
+        com, momentum = mixed(self.com, other.com), mixed(self.momentum, other.momentum)
+        return Centroidal(com, momentum, mixed(self.rate, other.rate), self.mass)
+
     def pendulum(self) -> tuple[Array, Array]:
         """h (T,) and offset (T, 2) of the ZMP on z = 0, z = c − h c̈ + offset in the plane:
         h = c_z / (g + c̈_z), offset = (−L̇_y, L̇_x) / (m (g + c̈_z))."""

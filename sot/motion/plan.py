@@ -26,14 +26,13 @@ from sot.motion.targets import Targets, key_points, targets
 from sot.motion.tempo import clock_of, slowed
 from sot.motion.trajectory import Motion
 from sot.motion.travel import Travel
-from sot.motion.whole_body import ROUNDS, balanced, limbs_fitted, retarget
+from sot.motion.whole_body import balanced, limbs_fitted, retarget
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
 
 FEET = ("auto", "steps", "planted")
 PLAN_RATE = 50.0  # knots per second
-BRIEF = 3  # rounds of balance before more time is given
 MENDS, LAST_MENDS = 4, 2  # most times that a body gets more time where it cannot follow, before and after its arms
 MEND, SLOWEST = 1.3, 3.0  # how much more time, and how many times slower than the dancer at most
 REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
@@ -195,9 +194,8 @@ class _Fit:
         rough: the body is fresh from `looks`.
         """
         for left in range(mends if course.travel and moving(course.feet) else 0, -1, -1):
-            rounds = BRIEF if left and not rough else ROUNDS
             whole, hasty = balanced(
-                self.robot, self.build, wanted, course.feet, course.phases, self.limits, whole, rough, rounds
+                self.robot, self.build, wanted, course.feet, course.phases, self.limits, whole, rough
             )
             if not left or not len(hasty):
                 break

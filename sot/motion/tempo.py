@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
+from scipy.ndimage import gaussian_filter1d, label, sum_labels
 
 from sot.motion.footwork import Step
 from sot.motion.timetable import SHIFT, timetable
@@ -80,10 +80,16 @@ def slowed(slow: Array, times: Array, about: Sequence[float], factor: float, mos
 
 
 def clock_of(slow: Array, dt: float) -> Array:
-    """Time (T,) that passes at a slowness (T,), made smooth, in whole frames altogether."""
-    slow = gaussian_filter1d(slow, SMOOTH / dt, mode="nearest")
-    clock = np.concatenate([[0.0], np.cumsum(0.5 * (slow[1:] + slow[:-1]) * dt)])
-    return clock * (np.ceil(clock[-1] / dt - 1e-6) * dt / clock[-1])
+    """Time (T,) that passes at a slowness (T,), made smooth.
+
+    Wherever it is above one, whole frames are added: what lies before and after has its old frames, only later.
+    """
+    lost = gaussian_filter1d(slow - 1.0, SMOOTH / dt, mode="nearest")
+    lost = 0.5 * (lost[1:] + lost[:-1])
+    places, count = label(lost > 0.0)
+    frames = sum_labels(lost, places, np.arange(1, count + 1))
+    lost *= np.concatenate([[0.0], np.ceil(frames - 1e-6) / frames])[places]
+    return dt * (np.arange(len(slow)) + np.concatenate([[0.0], np.cumsum(lost)]))
 
 
 def at_clock(step: Step, clock: Array, rate: float) -> Step:

@@ -33,8 +33,10 @@ LIMB_STEPS = 2  # Gauss-Newton steps of head and arms over the whole clip
 ROUNDS = 6  # most rounds of balance and body, each taking the other's result
 MARGIN = 0.01  # m, least of the ZMP to the edge of what carries
 OFF = 0.002  # m, greatest of a foot off its way
-SETTLED = 0.005  # m, a change of the ZMP in a round that ends them
-NEARLY = 0.04  # m, one that ends them where feet step and nothing is strained
+RELAXED = 0.75  # of the way from what a round was planned on to what came of it: all of it swings back and forth
+SETTLED = 0.005  # m, of the ZMP off its plan, ends the rounds
+HELPED = 0.5  # of what was strained: if two rounds leave more, more of them are no help
+NEARLY = 0.04  # m, the same where feet step and nothing is strained
 
 
 def retarget(
@@ -78,12 +80,11 @@ def balanced(
     limits: Limits,
     whole: Spline,
     rough: bool = False,
-    rounds: int = ROUNDS,
 ) -> tuple[Spline, Array]:
     """The same motion with its base, legs and chest fitted to a CoM that keeps the ZMP in the soles.
 
     What the ZMP depends on, the height of the CoM and the angular momentum, changes with the body: hence rounds, until
-    it changes no more, or on feet that step until nothing is strained.
+    the ZMP is where it was planned, or on feet that step until nothing is strained.
 
     Args:
         robot: whose motion it is.
@@ -94,10 +95,9 @@ def balanced(
         limits: of the joints.
         whole: motion to start from.
         rough: it is fresh from `retarget`: its accelerations mean nothing yet.
-        rounds: most of them.
 
     Returns:
-        The motion, and the times (n,) at which it still cannot do what its feet are to do (see `strained`).
+        The motion, and the times (n,) at which feet that step still ask too much of it (see `strained`).
     """
     where, human, steps = supports(robot, phases), wanted, moving(feet)
     columns = Body(robot, build, wanted, feet).columns
@@ -108,30 +108,46 @@ def balanced(
     grip = Grip(robot, phases, times) if steps else None
     if rough:
         state = replace(state, rate=np.zeros_like(state.rate))
-    for _ in range(rounds):
+    asked = state
+    hasty: Array = np.empty(0)
+    left: list[int] = []  # of hasty times, after each round
+    for _ in range(ROUNDS):
         if steps and human.height is None:
             wanted = _in_reach(robot, human, feet, whole.knots, whole.period)
-        plan = plan_balance(state, wanted_com, where, whole.period)
+        plan = plan_balance(asked, wanted_com, where, whole.period)
         body = Body(robot, build, wanted, feet, plan.com.knots)
+        if rough:  # knot by knot first: what the accelerations of a fit are from there on means something
+            y = whole.knots
+            y[:, columns], _ = solve(body, np.arange(wanted.length), y, limits)
+            whole, rough = Spline.through(y, whole.period), False
+            continue
         control = whole.control.copy()
         spline = Spline(control[:, columns], whole.period)
         bends = grip.excess(whole.knots, state) if grip else None
         control[:, columns] = fit.improve(body, spline, whole.knots, 1, bends).control
         whole = Spline(control, whole.period)
-        before, state = state, _centroidal(whole, robot)
-        changed = np.abs(state.zmp() - before.zmp()).max()
-        if changed < SETTLED or (steps and changed < NEARLY and not len(strained(robot, feet, where, whole))):
+        state = _centroidal(whole, robot)
+        hasty = strained(robot, feet, where, whole, state) if steps else hasty
+        left.append(len(hasty))
+        off = np.abs(state.zmp() - plan.zmp).max()
+        if off < SETTLED or (steps and off < NEARLY and not len(hasty)):
             break
-    return whole, strained(robot, feet, where, whole)
+        if len(left) > 2 and left[-1] > HELPED * left[-3] > 0.0:
+            break
+        asked = asked.toward(state, RELAXED)
+    return whole, hasty
 
 
-def strained(robot: Robot, feet: Mapping[str, FootPath], where: Sequence[Support], whole: Spline) -> Array:
+def strained(
+    robot: Robot, feet: Mapping[str, FootPath], where: Sequence[Support], whole: Spline, state: Centroidal
+) -> Array:
     """Times (n,), at the knots or half way between two, at which a body cannot do what its feet are to do [s].
 
-    Its ZMP leaves where the feet carry, or, at a knot, a foot is off its way.
+    Its ZMP leaves where the feet carry, or, at a knot, a foot is off its way. state: its own at the knots.
     """
-    times: Array = 0.5 * whole.period * np.arange(2 * len(whole.control) - 5, dtype=float)
-    zmp, bad = _centroidal(whole, robot, times).zmp(), np.zeros(len(times), bool)
+    times: Array = 0.5 * whole.period * np.arange(2 * len(state.com) - 1, dtype=float)
+    zmp, bad = np.empty((len(times), 2)), np.zeros(len(times), bool)
+    zmp[::2], zmp[1::2] = state.zmp(), _centroidal(whole, robot, times[1::2]).zmp()
     for support, stop in zip(where, [*(support.start for support in where[1:]), np.inf], strict=True):
         rows = (times >= support.start) & (times < stop)
         bad[rows] |= support.polygon.margin(zmp[rows]) < MARGIN

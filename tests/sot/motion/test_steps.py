@@ -240,6 +240,22 @@ def test_a_slower_course_makes_the_same_steps_later(robot, walk):
     assert slow.human.duration == pytest.approx(clock[-1])
 
 
+def test_a_clock_runs_slower_by_whole_frames_and_only_where_it_should():
+    """What lies between two slow places is sampled where it was, only later."""
+    dt = 0.02
+    times = dt * np.arange(500)
+    slow = np.ones(500)
+    slow[100:140], slow[300:350] = 1.3, 1.7
+    clock = clock_of(slow, dt)
+    frames = (clock - times) / dt
+    assert np.all(np.diff(clock) > dt * (1.0 - 1e-9))
+    for rows, least in ((times < 0.9, 0.0), ((times > 3.9) & (times < 4.9), 12.0), (times > 8.1, 12.0 + 35.0)):
+        np.testing.assert_allclose(frames[rows], np.ceil(frames[rows][0] - 1e-6), atol=1e-6)
+        assert least - 1e-6 <= frames[rows][0] <= least + 2.0
+    assert np.diff(clock)[325] / dt == pytest.approx(1.7, abs=0.1)
+    np.testing.assert_array_equal(clock_of(np.ones(500), dt), times)
+
+
 def test_given_contacts_are_made(robot):
     feet = ("left_foot", "right_foot")
     steps = tuple(Step(feet[k % 2], 0.8 * k + 0.36, 0.8 * k + 0.96) for k in range(6))
