@@ -24,7 +24,8 @@ SURPRISE = 0.25
 FAR = 0.1
 """Pairs this much further apart than they may come [m] are not watched: what is too fast for it is stopped harder."""
 BRAKE = 10.0
-"""Deceleration that is relied upon to stop an approach [m/s²]."""
+"""Deceleration that is relied upon to stop an approach [m/s²]; one that is too fast for it is stopped as much harder as
+it takes, steadily."""
 
 
 class SelfCollision(Task):
@@ -83,9 +84,10 @@ class SelfCollision(Task):
             return self._rows(self._empty, self._free, self._upper)
         A, lower = self._empty.copy(), self._free.copy()
         distances, rates, J, drift = self.observe(tick, near)
-        wanted = self._bounds(distances, rates, tick.period)[0] - drift
         # What the joints give at the accelerations that are relied upon.
         most = np.abs(J[:, 6:]) @ self._acceleration
+        self._bounds.brake[:count] = _brakes(distances - self._least, rates, tick.period, most)
+        wanted = self._bounds(distances, rates, tick.period)[0] - drift
         A[:count], lower[:count] = J, np.minimum(wanted, most)
         self.error = np.maximum(self._least - distances, 0.0)
         self.labels = [" and ".join(self.pairs[k]) for k in near]
@@ -111,6 +113,21 @@ class SelfCollision(Task):
         looks = _left_alone(distances, J @ v, period, least)
         self._calm[near] = tick.t + LOOK * looks
         return [k for k, later in zip(near, looks.tolist(), strict=True) if not later]
+
+
+@compiled
+def _brakes(ways: Array, rates: Array, period: float, most: Array) -> Array:
+    """Decelerations [m/s²] that stop pairs on the way that they have left: BRAKE at least, at most what joints give.
+
+    To lead a pair that is too fast for BRAKE back to where BRAKE would do takes an arm's whole torque for some ticks.
+    """
+    brakes = np.full(len(ways), BRAKE)
+    for k in range(len(ways)):
+        speed = -rates[k]
+        left = 2.0 * ways[k] - period * speed
+        if speed > 0.0 and left > 0.0:
+            brakes[k] = max(BRAKE, min(speed**2 / left, most[k]))
+    return brakes
 
 
 @compiled

@@ -88,6 +88,23 @@ def test_an_arm_that_is_to_cross_the_waist_stops_before_it(robot, period):
     assert np.abs(v).max() < 0.05
 
 
+def test_an_approach_that_is_too_fast_is_stopped_steadily(robot):
+    """A hand that comes into view at a speed for which the relied-on deceleration does not do: no kick."""
+    task, tick = SelfCollision(robot, least=0.01), Tick(robot)
+    turn, every = np.zeros(robot.nv), range(len(task.pairs))
+    turn[6:] = crossed(robot)[7:] - robot.rest[7:]
+    for share in np.linspace(0.0, 1.0, 200):
+        q = pin.integrate(robot.model, robot.rest, share * turn)
+        distances, rates, *_ = task.observe(tick.update(0.0, q, turn), every)
+        pair = int(np.where(rates < -0.1, distances, np.inf).argmin())
+        if distances[pair] < 0.08:
+            break
+    way, speed = distances[pair] - 0.01, 2.0
+    rows = task.rows(tick.update(1.0, q, turn * speed / -rates[pair]))
+    least = rows.lower[task.labels.index(" and ".join(task.pairs[pair]))] + task.observe(tick, [pair])[3][0]
+    assert least == pytest.approx(speed**2 / (2.0 * way), rel=0.05)
+
+
 def test_physics_with_and_without():
     robot, nearest = Robot.load("hrp2"), []
     for add in (False, True):
