@@ -12,7 +12,8 @@ from rich.table import Table
 from scenarios.clips import locate
 from scenarios.ramos_edits import hand_edits, knee_edits, oscillating_knees, raises, slid, without
 from scenarios.ramos_figures import geometric_figures, hand_figures, knee_figures, slide_figures
-from scenarios.ramos_view import Three, draw_curves, draw_thumbnails, record
+from scenarios.ramos_pictures import draw_curves, draw_scalogram, draw_thumbnails
+from scenarios.ramos_view import Three, record
 from scenarios.replay import (
     RECORDING,
     REPORT,
@@ -28,6 +29,7 @@ from scenarios.replay import (
 )
 from scenarios.stack_file import Composer, Composition
 from sim import report, timeline
+from sim.slides import SMOOTHED
 from sot.contact import Contact
 from sot.motion import Human, plan, read, recognise
 from sot.motion.edit import Edit
@@ -97,6 +99,7 @@ def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
     record(out / RECORDING, three, title)
     draw_thumbnails(out / "thumbnails.svg", three, title)
     draw_curves(out / "curves.svg", three, title)
+    draw_scalogram(out / "scalogram.svg", three, title)
     timeline.draw(out / TIMELINE, final.run.log, final.info, robot)
     figures = {
         "scenario": "ramos",
@@ -145,14 +148,8 @@ def show(figures: dict[str, Any], console: Console) -> None:
     table.add_row("right hand's height off the dancer's, rms, mm", "", *(_digits(value, 1e3) for value in off))
     near = [hand[f"{name}_head_min_m"] for name in (POSTURE, FINAL)]
     table.add_row("right hand to head, least, mm", "", *(_digits(value, 1e3) for value in near))
-    for slide in figures["slides"]:
-        foot = slide["foot"].replace("_", " ")
-        what = f"{foot} slides, {slide['start_s']:.1f} to {slide['end_s']:.1f} s"
-        load = f"load {100 * slide['load_min']:.0f} to {100 * slide['load_max']:.0f} %"
-        where = f"touching {100 * slide['contact']:.0f} %, ZMP in the other foot {100 * slide['zmp_inside']:.0f} %"
-        table.add_row(f"{what}: {load}, {where}; way, cm", "", "", _digits(slide["way_m"], 1e2))
     console.print(table)
-    for line in figures["edits"]:
+    for line in (*map(_slid, figures["slides"]), *figures["edits"]):
         console.print(line, soft_wrap=True, highlight=False)
 
 
@@ -214,6 +211,17 @@ def posture_only(kept: float, edits: Sequence[Edit] = ()) -> Composer:
         return Composition(stack, Sliding(motion.phases), tuple(edits))
 
     return compose
+
+
+def _slid(slide: dict[str, Any]) -> str:
+    """What there is to say about a slide."""
+    return (
+        f"{slide['foot'].replace('_', ' ')} slides {1e2 * slide['way_m']:.1f} cm, {slide['start_s']:.1f} to "
+        f"{slide['end_s']:.1f} s: it touches the floor for {100 * slide['contact']:.0f} % of the time, with "
+        f"{100 * slide['load_min']:.0f} to {100 * slide['load_max']:.0f} % of the weight (means over "
+        f"{1e3 * SMOOTHED:.0f} ms; single ticks up to {100 * slide['load_raw_max']:.0f} %); the ZMP lies in the other "
+        f"foot for {100 * slide['zmp_inside']:.2f} % of the ticks"
+    )
 
 
 def _digits(value: float | None, factor: float = 1.0) -> str:

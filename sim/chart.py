@@ -1,9 +1,10 @@
 """Curves and bars as a picture (SVG) that any browser shows: panels in a grid, each with its axes and a legend."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ HEAD = 34.0  # above all panels
 WIDE, ROW = 1000.0, 22.0  # of a picture of lanes, and of each lane
 SAMPLES = 1500  # of a curve, more than there are pixels
 TICKS = 5
+SHADES = ("#fffbe6", "#fee9b0", "#fdcf7d", "#fbae56", "#f58a41", "#e6653a", "#cc4440", "#a62a4a", "#7a1a4c", "#4a1040")
 LETTER = 5.0  # pixels that a letter of a legend takes
 FONT = "font-family='Helvetica, Arial, sans-serif'"
 
@@ -43,6 +45,20 @@ class Curve:
 
 
 @dataclass(frozen=True)
+class Field:
+    """Values over both axes as colours, from the first of `SHADES` for 0 to the last for the greatest.
+
+    Args:
+        x, y: Shapes (k,) and (r,), evenly spaced.
+        values: Shape (r, k), none below 0.
+    """
+
+    x: Array
+    y: Array
+    values: Array
+
+
+@dataclass(frozen=True)
 class Panel:
     """Curves over the same axes.
 
@@ -51,6 +67,7 @@ class Panel:
         x, y: What the axes are, with unit.
         curves: Later ones lie above earlier ones.
         equal: Whether both axes have the same scale.
+        field: Behind the curves.
     """
 
     title: str
@@ -58,6 +75,7 @@ class Panel:
     y: str
     curves: Sequence[Curve]
     equal: bool = False
+    field: Field | None = None
 
 
 @dataclass(frozen=True)
@@ -88,14 +106,18 @@ def limits(values: Sequence[float], end: float, label: str = "limit") -> list[Cu
     ]
 
 
-def write(path: Path, title: str, panels: Sequence[Panel], columns: int) -> None:
-    """Draw panels row by row into a file (`.svg`), which appears under its name once it is complete."""
+def write(
+    path: Path, title: str, panels: Sequence[Panel], columns: int, size: tuple[float, float] = (WIDTH, HEIGHT)
+) -> None:
+    """Draw panels of a size [pixels] row by row into a file (`.svg`), which appears under its name once it is
+    complete."""
+    width, height = size
     rows = math.ceil(len(panels) / columns)
     drawn = []
     for k, panel in enumerate(panels):
-        drawn.append(f"<g transform='translate({k % columns * WIDTH:.0f} {HEAD + k // columns * HEIGHT:.0f})'>")
-        drawn += [*_panel(panel), "</g>"]
-    _save(path, title, drawn, columns * WIDTH, HEAD + rows * HEIGHT)
+        drawn.append(f"<g transform='translate({k % columns * width:.0f} {HEAD + k // columns * height:.0f})'>")
+        drawn += [*_panel(panel, width, height), "</g>"]
+    _save(path, title, drawn, columns * width, HEAD + rows * height)
 
 
 def write_lanes(path: Path, title: str, x: str, lanes: Sequence[Lane]) -> None:
@@ -137,9 +159,12 @@ def _save(path: Path, title: str, drawn: Sequence[str], width: float, height: fl
         place.write_text("\n".join(parts), encoding="utf-8")
 
 
-def _panel(panel: Panel) -> list[str]:
-    wide, high = WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM
-    (x0, x1), (y0, y1) = (_span([getattr(curve, axis) for curve in panel.curves]) for axis in "xy")
+def _panel(panel: Panel, width: float, height: float) -> list[str]:
+    wide, high = width - LEFT - RIGHT, height - TOP - BOTTOM
+    (x0, x1), (y0, y1) = (
+        _edges(getattr(panel.field, axis)) if panel.field else _span([getattr(curve, axis) for curve in panel.curves])
+        for axis in "xy"
+    )
     if panel.equal:
         scale = max((x1 - x0) / wide, (y1 - y0) / high)
         x0, x1 = _around(x0, x1, scale * wide)
@@ -151,7 +176,7 @@ def _panel(panel: Panel) -> list[str]:
     def down(y: Array) -> Array:
         return TOP + (y1 - y) / (y1 - y0) * high
 
-    parts = [_text(LEFT, TOP - 9.0, panel.title, 12), _text(LEFT + wide, HEIGHT - 4.0, panel.x, 10, "end")]
+    parts = [_text(LEFT, TOP - 9.0, panel.title, 12), _text(LEFT + wide, height - 4.0, panel.x, 10, "end")]
     parts.append(_text(0.0, 0.0, panel.y, 10, "middle", f"translate(12 {TOP + high / 2.0:.0f}) rotate(-90)"))
     for value in _ticks(x0, x1):
         at = float(right(np.array(value)))
@@ -159,6 +184,8 @@ def _panel(panel: Panel) -> list[str]:
     for value in _ticks(y0, y1):
         at = float(down(np.array(value)))
         parts.append(_line(LEFT, at, LEFT + wide, at) + _text(LEFT - 5.0, at + 3.5, f"{value:g}", 10, "end"))
+    if panel.field:
+        parts += _painted(panel.field, right, down)
     at = LEFT + wide
     for curve in reversed(panel.curves):
         style = _style(curve)
@@ -172,6 +199,29 @@ def _panel(panel: Panel) -> list[str]:
         style = _style(curve)
         parts += [f"<polyline {style} points='{points}'/>" for points in _pieces(right(curve.x), down(curve.y))]
     return parts
+
+
+def _painted(field: Field, right: Callable[[Array], Array], down: Callable[[Array], Array]) -> list[str]:
+    """A field as a path a shade: each run of one shade in a row is a thick line."""
+    shade = np.minimum(field.values / (field.values.max() or 1.0) * len(SHADES), len(SHADES) - 1).astype(int)
+    edges = right(np.linspace(*_edges(field.x), len(field.x) + 1))
+    rows, thick = down(field.y), abs(float(np.diff(down(np.array(_edges(field.y))))[0])) / len(field.y) + 0.3
+    paths: list[list[str]] = [[] for _ in SHADES]
+    for k, row in enumerate(shade):
+        ends = [0, *(np.flatnonzero(np.diff(row)) + 1).tolist(), len(row)]
+        for start, end in pairwise(ends):
+            paths[row[start]].append(f"M{edges[start]:.0f} {rows[k]:.1f}H{edges[end]:.0f}")
+    return [
+        f"<path d='{''.join(path)}' stroke='{color}' stroke-width='{thick:.1f}'/>"
+        for color, path in zip(SHADES, paths, strict=True)
+        if path
+    ]
+
+
+def _edges(values: Array) -> tuple[float, float]:
+    """Where the first cell of evenly spaced ones begins and the last ends."""
+    half = 0.5 * float(values[1] - values[0])
+    return float(values[0]) - half, float(values[-1]) + half
 
 
 def _style(curve: Curve) -> str:

@@ -12,7 +12,8 @@ from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
 from sot.tick import GRAVITY
 
-SMOOTHED = 0.05  # s, over which a foot's load is averaged: the floor carries what slides in pulses, tick by tick
+SMOOTHED = 0.05
+"""Time over which a foot's load and the ZMP are averaged [s]: the floor carries what slides in pulses, tick by tick."""
 
 
 def worst(found: Sequence[Mapping[str, Any]]) -> Figures:
@@ -37,8 +38,8 @@ def slides(log: RunLog, motion: Motion) -> list[dict[str, Any]]:
     - "foot", "start_s", "end_s": of the contact's sliding.
     - "way_m", "moved_m": length of the foot's way, and how far it was from its start at most.
     - "contact": share of the ticks in which the floor carries the foot.
-    - "load", "load_min", "load_max": its normal load in weights of the robot; mean, and extremes of the mean over
-      `SMOOTHED` seconds. "load_raw_max": the greatest of one tick.
+    - "load", "load_min", "load_max": its normal load, all forces of the floor on it together, in weights of the robot;
+      mean over the slide, and extremes of the mean over any `SMOOTHED` seconds. "load_raw_max": the greatest of a tick.
     - "zmp_inside": share of the ticks with the measured ZMP of the whole robot in the soles that stand.
       "zmp_min_margin_m": least distance of its mean over `SMOOTHED` seconds from their edge, negative outside;
       "zmp_raw_min_margin_m": of one tick.

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from sot.errors import InputError
 from sot.motion.contacts import Phase
-from sot.motion.smooth import ease
 from sot.motion.stance import LEAD, TAIL
 from sot.motion.support import supports
 from sot.motion.swing import FootPath
@@ -20,8 +19,11 @@ Way = tuple[float, float, float]
 
 AHEAD: Way = (0.085, 0.0, 0.0)
 """A way by default. Forward, friction pushes a bent leg onto the floor; outward or back it lifts it off."""
-SPEED = 0.0125
+SPEED = 0.009
 """Mean speed of a slide [m/s]: the faster, the less of the time does MuJoCo's floor carry it (docs/lessons.md)."""
+SETTING_OFF = 0.3
+"""Time in which a sliding foot gets to its speed, and the same to stop [s]. Between, the speed is even: hops come with
+speed, and a peak would have most."""
 REST = 0.2
 """Time that a sliding foot rests before and after its way [s]."""
 
@@ -125,12 +127,23 @@ def slid_paths(
         before = made[slide.foot]
         k = int(np.searchsorted(times, slide.start))
         here = pin.SE3(before.rotation[k], before.position[k])
-        share = ease((times[k:] - slide.start - REST) / (slide.end - slide.start - 2.0 * REST))
+        share = glide(times[k:] - slide.start - REST, slide.end - slide.start - 2.0 * REST)
         way = _moved(here, slide, robot, share)
         made[slide.foot] = FootPath(
             np.concatenate([before.position[:k], way.position]), np.concatenate([before.rotation[:k], way.rotation])
         )
     return made
+
+
+def glide(t: Array, duration: float) -> Array:
+    """Share (n,) of a way at times (n,) since its start [s]: at an even speed but for SETTING_OFF at both ends.
+
+    The speed comes and goes as `ease`, of which this is the integral.
+    """
+    x = np.clip(np.stack([t, duration - t]) / SETTING_OFF, 0.0, 1.0)
+    come, gone = SETTING_OFF * (2.5 * x**4 - 3.0 * x**5 + x**6)
+    even = np.clip(t - SETTING_OFF, 0.0, duration - 2.0 * SETTING_OFF)
+    return (come + even + 0.5 * SETTING_OFF - gone) / (duration - SETTING_OFF)
 
 
 def _moved(here: pin.SE3, slide: Slide, robot: Robot, share: Array) -> FootPath:

@@ -11,10 +11,11 @@ from scenarios import cli, ramos
 from scenarios.clips import locate
 from scenarios.ramos_edits import amplitude, merged, swing, without
 from scenarios.ramos_figures import geometric_figures, needed_torque
+from scenarios.ramos_pictures import PAPER_HZ, PAPER_SPANS, swinging_knee
 from scenarios.replay import Replay
 from scenarios.studies import run_scenario
 from sot.motion import read, recognise
-from sot.motion.oscillation import Oscillation
+from sot.motion.oscillation import Oscillation, find_oscillations
 from sot.robot import Robot
 from sot.tick import GRAVITY, Tick
 from tests.sim.runs import still_motion
@@ -63,6 +64,15 @@ def test_nothing_else_is_edited_while_a_foot_slides():
     assert without([(1.0, 2.0)], []) == [(1.0, 2.0)]
 
 
+def test_the_made_up_knee_swings_where_and_as_fast_as_the_paper_s():
+    times = np.arange(0.0, 40.0, 0.02)
+    found = find_oscillations(times, swinging_knee(times))
+    assert len(found) == len(PAPER_SPANS)
+    for one, (start, end) in zip(found, PAPER_SPANS, strict=True):
+        assert (one.start, one.end) == pytest.approx((start, end), abs=0.2)
+        assert one.frequency == pytest.approx(PAPER_HZ, abs=0.1)
+
+
 def test_a_motion_that_leans_too_far_is_none_for_a_robot():
     motion = still_motion(Robot.load("hrp2"), 1.0)
     stands = geometric_figures(motion)
@@ -95,8 +105,8 @@ def test_the_shipped_clip_is_copied_made_stable_and_edited(tmp_path):
     )
     assert show is ramos.show
     assert not report["fell"]
-    written = {"run.rrd", "report.json", "thumbnails.svg", "curves.svg", "schedule.svg", "posture", "final"}
-    assert {path.name for path in tmp_path.iterdir()} == written
+    pictures = {f"{name}.svg" for name in ("thumbnails", "curves", "scalogram", "schedule")}
+    assert {path.name for path in tmp_path.iterdir()} == {"run.rrd", "report.json", "posture", "final", *pictures}
     assert all(knee["final_share"] > max(knee["posture_share"], 0.9) for knee in report["knees"])
     assert report["hand"]["final_head_min_m"] > 0.02
     (slide,) = report["slides"]

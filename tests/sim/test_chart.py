@@ -1,10 +1,12 @@
 """Pictures of curves: well-formed, whole, and broken where there is nothing to draw."""
 
+import re
 from xml.etree import ElementTree
 
 import numpy as np
+import pytest
 
-from sim.chart import Bar, Curve, Lane, Panel, limits, write, write_lanes
+from sim.chart import SHADES, Bar, Curve, Field, Lane, Panel, limits, write, write_lanes
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -46,6 +48,21 @@ def test_gaps_break_a_line_and_a_constant_is_drawn(tmp_path):
     assert len(list(root.iter(f"{SVG}polyline"))) == 3
     root = drawn(tmp_path, Panel("", "", "", [Curve(np.arange(2.0), np.full(2, np.nan), "red")]))
     assert not list(root.iter(f"{SVG}polyline"))
+
+
+def test_a_field_is_painted_in_shades_and_leaves_its_axes_nothing_uncovered(tmp_path):
+    values = np.zeros((4, 6))
+    values[2, 3:] = 5.0
+    field = Field(np.arange(6.0), 1.0 + np.arange(4.0), values)
+    root = drawn(tmp_path, Panel("power", "s", "Hz", [], field=field))
+    low, high = root.iter(f"{SVG}path")
+    assert (low.get("stroke"), high.get("stroke")) == (SHADES[0], SHADES[-1])
+    runs = {path: [re.findall(r"[\d.]+", run) for run in path.get("d").split("M")[1:]] for path in (low, high)}
+    assert len(runs[low]) == 4 and len(runs[high]) == 1
+    (start, row, end), full = map(float, runs[high][0]), [float(value) for value in runs[low][0]]
+    assert (start, end) == pytest.approx((0.5 * (full[0] + full[2]), full[2]), abs=1.0)
+    assert row < full[1]  # a higher frequency lies further up
+    assert full[2] - full[0] == pytest.approx(304.0, abs=1.0)  # all of the panel
 
 
 def test_lanes_hold_their_bars_in_time(tmp_path):
