@@ -58,6 +58,7 @@ class BandedQP:
         A = sp.diags_array(1.0 / unit) @ A  # slacks of the order of one, whatever the units of the rows
         self._unit = np.concatenate([unit[above], unit[below]])
         self._G = sp.vstack([A[above], -A[below]], format="csr")  # every limit as a row of G x <= h
+        self._G.sum_duplicates()  # and sorts the columns of each row
         self._h = np.concatenate([upper[above], -lower[below]]) / self._unit
         self._Gt = self._G.T.tocsr()
         self._cells, self._fold = _folding(self._G, band)
@@ -134,14 +135,13 @@ def _folding(G: sp.csr_array, band: int) -> tuple[NDArray[np.int64], sp.csr_arra
         entry = G.indptr[row][:, None] + np.arange(count)
         column, value = G.indices[entry], G.data[entry]
         for a in range(count):
-            for b in range(count):
-                lower = column[:, a] >= column[:, b]
-                offset = column[lower, a] - column[lower, b]
-                if offset.size and offset.max() > band:
+            for b in range(a + 1):
+                offset = column[:, a] - column[:, b]
+                if offset.max() > band:
                     raise ValueError(f"a limit couples variables {offset.max()} apart, the band is {band}")
-                products.append(value[lower, a] * value[lower, b])
-                cells.append(column[lower, b].astype(np.int64) * (band + 1) + offset)
-                rows.append(row[lower])
+                products.append(value[:, a] * value[:, b])
+                cells.append(column[:, b].astype(np.int64) * (band + 1) + offset)
+                rows.append(row)
     if not products:
         return np.zeros(0, np.int64), sp.csr_array((0, G.shape[0]))
     cell = np.concatenate(cells)
