@@ -19,7 +19,7 @@ from tests.sot.stepping import stepping_motion
 
 WALK = Path(__file__).parents[2] / "../shared/mocap/bandai_walk.bvh"
 RATE = 500.0
-JUMP = 15.0
+JUMP = 10.0
 """Most that any joint's torque may change from one tick to the next around a switch, at that rate [N m]."""
 
 
