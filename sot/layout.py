@@ -19,7 +19,8 @@ Array = np.ndarray
 FRICTION_GIVES_WAY = 3
 """Place of the friction pyramids in the order in which level 0 is relaxed: the last."""
 _ANY = slice(0)
-_NOTHING = np.empty(0)
+_NO_VARIABLES = 0, 0.0
+"""Where rows begin, and no unit: they are of torques in a form that has none among its variables."""
 
 
 class Layout:
@@ -62,7 +63,7 @@ class Layout:
             for task in tasks:
                 k, own = next(asked)
                 block = Block(task.name, task.unit, task.weight, task.equality, _ANY, task.gives_way, task.labels)
-                start, unit = form.variables.get(task.on, (0, 0.0))
+                start, unit = form.variables.get(task.on, _NO_VARIABLES)
                 if task.equality:
                     equality = Equality(own.A, own.lower, start=start, selects=own.selects if unit else None)
                     self._equalities.append((k, unit, pile.equality(block, equality)))
