@@ -17,6 +17,9 @@ THIN = 1e-7, 1e-12
 WIDER = 3.0, 100.0
 """Where a set has no width, solvers stumble over rounding. The levels above are known no better than to the accuracy of
 their QPs: bounds are widened by this many times as much, where ProxQP has failed, and where the second solver has."""
+DEFINITE = 1e-10, 1e-8
+"""The second solver wants a positive definite objective: by how much, relative to its mean curvature, one is made so; as a
+rule far below what the answer is accurate to, and where the solver has failed."""
 
 
 @dataclass(slots=True)
@@ -149,14 +152,15 @@ class PersistentQPs:
     def _second(self, problem: QP, reason: str) -> QPResult:
         H, C, lower, upper = problem.H, problem.C, problem.lower, problem.upper
         n, m = len(H), len(lower)
-        # The second solver wants a positive definite objective; this is far below what its answer is accurate to.
-        definite = H + 1e-10 * max(1.0, float(np.trace(H)) / n) * np.eye(n)
+        curvature = max(1.0, float(np.trace(H)) / n) * np.eye(n)
+        wide = WIDER[1] * self.accuracy
+        attempts = [(DEFINITE[0], 0.0), (DEFINITE[0], wide), (DEFINITE[1], wide)]
         above, below = np.isfinite(upper), np.isfinite(lower)
         rows, bounds = np.vstack([C[above], -C[below]]), np.concatenate([upper[above], -lower[below]])
-        for wider in (0.0, WIDER[1] * self.accuracy)[: 1 + problem.feasible]:
+        for definite, wider in attempts if problem.feasible else attempts[:1]:
             try:
                 solution = qpsolvers.solve_problem(
-                    qpsolvers.Problem(definite, problem.g, rows, bounds + wider), solver=SECOND_SOLVER
+                    qpsolvers.Problem(H + definite * curvature, problem.g, rows, bounds + wider), solver=SECOND_SOLVER
                 )
             except (qpsolvers.SolverError, ValueError):
                 continue

@@ -1,6 +1,7 @@
 """Persistent quadratic programs where they are least comfortable."""
 
 import time
+from pathlib import Path
 
 import numpy as np
 
@@ -31,3 +32,14 @@ def test_a_problem_with_rows_of_rounding_is_solved():
         assert answer.status == Status.SOLVED
         np.testing.assert_allclose(answer.y, 1.0, atol=1e-8)
         np.testing.assert_allclose(answer.multipliers, [1.0, 0.0, 1.0], atol=1e-7)
+
+
+def test_a_thin_set_that_the_second_solver_finds_empty_is_tried_again():
+    """A level of a foot that begins to slide: the levels above have left it next to no room, but some."""
+    with np.load(Path(__file__).with_name("stubborn.npz")) as file:
+        problem = QP(**file, feasible=True)
+    assert problem.violation(np.zeros_like(problem.g)) == 0.0
+    answer = PersistentQPs(max_iterations=1).solve("stubborn", problem)
+    assert answer.status == Status.SECOND_SOLVER
+    assert answer.residual < 1e-6
+    assert 0.5 * answer.y @ problem.H @ answer.y + problem.g @ answer.y < 0.0  # no worse than to stay
