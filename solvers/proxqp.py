@@ -18,8 +18,8 @@ WIDER = 3.0, 100.0
 """Where a set has no width, solvers stumble over rounding. The levels above are known no better than to the accuracy of
 their QPs: bounds are widened by this many times as much, where ProxQP has failed, and where the second solver has."""
 DEFINITE = 1e-10, 1e-8
-"""The second solver wants a positive definite objective: by how much, relative to its mean curvature, one is made so; as a
-rule far below what the answer is accurate to, and where the solver has failed."""
+"""How much more curvature, relative to its mean, the objective is given for the second solver, which wants all of it to
+be positive: as a rule far less than shows in the answer, and where the solver has failed."""
 
 
 @dataclass(slots=True)
