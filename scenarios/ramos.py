@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from scenarios.clips import locate
-from scenarios.ramos_edits import hand_edits, knee_edits, oscillating_knees, raises, slid, without
+from scenarios.ramos_edits import dancers_height, hand_edits, knee_edits, oscillating_knees, raises, slid, without
 from scenarios.ramos_figures import geometric_figures, hand_figures, knee_figures, slide_figures
 from scenarios.ramos_pictures import draw_curves, draw_scalogram, draw_thumbnails
 from scenarios.ramos_view import Three, record
@@ -87,11 +87,12 @@ def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
     posture = _danced(request, posture_only(KEPT), planned, tell)
     slides = slid(sliding)
     knees = oscillating_knees(planned, slides)
-    raised = without(raises(planned, posture.run.log.trimmed()), slides)
+    wanted = dancers_height(planned)
+    raised = without(raises(planned, wanted, posture.run.log.trimmed()), slides)
     edits = (*knee_edits(sliding, knees), *hand_edits(sliding, raised))
     final = _danced(request, posture_only(HAND_KEPT, edits), sliding, tell)
     logs = posture.run.log.trimmed(), final.run.log.trimmed()
-    three = Three(planned, geometric, *logs, knees, raised, slides)
+    three = Three(planned, geometric, *logs, wanted, knees, raised, slides)
 
     tell("recording", None)
     runs = {name: keep(danced, out / name, tell) for name, danced in ((POSTURE, posture), (FINAL, final))}
@@ -113,7 +114,7 @@ def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
         "geometric": geometric_figures(geometric),
         "runs": {name: _summary(run) for name, run in runs.items()},
         "knees": knee_figures(knees, geometric, three.posture, three.final),
-        "hand": hand_figures(planned, raised, three.posture, three.final),
+        "hand": hand_figures(robot, wanted, raised, three.posture, three.final),
         "slides": [slide | slide_figures(slide, planned.motion, three.posture) for slide in runs[FINAL]["slides"]],
         "edits": list(final.edits),
     }

@@ -104,9 +104,8 @@ def hand_height(log: RunLog, robot: Robot) -> tuple[Array, Array]:
     return log.time[rows], Points.of(robot, log.q[rows], (HAND,)).positions[HAND][:, 2]
 
 
-def raises(planned: Plan, log: RunLog) -> list[Span]:
-    """When the hand of a run is too low while the clip plays: starts and ends [s]."""
-    wanted = dancers_height(planned)
+def raises(planned: Plan, wanted: Array, log: RunLog) -> list[Span]:
+    """When the hand of a run is too low while the clip plays: starts and ends [s]; wanted: the dancer's height."""
     times = np.arange(len(wanted)) / PLAN_RATE
     shown = (times >= planned.start) & (times <= planned.end)
     low = (wanted - np.interp(times, *hand_height(log, planned.motion.robot)) > SHORT) & shown

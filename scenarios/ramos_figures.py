@@ -7,10 +7,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from scenarios.ramos_edits import HAND, Knee, amplitude, dancers_height, hand_height
+from scenarios.ramos_edits import HAND, Knee, amplitude, hand_height
 from sim.log import RunLog
 from sot.motion.contacts import Phase, phase_at, support
-from sot.motion.plan import PLAN_RATE, Plan
+from sot.motion.plan import PLAN_RATE
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
 from sot.tick import Tick
@@ -78,10 +78,11 @@ def knee_figures(knees: Sequence[Knee], geometric: Motion, posture: RunLog, fina
     return found
 
 
-def hand_figures(planned: Plan, spans: Sequence[tuple[float, float]], posture: RunLog, final: RunLog) -> dict[str, Any]:
-    """How far the right hand's height is from the dancer's while it is raised, Ramos Figure 7, and how near it comes to
-    the head."""
-    robot, wanted = planned.motion.robot, dancers_height(planned)
+def hand_figures(
+    robot: Robot, wanted: Array, spans: Sequence[tuple[float, float]], posture: RunLog, final: RunLog
+) -> dict[str, Any]:
+    """How far the right hand's height is from the dancer's (T,) while it is raised, Ramos Figure 7, and how near it
+    comes to the head."""
     times = np.arange(len(wanted)) / PLAN_RATE
     raised = np.zeros(len(times), bool)
     for start, end in spans:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from scenarios.ramos_edits import HAND, KNEES, dancers_height, knee_joint
+from scenarios.ramos_edits import HAND, KNEES, knee_joint
 from scenarios.ramos_view import Three
 from sim.chart import Curve, Field, Panel, write
 from sim.figures import Points
@@ -72,7 +72,7 @@ def draw_curves(path: Path, three: Three, title: str) -> None:
     signals = {"demonstrated": _sampled(three.geometric.times, three.geometric.q, "geometric")}
     signals |= {name: _sampled(log.time, log.q, name) for name, log in runs.items()}
     places = {name: Points.of(robot, q, (point, HAND)).positions for name, (_, q, _) in signals.items()}
-    wanted = dancers_height(three.planned)
+    wanted = three.wanted
 
     def shown(value: Mapping[str, Array], span: tuple[float, float]) -> list[Curve]:
         return [_within(times, value[name], span, color, name) for name, (times, _, color) in signals.items()]

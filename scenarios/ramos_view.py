@@ -8,7 +8,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from scenarios.ramos_edits import HAND, KNEES, Knee, dancers_height, knee_joint
+from scenarios.ramos_edits import HAND, KNEES, Knee, knee_joint
 from sim.blueprint import layout
 from sim.bodies import send_robot
 from sim.columns import COLORS
@@ -38,6 +38,7 @@ class Three:
         planned: the dancer, and the motion whose balance is kept.
         geometric: the copy that is not balanced.
         posture, final: the runs under physics, without and with edits.
+        wanted: height of the dancer's right hand at the knots, in the robot's size (T,) [m].
         knees, raised, slid: what was edited: the knees' oscillations, when the hand is raised, and when a foot slides
             [s].
     """
@@ -46,6 +47,7 @@ class Three:
     geometric: Motion
     posture: RunLog
     final: RunLog
+    wanted: Array
     knees: Sequence[Knee]
     raised: Sequence[tuple[float, float]]
     slid: Sequence[tuple[float, float]]
@@ -107,7 +109,7 @@ def _tabs(three: Three) -> list[Tab]:
         )
         for knee, joint in zip(KNEES, joints, strict=True)
     ]
-    wanted = dancers_height(three.planned)
+    wanted = three.wanted
     heights = [Curves("dancer", np.arange(len(wanted)) / PLAN_RATE, MM * wanted, ("dancer",), (SHADES["dancer"],))]
     heights += [
         Curves(name, times, MM * Points.of(robot, q, (HAND,)).positions[HAND][:, 2], (name,), (SHADES[name],))

@@ -18,7 +18,7 @@ from sot.tick import Tick
 Array = np.ndarray
 FormName = Literal["condensed", "full"]
 
-LEAST_LOAD = 1.0
+BEARING = 1.0
 """Without more than this on all contacts there is no zero-moment point [N]."""
 _FORMS: dict[FormName, type[Form]] = {"condensed": Condensed, "full": Full}
 
@@ -109,4 +109,4 @@ def _felt(maps: Array, bearer: Array, places: Array, forces: Array) -> tuple[Arr
         x += places[k, 0] * fz - places[k, 2] * fx - my
         y += places[k, 1] * fz - places[k, 2] * fy + mx
         load += fz
-    return wrenches, np.array((x / load, y / load)) if load > LEAST_LOAD else np.full(2, np.nan)
+    return wrenches, np.array((x / load, y / load)) if load > BEARING else np.full(2, np.nan)

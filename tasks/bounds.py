@@ -88,12 +88,10 @@ class AccelerationBounds:
 
     Attributes:
         outside: How far the last positions were outside the range, shape (n,).
-        brake: As given; may be written.
     """
 
     def __init__(self, lower: Array, upper: Array, velocity: Array, brake: Array, hard: Array) -> None:
         self._limits = np.array([lower, upper, velocity, brake, hard])
-        self.brake = self._limits[3]
         self.outside = np.zeros(len(lower))
 
     def __call__(self, q: Array, v: Array, period: float) -> tuple[Array, Array]:

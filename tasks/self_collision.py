@@ -52,7 +52,6 @@ class SelfCollision(Task):
         self._least, self._acceleration = least, robot.acceleration
         self._proximity, self._ahead = Proximity(robot), robot.model.createData()
         self.pairs = self._proximity.pairs
-        self._limits = least, np.inf, np.inf, BRAKE, np.inf
         self._watched: list[int] = []
         self._looked = -np.inf
         self._calm = np.full(len(self.pairs), -np.inf)  # times until which pairs may be left alone
@@ -86,8 +85,10 @@ class SelfCollision(Task):
         distances, rates, J, drift = self.observe(tick, near)
         # What the joints give at the accelerations that are relied upon.
         most = np.abs(J[:, 6:]) @ self._acceleration
-        self._bounds.brake[:count] = _brakes(distances - self._least, rates, tick.period, most)
-        wanted = self._bounds(distances, rates, tick.period)[0] - drift
+        brakes = _brakes(distances - self._least, rates, tick.period, most)
+        unlimited = self._upper[:count]
+        bounds = AccelerationBounds(np.full(count, self._least), unlimited, unlimited, brakes, unlimited)
+        wanted = bounds(distances, rates, tick.period)[0] - drift
         A[:count], lower[:count] = J, np.minimum(wanted, most)
         self.error = np.maximum(self._least - distances, 0.0)
         self.labels = [" and ".join(self.pairs[k]) for k in near]
@@ -96,7 +97,6 @@ class SelfCollision(Task):
     def _make_room(self, pairs: int, nv: int) -> None:
         """For the rows of some pairs; those of none are read-only, so that nobody writes them twice."""
         self._empty, self._free, self._upper = np.zeros((pairs, nv)), np.full(pairs, -np.inf), np.full(pairs, np.inf)
-        self._bounds = AccelerationBounds(*(np.full(pairs, limit) for limit in self._limits))
         for same in (self._empty, self._free, self._upper):
             same.flags.writeable = False
 

@@ -7,9 +7,11 @@ import pytest
 from sim.world import World
 from solvers import Cascade
 from sot.controller import Controller
+from sot.proximity import Proximity
 from sot.robot import Robot, robots
 from sot.tick import Tick
 from tasks import Posture, SelfCollision
+from tasks.self_collision import LOOK, SURPRISE
 from tests.sot.stances import standing_stack
 from tests.sot.states import random_state
 
@@ -139,3 +141,31 @@ def test_as_many_rows_as_were_ever_needed(robot):
 def test_is_a_limit_of_level_0_that_gives_way_with_the_joint_bounds(robot):
     task = SelfCollision(robot)
     assert not task.equality and task.on == "acceleration" and task.gives_way == 1
+
+
+def test_pairs_that_are_left_alone_are_watched_in_time(robot):
+    """Beside a task that leaves pairs alone goes one that looks at all of them each time: what the one has to watch, so
+    does the other, as long as no pair speeds up by more than is allowed for."""
+    task, every, tick = SelfCollision(robot), SelfCollision(robot), Tick(robot)
+    proximity, pairs, joints = Proximity(robot), range(len(task.pairs)), range(6, robot.nv)
+    away = crossed(robot)[7:] - robot.rest[7:]
+    watched = spared = 0
+    rates = None
+    for k in range(300):
+        t = k * LOOK
+        angle, speed = 0.5 - 0.5 * np.cos(np.pi * t), 0.5 * np.pi * np.sin(np.pi * t)
+        q, v = robot.rest.copy(), np.zeros(robot.nv)
+        q[7:] += angle * away
+        v[joints] = speed * away
+        tick.update(t, q, v)
+        before, (_, J) = rates, proximity.measure(tick.data, pairs)
+        rates = J @ v
+        if before is not None:
+            assert (before - rates < SURPRISE).all()
+        every._calm[:] = -np.inf
+        task.rows(tick), every.rows(tick)
+        assert set(every.labels) <= set(task.labels)
+        watched += len(every.labels)
+        spared += int((task._calm > t + 1.5 * LOOK).sum())
+    assert watched > 20
+    assert spared > 200
