@@ -4,20 +4,21 @@ A trajectory couples only neighbouring samples, so that its Hessian H and the no
 banded. A primal-dual interior point method then needs nothing but banded Cholesky factorisations.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg.blas import dsbmv
 from scipy.linalg.lapack import dpbtrf, dpbtrs
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 Array = NDArray[np.float64]
 
 TO_THE_BOUNDARY = 0.995
 PRICE = 100.0  # usual of a limit, in half the room
 VIOLATION = 1e-5  # of half the room, what a limit may be missed by
-STATIONARY, ROUNDING = 1e-9, 1e-13  # what may be left of the gradient, of its start and of the largest curvature
+STATIONARY, ROUNDING = 1e-9, 1e-13  # what may be left of the gradient, of its largest part and of the largest curvature
 
 
 @dataclass(frozen=True)
@@ -89,11 +90,13 @@ class BandedQP:
         slack = h - G @ x
         if slack.size == 0 or slack.min() >= 0.0:
             return BandedSolution(origin + x, True, 0, 0.0)
-        stationary = STATIONARY * (1.0 + _largest(g)) + ROUNDING * _largest(H)
+        rounding = ROUNDING * _largest(H)
         s, z = np.maximum(slack, 1.0), np.full(slack.size, price)
         solved, iteration, normal = False, 0, np.empty_like(H)
         while iteration < iterations:
-            dual = dsbmv(self.band, 1.0, H.T, x, lower=1) + g + Gt @ z
+            curve = dsbmv(self.band, 1.0, H.T, x, lower=1)
+            dual = curve + g + Gt @ z
+            stationary = STATIONARY * (1.0 + max(_largest(g), _largest(curve))) + rounding
             primal = h - G @ x - s
             gap = float(s @ z) / s.size
             solved = gap < tolerance and _largest(dual) < stationary and _largest(primal) < VIOLATION
@@ -123,6 +126,32 @@ class BandedQP:
             x, s, z = x + step * dx, s + step * ds, z + step * dz
         violation = float(max(0.0, (self._unit * (G @ x - h)).max()))
         return BandedSolution(origin + x, solved, iteration, violation)
+
+
+def sparse_qp(H: sp.sparray, A: sp.sparray, lower: Array, upper: Array, tolerance: float) -> BandedSolution:
+    """min ½ xᵀH x  subject to  lower <= A x <= upper, its variables put in an order that makes it banded.
+
+    Args:
+        H: (n, n) sparse and positive definite.
+        A: (m, n) sparse limits, of variables that are coupled along a line, if in no particular order.
+        lower, upper: (m,) bounds, infinite where there is none.
+        tolerance: see `BandedQP.solve`.
+    """
+    A, H = sp.csr_array(A), sp.csr_array(H)
+    H.eliminate_zeros()
+    pattern = sp.csr_array(abs(A).T @ abs(A) + abs(H))
+    order = reverse_cuthill_mckee(pattern, symmetric_mode=True)
+    place = np.argsort(order)
+    coupled, entries = sp.coo_array(pattern), sp.coo_array(H)
+    row, column = place[coupled.row], place[coupled.col]
+    band = int(np.abs(row - column).max())
+    row, column = place[entries.row], place[entries.col]
+    below = row >= column
+    diagonals = np.zeros((len(order), band + 1))
+    diagonals[column[below], (row - column)[below]] = entries.data[below]
+    qp = BandedQP(A[:, order], lower, upper, band)
+    solution = qp.solve(diagonals, np.zeros(len(order)), tolerance=tolerance)
+    return replace(solution, x=solution.x[place])
 
 
 def _folding(G: sp.csr_array, band: int) -> tuple[NDArray[np.int64], sp.csr_array]:

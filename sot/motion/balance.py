@@ -34,20 +34,29 @@ class BalancePlan:
     excursion: float
 
 
-def plan_balance(motion: Centroidal, wanted: Array, supports: Sequence[Support], period: float) -> BalancePlan:
+def plan_balance(
+    motion: Centroidal,
+    wanted: Array,
+    supports: Sequence[Support],
+    period: float,
+    start: float = 0.0,
+    held: Spline | None = None,
+) -> BalancePlan:
     """The CoM nearest to the wanted one whose ZMP stays in the inset of what supports it.
 
     Where no such CoM exists, the ZMP leaves the inset by the least (an exact penalty). It starts and ends at rest,
-    where the wanted CoM starts and over the middle of the support.
+    where the wanted CoM starts and over the middle of the support, unless its ends are given.
 
     Args:
         motion: the whole body's at T knots, of which height and angular momentum are kept.
         wanted: (T, 2) horizontal CoM to stay near to [m].
         supports: in order of time.
         period: time between knots [s].
+        start: of the first knot [s].
+        held: a CoM whose first and last three control points are kept.
     """
     length = len(wanted)
-    times = period * np.arange(length)
+    times = start + period * np.arange(length)
     until = [*(support.start for support in supports[1:]), np.inf]
     height, offset = motion.pendulum()
 
@@ -69,9 +78,9 @@ def plan_balance(motion: Centroidal, wanted: Array, supports: Sequence[Support],
     lower = np.concatenate([np.full(len(knot), -np.inf), np.zeros(length + 2)])
     upper = np.concatenate([edge - np.sum(offset[knot] * normal, axis=1), np.full(length + 2, np.inf)])
 
-    end = supports[-1].polygon.centre
+    first, last = (wanted[0], supports[-1].polygon.centre) if held is None else (held.control[:3], held.control[-3:])
     around = np.zeros((length + 2, 3))
-    around[1:-1, :2], around[:3, :2], around[-3:, :2] = wanted, wanted[0], end
+    around[1:-1, :2], around[:3, :2], around[-3:, :2] = wanted, first, last
     H, g = _objective(wanted, period)
     g += dsbmv(H.shape[1] - 1, 1.0, H.T, around.ravel(), lower=1)
     H.reshape(-1, 3, 10)[[0, 1, 2, -3, -2, -1], :2, 0] += HELD

@@ -42,6 +42,13 @@ class Centroidal:
             com[k] = data.com[0]
         return Centroidal(com, momentum, rate, robot.mass)
 
+    def __getitem__(self, rows: slice) -> "Centroidal":
+        """At some of the times."""
+        return Centroidal(self.com[rows], self.momentum[rows], self.rate[rows], self.mass)
+
+    def __setitem__(self, rows: slice, other: "Centroidal") -> None:
+        self.com[rows], self.momentum[rows], self.rate[rows] = other.com, other.momentum, other.rate
+
     @property
     def velocity(self) -> Array:
         """Of the centre of mass (T, 3) [m/s]."""

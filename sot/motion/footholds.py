@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-import quadprog
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from solvers.banded import sparse_qp
 from sot.motion.footwork import Stand, Step
 from sot.motion.human import SIDES
 from sot.robot import Robot
@@ -25,6 +26,9 @@ OFF = 0.13  # m that a foothold may be off its place
 DEARER, DEAREST = 4.0, 64.0  # what a foothold's distance gets dearer by where it is farther off, and up to
 LEFT = 0.05  # price where that does not help
 EDGES = 12  # of the polygon inside the circle of strides
+MOVED, TURNED = 0.01, 0.05  # m and rad, changes that one is ready to accept
+EXACT = 1e-6  # tolerance of the programmes
+NOTHING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -99,17 +103,23 @@ def together(steps: Sequence[Step]) -> Iterator[tuple[int, int]]:
 def headings(wanted: Mapping[str, Sequence[Stand]], steps: Sequence[Step], reach: Reach) -> dict[str, Array]:
     """Headings of the stands (n,) a foot, nearest to the wanted ones within what hips can turn and how fast."""
     index = _Index(wanted)
-    rows, least = [], []
+    pairs, least, most = [], [], []
     for left, right in together(steps):
-        apart = index.row(("left_foot", left, 1.0), ("right_foot", right, -1.0))
-        rows += [apart, -apart]
-        least += [reach.turn[0], -reach.turn[1]]
+        pairs.append((index.number("left_foot", left), index.number("right_foot", right)))
+        least.append(reach.turn[0])
+        most.append(reach.turn[1])
     for before, after, step in index.moves(steps):
-        turned = index.row((step.foot, before, -1.0), (step.foot, after, 1.0))
-        rows += [turned, -turned]
-        least += 2 * [-reach.turning * (step.land - step.lift)]
+        pairs.append((index.number(step.foot, after), index.number(step.foot, before)))
+        most.append(reach.turning * (step.land - step.lift))
+        least.append(-most[-1])
     target = index.gather({foot: np.array([stand.heading for stand in stands]) for foot, stands in wanted.items()})
-    return index.split(_nearest(target, rows, least))
+    count = len(pairs)
+    differences = sp.csr_array(
+        (np.tile([1.0, -1.0], count), (np.repeat(np.arange(count), 2), np.ravel(pairs))), shape=(count, index.count)
+    )
+    now = differences @ target
+    change = sparse_qp(sp.eye_array(index.count) / TURNED**2, differences, least - now, most - now, EXACT)
+    return index.split(target + change.x)
 
 
 def places(
@@ -147,18 +157,18 @@ def places(
     rows, least = _reachable(index, turned, steps, reach)
     target = index.gather({foot: np.array([(stand.x, stand.y) for stand in wanted[foot]]) for foot in wanted}).ravel()
     C = index.gather(carried).reshape(len(target), -1)
-    target = target - C.sum(axis=1)
+    # In the changes, p − w − C (s − 1) and s − 1, each limit and each price is about a few neighbours in time.
     spots, count = len(target), C.shape[1]
-    scales = np.hstack([np.zeros((count, spots)), np.eye(count)])
-    limits = np.vstack([np.hstack([rows, np.zeros((len(rows), count))]), scales, -scales])
-    ends = np.concatenate([least, np.full(count, SHORTEST), -np.ones(count)])
+    along = rows @ C
+    along[np.abs(along) < NOTHING] = 0.0
+    limits = sp.block_array([[rows, sp.csr_array(along)], [None, sp.eye_array(count)]], format="csr")
+    lower = np.concatenate([least - rows @ target, np.full(count, SHORTEST - 1.0)])
+    upper = np.concatenate([np.full(len(least), np.inf), np.full(count, NOTHING)])
     value = np.ones(index.count)
     while True:
-        v = np.repeat(value, 2)[:, None]
-        H = np.block([[np.diag(v[:, 0]), -v * C], [-(v * C).T, C.T @ (v * C) + stiffness]])
-        aim = np.concatenate([v[:, 0] * target, stiffness.sum(axis=1) - (v * C).T @ target])
-        place, scale = np.split(quadprog.solve_qp(H, aim, limits.T, ends)[0], [spots])
-        off = np.linalg.norm((place - target - C @ scale).reshape(-1, 2), axis=1)
+        H = sp.block_diag([sp.diags_array(np.repeat(value, 2)), stiffness], format="csr") / MOVED**2
+        change, scale = np.split(sparse_qp(H, limits, lower, upper, EXACT).x, [spots])
+        off = np.linalg.norm(change.reshape(-1, 2), axis=1)
         far = (off > OFF) & (value > LEFT)
         if not far.any():
             break
@@ -166,16 +176,16 @@ def places(
             value[far] *= DEARER
         else:
             value[np.flatnonzero(far)[(off * (value >= DEAREST))[far].argmax()]] = LEFT
-    found = index.split(place.reshape(-1, 2))
+    found = index.split((target + C @ scale + change).reshape(-1, 2))
     return {
         foot: [Stand(float(x), float(y), float(yaw)) for (x, y), yaw in zip(found[foot], turned[foot], strict=True)]
         for foot in wanted
-    }, np.clip(scale, SHORTEST, 1.0)
+    }, np.clip(1.0 + scale, SHORTEST, 1.0)
 
 
 def _reachable(
     index: "_Index", turned: Mapping[str, Array], steps: Sequence[Step], reach: Reach
-) -> tuple[Array, Array]:
+) -> tuple[sp.csr_array, Array]:
     """Rows (m, 2n) over all places, and what each is to be at least (m,), for pairs of stands and for steps."""
     parts: list[tuple[int, int, Array, Array]] = []  # two stands, ways from the second one, least along each
     circle = 2.0 * np.pi * np.arange(EDGES) / EDGES
@@ -193,12 +203,15 @@ def _reachable(
     for before, after, step in index.moves(steps):
         far = np.full(EDGES, -reach.speed * (step.land - step.lift))
         parts.append((index.number(step.foot, before), index.number(step.foot, after), ways, far))
-    rows, count = np.zeros((sum(len(far) for *_, far in parts), index.count, 2)), 0
-    for first, second, ways, far in parts:
-        rows[count : count + len(far), first] = ways
-        rows[count : count + len(far), second] = -ways
-        count += len(far)
-    return rows.reshape(count, -1), np.concatenate([far for *_, far in parts])
+    least = np.concatenate([np.empty(0), *(far for *_, far in parts)])
+    values = np.vstack([np.empty((0, 4)), *(np.hstack([ways, -ways]) for *_, ways, _ in parts)])
+    columns = np.repeat(
+        np.array([(2 * a, 2 * a + 1, 2 * b, 2 * b + 1) for a, b, *_ in parts], dtype=int).reshape(-1, 4),
+        [len(far) for *_, far in parts],
+        axis=0,
+    )
+    ends = 4 * np.arange(len(least) + 1)
+    return sp.csr_array((values.ravel(), columns.ravel(), ends), shape=(len(least), 2 * index.count)), least
 
 
 def separation(yaws: tuple[float, float], reach: Reach, across: Array) -> float:
@@ -222,13 +235,6 @@ class _Index:
             self._first[foot] = self.count
             self.count += own
 
-    def row(self, *parts: tuple[str, int, float]) -> Array:
-        """A row that is a weighted sum of stands, each a foot, its number, and a weight."""
-        row = np.zeros(self.count)
-        for foot, number, weight in parts:
-            row[self._first[foot] + number] = weight
-        return row
-
     def number(self, foot: str, stand: int) -> int:
         return self._first[foot] + stand
 
@@ -244,9 +250,3 @@ class _Index:
 
     def split(self, values: Array) -> dict[str, Array]:
         return {foot: values[first : first + self._counts[foot]] for foot, first in self._first.items()}
-
-
-def _nearest(target: Array, rows: Sequence[Array], least: Sequence[float]) -> Array:
-    """The point nearest to a target with rows · x >= least; the stands' own places are free, so there is one."""
-    found: Array = quadprog.solve_qp(np.eye(len(target)), target, np.array(rows).T, np.array(least))[0]
-    return found

@@ -48,25 +48,27 @@ class Grip:
                 self._alone.append((knots, pose.rotation, pose.act(corners.mean(axis=0)), half))
         self._asked = np.zeros((len(times), 2), bool)
 
-    def excess(self, y: Array, state: Centroidal) -> tuple[Array, Array]:
-        """Weighted errors (T, 2) of moment and load beyond their ranges, and their Jacobians (T, 2, nv) with respect to
-        the second derivatives of the coordinates y (T, nv)."""
+    def excess(self, y: Array, state: Centroidal, first: int = 0) -> tuple[Array, Array]:
+        """Weighted errors (n, 2) of moment and load beyond their ranges, and their Jacobians (n, 2, nv) with respect to
+        the second derivatives of the coordinates y (n, nv), at n knots from the first on."""
         mass = self._robot.mass
         force = state.rate[:, :3] + [0.0, 0.0, mass * GRAVITY]
         turning = np.zeros(len(y))
-        for knots, rotation, centre, half in self._alone:
+        for alone, rotation, centre, half in self._alone:
+            knots = alone[(alone >= first) & (alone < first + len(y))] - first
             lever = np.cross(state.com[knots] - centre, force[knots])
             moment = state.rate[knots, 3:] + lever
             least, most = yaw_moments(force[knots] @ rotation, moment @ rotation, half)
             turning[knots] = moment[:, 2] - np.clip(moment[:, 2], USED * least, USED * most)
         load = force[:, 2] - np.clip(force[:, 2], WEIGHT[0] * mass * GRAVITY, WEIGHT[1] * mass * GRAVITY)
         errors = np.column_stack([TURNED * turning, LOADED * load])
-        self._asked |= errors != 0.0
+        asked = self._asked[first : first + len(y)]
+        asked |= errors != 0.0
         J = np.zeros((*errors.shape, y.shape[1]))
-        used = np.flatnonzero(self._asked.any(axis=1))
+        used = np.flatnonzero(asked.any(axis=1))
         if len(used):
             maps = momentum_maps(self._robot, y[used])[:, [5, 2]] * np.array([TURNED, LOADED])[:, None]
-            J[used] = maps * self._asked[used, :, None]
+            J[used] = maps * asked[used, :, None]
         return errors, J
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from solvers.banded import BandedQP
 from sot.motion.kinematics import Chains, Kinematics
-from sot.motion.spline import AT_KNOT
+from sot.motion.spline import AT_KNOT, Spline
 from sot.motion.swing import FootPath
 from sot.robot import Robot
 
@@ -18,7 +18,8 @@ STRETCHED = 0.975  # of its length, how far a leg may reach: what is left is for
 LIFT = 2.5  # m/s², of the hips up or down
 HEIGHT_ERROR = 0.02  # m, a deviation that costs as much as JERK_ERROR
 JERK_ERROR = 20.0  # m/s³
-HELD = 1e9  # weight that holds both ends at rest
+HELD = 1e9  # weight that holds both ends
+EDGE = 1e-4  # m, room that is left where a height is held
 
 
 def reachable(robot: Robot, y: Array, feet: Mapping[str, FootPath]) -> Array:
@@ -44,10 +45,20 @@ def reachable(robot: Robot, y: Array, feet: Mapping[str, FootPath]) -> Array:
     return highest
 
 
-def lowered(wanted: Array, highest: Array, period: float) -> Array:
-    """The smooth height (T,) nearest to the wanted one (T,) that stays below the highest one (T,) [m]."""
+def lowered(wanted: Array, highest: Array, period: float, held: Spline | None = None) -> Spline:
+    """The smooth height nearest to the wanted one (T,) that stays below the highest one (T,) [m].
+
+    held: keep its first and last three control points; both ends are at rest without it.
+    """
     length = len(wanted)
     n = length + 2
+    if held is None:
+        ends = np.minimum(wanted, highest)[[0, -1]]
+        start, stop, highest = ends[:1], ends[1:], np.maximum(highest, ends.min())
+    else:
+        start, stop, highest = held.control[:3, 0], held.control[-3:, 0], highest.copy()
+        edge = [0, 1, -2, -1]
+        highest[edge] = np.maximum(highest[edge], held.knots[edge, 0] + EDGE)
 
     def rows(stencil: Array) -> sp.dia_array:
         return sp.diags_array(
@@ -58,10 +69,7 @@ def lowered(wanted: Array, highest: Array, period: float) -> Array:
 
     A = sp.vstack([rows(AT_KNOT), rows(np.array([1.0, -2.0, 1.0]) / period**2)], format="csr")
     bend = np.full(length, LIFT)
-    ends = np.minimum(wanted, highest)[[0, -1]]
-    qp = BandedQP(
-        A, np.concatenate([np.full(length, -np.inf), -bend]), np.concatenate([np.maximum(highest, ends.min()), bend]), 3
-    )
+    qp = BandedQP(A, np.concatenate([np.full(length, -np.inf), -bend]), np.concatenate([highest, bend]), 3)
     value = rows(AT_KNOT / HEIGHT_ERROR)
     jerk = rows(np.array([-1.0, 3.0, -3.0, 1.0]) / (period**3 * JERK_ERROR))
     hold = sp.diags_array(HELD * np.isin(np.arange(n), [0, 1, 2, n - 3, n - 2, n - 1]))
@@ -69,8 +77,7 @@ def lowered(wanted: Array, highest: Array, period: float) -> Array:
     banded = np.zeros((n, 4))
     for apart in range(4):
         banded[: n - apart, apart] = H.diagonal(-apart)
-    around = np.concatenate([ends[:1], wanted, ends[1:]])
-    around[:3], around[-3:] = ends[0], ends[1]
+    around = np.concatenate([wanted[:1], wanted, wanted[-1:]])
+    around[:3], around[-3:] = start, stop
     g = value.T @ (value @ around - wanted / HEIGHT_ERROR) + jerk.T @ (jerk @ around)
-    control = qp.solve(banded, g, around).x
-    return AT_KNOT[0] * control[:-2] + AT_KNOT[1] * control[1:-1] + AT_KNOT[2] * control[2:]
+    return Spline(qp.solve(banded, g, around).x[:, None], period)

@@ -17,6 +17,7 @@ from sot.motion.footwork import Step
 from sot.motion.human import Human
 from sot.motion.kinematics import Chains, Kinematics
 from sot.motion.limits import Limits
+from sot.motion.rounds import Rounds
 from sot.motion.slides import Way, find_slide
 from sot.motion.smooth import ease, slow_part
 from sot.motion.spline import Spline
@@ -26,10 +27,11 @@ from sot.motion.targets import Targets, key_points, targets
 from sot.motion.tempo import clock_of, slowed
 from sot.motion.trajectory import Motion
 from sot.motion.travel import Travel
-from sot.motion.whole_body import balanced, limbs_fitted, retarget
+from sot.motion.whole_body import limbs_fitted, retarget
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 FEET = ("auto", "steps", "planted")
 PLAN_RATE = 50.0  # knots per second
@@ -193,15 +195,16 @@ class _Fit:
 
         rough: the body is fresh from `looks`.
         """
+        changed = None
         for left in range(mends if course.travel and moving(course.feet) else 0, -1, -1):
-            whole, hasty = balanced(
-                self.robot, self.build, wanted, course.feet, course.phases, self.limits, whole, rough
-            )
+            rounds = Rounds(self.robot, self.build, wanted, course.feet, course.phases, self.limits, whole)
+            hasty = rounds.everywhere(rough) if changed is None else rounds.about(changed)
+            whole = rounds.whole
             if not left or not len(hasty):
                 break
             clock = clock_of(slower(course, hasty), 1.0 / PLAN_RATE)
             course, whole = slowed_down(course, self.robot, clock), played(whole, clock)
-            wanted, rough = self.targets(course), False
+            wanted, changed = self.targets(course), stretched(clock, 1.0 / PLAN_RATE)
         return course, whole
 
 
@@ -211,6 +214,14 @@ def slower(course: Course, hasty: Array) -> Array:
     already = np.interp(times, course.clock, PLAN_RATE * np.gradient(course.clock))
     most = np.maximum(1.0, SLOWEST / np.maximum(already, 1.0))
     return slowed(np.ones(len(times)), times, hasty.tolist(), MEND, most)
+
+
+def stretched(clock: Array, period: float) -> Flags:
+    """At which of the knots of what is played at the times (T,) of a clock it is played slower."""
+    times = np.arange(round(clock[-1] / period) + 1) * period
+    late = np.interp(times, clock, clock - period * np.arange(len(clock)))
+    flags: Flags = np.gradient(late) > 1e-9
+    return flags
 
 
 def played(whole: Spline, clock: Array) -> Spline:

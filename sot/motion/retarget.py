@@ -79,7 +79,8 @@ def _bounded_step(H: Array, g: Array, lower: Array, upper: Array) -> Array:
 class PartFit:
     """Fits a part over a whole clip under range, velocity and acceleration limits."""
 
-    def __init__(self, columns: Indices, length: int, period: float, limits: Limits):
+    def __init__(self, columns: Indices, length: int, period: float, limits: Limits, resting: bool = True):
+        """resting: at the end of its knots, see `LimitedFit`."""
         self._columns = columns
         self._fit = LimitedFit(
             length,
@@ -90,17 +91,25 @@ class PartFit:
             limits.acceleration[columns],
             smoothness=np.full(len(columns), JERK),
             damping=DAMPING,
+            resting=resting,
         )
 
     def improve(
-        self, part: Part, spline: Spline, others: Array, steps: int, bends: tuple[Array, Array] | None = None
+        self,
+        part: Part,
+        spline: Spline,
+        others: Array,
+        steps: int,
+        bends: tuple[Array, Array] | None = None,
+        first: int = 0,
     ) -> Spline:
         """Gauss-Newton steps from a spline of the part's columns, the other coordinates being those of (T, nv).
 
         bends: residuals (T, r) and Jacobians (T, r, nv) with respect to the coordinates' second derivatives.
+        first: the part's knot with which they all begin.
         """
         bends = None if bends is None else (bends[0], bends[1][:, :, self._columns])
-        y, knots = others.copy(), np.arange(len(others))
+        y, knots = others.copy(), first + np.arange(len(others))
         for _ in range(steps):
             y[:, self._columns] = spline.knots
             e, J = part.evaluate(knots, y)

@@ -77,8 +77,9 @@ class Spline:
 class LimitedFit:
     """Least squares over a whole trajectory, under limits: one Gauss-Newton step of a sequential convex programme.
 
-    Minimises Σ_k ‖e_k + J_k (q_k − q̄_k)‖² + Σ w ‖jerk‖² + Σ d ‖q_k − q̄_k‖² over the control points of a spline,
-    at rest at both ends, q̄ being the spline it starts from.
+    Minimises Σ_k ‖e_k + J_k (q_k − q̄_k)‖² + Σ w ‖jerk‖² + Σ d ‖q_k − q̄_k‖² over the control points of a spline, q̄
+    being the spline it starts from. What that one does at its first knot is kept; the last is reached at rest, or, of a
+    part of a longer one, kept as well.
     """
 
     def __init__(
@@ -91,6 +92,7 @@ class LimitedFit:
         acceleration: Array,
         smoothness: Array,
         damping: float,
+        resting: bool = True,
     ):
         """
         Args:
@@ -99,8 +101,9 @@ class LimitedFit:
             lower, upper, velocity, acceleration: (s,) limits, infinite where there is none.
             smoothness: (s,) standard deviation expected of the jerk; its inverse square is the weight w.
             damping: weight d of a step.
+            resting: at the end; if not, the last three control points stay.
         """
-        self.period, self.damping = period, damping
+        self.period, self.damping, self._resting = period, damping, resting
         self._size = size = len(lower)
         self._count = count = length + 2
         self._jerk_weight = 1.0 / smoothness**2 / period**6
@@ -137,8 +140,8 @@ class LimitedFit:
         H, g = self._assemble(spline.control, parts)
         solution = self._qp.solve(H, g, around=spline.control.ravel())
         control = solution.x.reshape(self._count, self._size)
-        control[:2] = control[2]
-        control[-2:] = control[-3]
+        control[:3] = spline.control[:3]
+        control[-3:] = control[-3] if self._resting else spline.control[-3:]
         return Spline(control, self.period), solution
 
     def _assemble(self, control: Array, parts: Sequence[tuple[Array, Array, Array]]) -> tuple[Array, Array]:
@@ -170,9 +173,12 @@ class LimitedFit:
         return H.reshape(count * size, -1), g.ravel()
 
     def _hold_ends(self, H: Array, g: Array, control: Array) -> None:
-        """The first three control points keep their value, the last three are equal to one another."""
+        """The first three control points keep their value, the last three as well, or are equal to one another."""
         size = self._size
         H[:3, :, 0] += HELD
+        if not self._resting:
+            H[-3:, :, 0] += HELD
+            return
         for first, second in ((-3, -2), (-2, -1)):
             difference = control[second] - control[first]
             g[first] -= HELD * difference

@@ -1,11 +1,13 @@
 """When feet leave the floor and land: the dancer's times, changed by the least that one foot at a time needs."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
-import quadprog
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from solvers.banded import sparse_qp
 from sot.motion.footwork import Step
 
 Array = NDArray[np.float64]
@@ -15,6 +17,8 @@ SWING = 0.34  # s, least time of a foot in the air
 DOUBLE = 0.12  # s, least time on both feet between steps of one and the other: two force ramps, and time to shift
 STANCE = 0.20  # s, least time on the floor between two steps of a foot
 SHIFT = 0.5  # s, least time before the first step, to shift the weight
+LATE = 0.02  # s, a change of a time that one is ready to accept
+EXACT = 1e-6  # tolerance of the programme
 RETIMED = 1.0  # price of a changed duration of a step, against one of a changed middle
 
 
@@ -32,23 +36,19 @@ def timetable(steps: Sequence[Step], least: Sequence[float]) -> tuple[Step, ...]
         return ()
     count = len(steps)
     wanted = np.array([(step.lift, step.land) for step in steps]).ravel()
-    rows, bounds = [], []
-
-    def later(first: int | None, second: int, by: float) -> None:
-        row = np.zeros(2 * count)
-        row[second] = 1.0
-        if first is not None:
-            row[first] = -1.0
-        rows.append(row)
-        bounds.append(by)
-
-    later(None, 0, SHIFT)
-    for k in range(count):
-        later(2 * k, 2 * k + 1, GRID * np.ceil(max(SWING, least[k]) / GRID - 1e-9))
-        if k + 1 < count:
-            later(2 * k + 1, 2 * k + 2, STANCE if steps[k].foot == steps[k + 1].foot else DOUBLE)
+    gaps = np.empty(2 * count)  # least, from one time to the next, the first from zero
+    gaps[0] = SHIFT
+    gaps[1::2] = np.maximum(SWING, least)
+    gaps[2::2] = [STANCE if a.foot == b.foot else DOUBLE for a, b in pairwise(steps)]
+    cells = np.ceil(gaps / GRID - 1e-9)
     middle, span = np.array([[0.5, 0.5], [0.5, 0.5]]), np.array([[1.0, -1.0], [-1.0, 1.0]])
-    H = np.kron(np.eye(count), middle + RETIMED * span)
-    times = quadprog.solve_qp(H, H @ wanted, np.array(rows).T, np.array(bounds))[0].reshape(-1, 2)
-    times = GRID * np.round(times / GRID)
-    return tuple(Step(step.foot, float(lift), float(land)) for step, (lift, land) in zip(steps, times, strict=True))
+    H = sp.block_diag(count * [(middle + RETIMED * span) / LATE**2])
+    later = sp.diags_array([np.ones(2 * count), -np.ones(2 * count - 1)], offsets=[0, -1])
+    change = sparse_qp(H, later, GRID * cells - later @ wanted, np.full(2 * count, np.inf), EXACT).x
+    times = np.round((wanted + change) / GRID)
+    for k in range(1, 2 * count):  # two that are half way between grid points may have been rounded apart
+        times[k] = max(times[k], times[k - 1] + cells[k])
+    return tuple(
+        Step(step.foot, GRID * float(lift), GRID * float(land))
+        for step, (lift, land) in zip(steps, times.reshape(-1, 2), strict=True)
+    )

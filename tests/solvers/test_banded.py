@@ -3,7 +3,7 @@ import pytest
 import quadprog
 import scipy.sparse as sp
 
-from solvers.banded import BandedQP
+from solvers.banded import BandedQP, sparse_qp
 
 
 def random_problem(rng, n=30, band=3):
@@ -62,3 +62,18 @@ def test_refuses_limits_without_room_or_wider_than_the_band():
     wide = sp.csr_array(([1.0, 1.0], ([0, 0], [0, 9])), shape=(1, 30))
     with pytest.raises(ValueError, match="9 apart"):
         BandedQP(wide, -np.ones(1), np.ones(1), band=3)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_variables_in_no_order_are_put_in_one(seed):
+    rng = np.random.default_rng(seed)
+    dense, _, _, A = random_problem(rng)
+    mixed = rng.permutation(30)
+    dense, A = dense[np.ix_(mixed, mixed)], A[:, mixed]
+    lower = np.concatenate([rng.uniform(-0.5, 0.3, 30), np.full(29, -np.inf)])
+    upper = np.concatenate([np.full(30, np.inf), np.full(29, 0.15)])
+    solution = sparse_qp(sp.csr_array(dense), A, lower, upper, 1e-10)
+    C = A.toarray()
+    expected = quadprog.solve_qp(dense, np.zeros(30), np.vstack([C[:30], -C[30:]]).T, np.r_[lower[:30], -upper[30:]])[0]
+    assert solution.solved and solution.iterations > 0
+    np.testing.assert_allclose(solution.x, expected, atol=1e-5)
