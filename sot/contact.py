@@ -17,7 +17,7 @@ LARGEST_LOAD = 2.0
 LEAST_LOAD = 0.02
 """Normal force of a contact in the second half of its ramp and beyond, at least, in weights of the robot: a foot that
 does not press leaves the floor by fractions of a millimetre, tilts, and hits it again."""
-SLIDING_LOAD = 0.07, 0.11
+SLIDING_LOAD = 0.05, 0.09
 """Least and greatest normal force of a sliding contact, in weights of the robot."""
 SLIDING_SHARE = (SLIDING_LOAD[1] / LARGEST_LOAD) ** (1.0 / 3.0)
 """`Contact.load` at which a fixed contact may carry as much as a sliding one."""

@@ -12,6 +12,8 @@ Array = np.ndarray
 
 RETURN_RATE = 10.0
 """Rate [1/s] at which a joint that starts outside its range is led back."""
+SOFT = 0.015
+"""What braking gently costs of a joint's range when it is fast [rad]: within what plans leave free at the ends."""
 
 
 class TorqueBounds(Task):
@@ -60,6 +62,7 @@ class JointBounds(Task):
             velocity_fraction * robot.velocity,
             robot.acceleration,
             robot.acceleration_hard,
+            SOFT,
         )
         self._A = np.hstack([np.zeros((robot.na, 6)), np.eye(robot.na)])
         self.selects = slice(6, robot.nv)
@@ -80,51 +83,67 @@ class AccelerationBounds:
     the acceleration, and such a state always has such a successor. A state from which nothing does is led back instead
     of made infeasible: the bounds always admit something.
 
+    Braking with all that is relied upon, however slow a joint is, hits it: a standing ankle that met the end of its
+    range at 0.05 rad/s took the robot's weight twice over, and again where it was faster than commanded, since the sole
+    had given way. With `soft`, a speed below ``w = √(2 brake soft)`` is braked in proportion to itself, at
+    ``brake v / w``, and dies out; what is too fast comes back as gradually, within ``w / brake``.
+
     Args:
         lower, upper: Range, shapes (n,).
         velocity: Velocity limits, symmetric, shape (n,).
         brake: Deceleration that is relied upon to stop before the end of the range, shape (n,).
         hard: Acceleration limits, symmetric, not below `brake`, shape (n,).
+        soft: What that costs of the range where a joint is fast, in the unit of the range.
 
     Attributes:
         outside: How far the last positions were outside the range, shape (n,).
     """
 
-    def __init__(self, lower: Array, upper: Array, velocity: Array, brake: Array, hard: Array) -> None:
+    def __init__(
+        self, lower: Array, upper: Array, velocity: Array, brake: Array, hard: Array, soft: float = 0.0
+    ) -> None:
+        self._soft = soft
         self._limits = np.array([lower, upper, velocity, brake, hard])
         self.outside = np.zeros(len(lower))
 
     def __call__(self, q: Array, v: Array, period: float) -> tuple[Array, Array]:
         """Smallest and largest acceleration of joints at q, moving with v, for a period [s]; shapes (n,)."""
-        low, high, self.outside = _viable(q, v, period, self._limits)
+        low, high, self.outside = _viable(q, v, period, self._limits, self._soft)
         return low, high
 
 
 @compiled
-def _viable(q: Array, v: Array, period: float, limits: Array) -> Array:
+def _viable(q: Array, v: Array, period: float, limits: Array, soft: float) -> Array:
     """Least and greatest accelerations, and how far outside the joints are, (3, n)."""
     lower, upper, velocity, brake, hard = limits
     out = np.empty((3, len(q)))
     for k in range(len(q)):
-        high = min(max(_largest(upper[k] - q[k], v[k], period, velocity[k], brake[k]), -hard[k]), hard[k])
-        low = -min(max(_largest(q[k] - lower[k], -v[k], period, velocity[k], brake[k]), -hard[k]), hard[k])
+        high = min(max(_largest(upper[k] - q[k], v[k], period, velocity[k], brake[k], soft), -hard[k]), hard[k])
+        low = -min(max(_largest(q[k] - lower[k], -v[k], period, velocity[k], brake[k], soft), -hard[k]), hard[k])
         out[0, k], out[1, k] = min(low, high), high
         out[2, k] = max(q[k] - upper[k], 0.0) - max(lower[k] - q[k], 0.0)
     return out
 
 
 @compiled
-def _largest(distance: float, v: float, period: float, velocity: float, brake: float) -> float:
+def _largest(distance: float, v: float, period: float, velocity: float, brake: float, soft: float) -> float:
     """Largest acceleration towards an end of the range that is a distance away, moving towards it with v."""
     # With w = v + a T: w² + brake T w = 2 brake (distance − (v + w) T / 2), the larger root. The second term is what
     # braking for whole periods takes beyond w² = 2 brake distance; without it the last of them is a kick.
     reach, room = brake * period, 2.0 * distance - period * v
-    stopping = np.sqrt(max(brake * room + reach**2, 0.0)) - reach
-    most = (min(stopping, velocity) - v) / period
-    if room >= 0.0 and distance >= 0.0:
-        return most
-    if distance >= 0.0:  # nearer than one period's travel: to be no further than the limit after it
+    # Below the speed at which that parabola, moved by `soft`, touches a straight line, it goes on along the line.
+    lag = np.sqrt(2.0 * soft / brake)
+    most = 0.5 * room / (lag + period)
+    if most > brake * lag:
+        most = np.sqrt(brake * (room - 2.0 * soft) + reach**2) - reach
+    most = (most - v) / period
+    if distance < 0.0:  # beyond the limit: back at a rate that dies out, without overshoot
+        most = (RETURN_RATE / max(1.0, 4.0 * RETURN_RATE * lag) * distance - v) / period
+    elif room < 0.0:  # nearer than one period's travel: to be no further than the limit after it
         most = 2.0 * (distance - period * v) / period**2
-    else:  # beyond the limit: back at a rate that dies out, not harder than one brakes
-        most = max((RETURN_RATE * distance - v) / period, -brake)
+    # What keeps along that line, and of the rest no more than comes back within the lag.
+    along = -min(max(v, 0.0) / (lag + period), brake)
+    most = along + (most - along) * period / max(period, lag)
+    if distance < 0.0:
+        most = max(most, -brake)
     return min(most, (velocity - v) / period)

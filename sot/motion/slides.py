@@ -19,7 +19,7 @@ Way = tuple[float, float, float]
 
 AHEAD: Way = (0.085, 0.0, 0.0)
 """A way by default. Forward, friction pushes a bent leg onto the floor; outward or back it lifts it off."""
-SPEED = 0.009
+SPEED = 0.007
 """Mean speed of a slide [m/s]: the faster, the less of the time does MuJoCo's floor carry it (docs/lessons.md)."""
 SETTING_OFF = 0.3
 """Time in which a sliding foot gets to its speed, and the same to stop [s]. Between, the speed is even: hops come with
