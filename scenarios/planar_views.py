@@ -10,8 +10,8 @@ import rerun.blueprint as rrb
 
 from scenarios import planar_arm as arm
 from sim.chart import Curve, Panel, limits, write
-from sim.columns import TIMELINE
-from sot.whole_file import whole
+from sim.columns import TIMELINE, Columns, css
+from sim.recorder import recording
 
 if TYPE_CHECKING:
     from scenarios.planar3r import Track
@@ -37,7 +37,7 @@ def draw(path: Path, tracks: "Mapping[str, Track]", rate: float) -> None:
     for joint in range(3):
         for words, column, ends in kinds:
             curves = [
-                Curve(track.time, getattr(track, column)[:, joint] / degree, _css(name), name)
+                Curve(track.time, getattr(track, column)[:, joint] / degree, css(COLORS[name]), name)
                 for name, track in tracks.items()
             ]
             curves += limits([e[joint] / degree for e in ends], end)
@@ -47,50 +47,50 @@ def draw(path: Path, tracks: "Mapping[str, Track]", rate: float) -> None:
         for name, track in tracks.items():
             with np.errstate(divide="ignore"):
                 size = np.log10(np.abs(ERROR_FACTORS[k] * track.error[:, k]))
-            curves.append(Curve(track.time, size, _css(name), name))
+            curves.append(Curve(track.time, size, css(COLORS[name]), name))
         panels.append(Panel(f"error of {task}", "s", f"log10 |error / {ERROR_UNITS[k]}|", curves))
     write(path, f"Three tasks of a planar arm under joint limits (Kim & Oh 3.3), {rate:g} Hz", panels, 3)
 
 
 def record(path: Path, tracks: "Mapping[str, Track]", rate: float) -> None:
     """The arms beside each other with their tips' paths, and curves of joints and errors."""
-    stream = rr.RecordingStream("humanoid-sot")
-    with whole(path) as place:
-        stream.save(place, default_blueprint=_layout())
-        stream.send_recording_name(f"planar3r, {rate:g} Hz")
+    with recording(path, f"planar3r, {rate:g} Hz", ABOUT, _layout()) as columns:
         for index, (name, track) in enumerate(tracks.items()):
-            _record(stream, name, track, np.array([SIDE * index, 0.0]))
-        stream.flush()
-        stream.disconnect()
+            _record(columns, name, track, np.array([SIDE * index, 0.0]))
 
 
-def _record(stream: rr.RecordingStream, name: str, track: "Track", aside: Array) -> None:
+ABOUT = """# Three tasks of a planar arm under joint limits
+
+Kim & Oh, 3.3: each arm under its method's name. Red: where the tip is wanted, and its way.
+"""
+
+
+def _record(columns: Columns, name: str, track: "Track", aside: Array) -> None:
     """One arm, drawn somewhere."""
-    times = [rr.TimeColumn(TIMELINE, duration=track.time)]
     shapes = np.zeros((len(track.time), 4, 3), dtype=np.float32)
     shapes[..., :2] = arm.links(track.q) + aside
     shapes[..., 1] *= -1.0  # the view's axis points down
     wanted = np.array([arm.desired(t)[0] for t in track.time])
     way = np.column_stack([wanted[:, 1], -wanted[:, 0]]) + aside
     entity = f"arms/{name}"
-    stream.log(f"{entity}/way", rr.LineStrips2D([way], colors=[(200, 60, 60)]), static=True)
+    columns.static(f"{entity}/way", rr.LineStrips2D([way], colors=[(200, 60, 60)]))
     label = rr.Points2D([aside + np.array([0.0, 0.3])], labels=[name], radii=[0.01], colors=[COLORS[name]])
-    stream.log(f"{entity}/name", label, static=True)
-    stream.log(f"{entity}/links", rr.LineStrips2D.from_fields(colors=[COLORS[name]], radii=[0.025]), static=True)
-    stream.send_columns(f"{entity}/links", times, rr.LineStrips2D.columns(strips=list(shapes[..., :2])))
-    stream.log(f"{entity}/goal", rr.Points2D.from_fields(colors=[(200, 60, 60)], radii=[0.05]), static=True)
-    stream.send_columns(f"{entity}/goal", times, rr.Points2D.columns(positions=way.astype(np.float32)))
+    columns.static(f"{entity}/name", label)
+    columns.static(f"{entity}/links", rr.LineStrips2D.from_fields(colors=[COLORS[name]], radii=[0.025]))
+    columns.over_time(f"{entity}/links", track.time, rr.LineStrips2D.columns(strips=list(shapes[..., :2])))
+    columns.static(f"{entity}/goal", rr.Points2D.from_fields(colors=[(200, 60, 60)], radii=[0.05]))
+    columns.over_time(f"{entity}/goal", track.time, rr.Points2D.columns(positions=way.astype(np.float32)))
     for kind in ("q", "v", "a"):
         for joint in range(3):
-            _curve(stream, f"{kind}/{joint + 1}/{name}", times, getattr(track, kind)[:, joint] / arm.DEGREE, name)
+            _curve(columns, f"{kind}/{joint + 1}/{name}", track.time, getattr(track, kind)[:, joint] / arm.DEGREE, name)
     for k, task in enumerate(arm.TASKS):
-        _curve(stream, f"error/{task}/{name}", times, ERROR_FACTORS[k] * track.error[:, k], name)
-    _curve(stream, f"qps/{name}", times, track.qps.astype(float), name)
+        _curve(columns, f"error/{task}/{name}", track.time, ERROR_FACTORS[k] * track.error[:, k], name)
+    _curve(columns, f"qps/{name}", track.time, track.qps.astype(float), name)
 
 
-def _curve(stream: rr.RecordingStream, entity: str, times: list[rr.TimeColumn], values: Array, name: str) -> None:
-    stream.log(entity, rr.SeriesLines(colors=[COLORS[name]], names=[name]), static=True)
-    stream.send_columns(entity, times, rr.Scalars.columns(scalars=values))
+def _curve(columns: Columns, entity: str, times: Array, values: Array, name: str) -> None:
+    columns.static(entity, rr.SeriesLines(colors=[COLORS[name]], names=[name]))
+    columns.over_time(entity, times, rr.Scalars.columns(scalars=values))
 
 
 def _layout() -> rrb.Blueprint:
@@ -106,7 +106,9 @@ def _layout() -> rrb.Blueprint:
     tasks = rrb.Vertical(*errors, plot("qps", "quadratic programs"), name="errors")
     scene = rrb.Spatial2DView(origin="arms", name="Arms")
     return rrb.Blueprint(
-        rrb.Horizontal(scene, rrb.Tabs(tasks, *joints), column_shares=[3, 2]),
+        rrb.Horizontal(
+            scene, rrb.Tabs(tasks, *joints, rrb.TextDocumentView(origin="about", name="About")), column_shares=[3, 2]
+        ),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         rrb.TimePanel(state="collapsed", timeline=TIMELINE, loop_mode="all"),
@@ -121,7 +123,3 @@ def _poses(track: "Track") -> list[Curve]:
     tip = arm.links(track.q)[:, -1]
     curves.append(Curve(wanted[:, 1], wanted[:, 0], "#c33", "wanted", dashed=True, width=2.0))
     return [*curves, Curve(tip[:, 0], tip[:, 1], "#333", "reached")]
-
-
-def _css(name: str) -> str:
-    return "#{:02x}{:02x}{:02x}".format(*COLORS[name])

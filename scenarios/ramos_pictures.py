@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from scenarios import ramos_view
 from scenarios.ramos_edits import HAND, KNEES, knee_joint
 from scenarios.ramos_view import Three
 from sim.chart import Curve, Field, Panel, write
+from sim.columns import css
 from sim.figures import Points
 from sim.log import nearest_frames
 from sim.panels import MM
@@ -23,7 +25,7 @@ MOMENTS = 7
 """Thumbnails a dancer."""
 APART = 1.1
 """Between two of them [m]."""
-SHADES = {"dancer": "#777", "geometric": "#d9762b", "posture": "#3a9a5b", "final": "#2b6fd9"}
+SHADES = {name: css(shade) for name, shade in ramos_view.SHADES.items()}
 DRAWN_RATE = 50.0
 MARGIN = 1.5
 """Of time around what a picture is about [s]."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scenarios.ramos_edits import HAND, KNEES, Knee, knee_joint
 from sim.blueprint import layout
 from sim.bodies import send_robot
-from sim.columns import COLORS
+from sim.columns import COLORS, Color
 from sim.figures import Points
 from sim.log import RunLog, nearest_frames
 from sim.panels import FRAME_RATE, MM, MODES, Tab, changes
@@ -24,8 +24,13 @@ from sot.motion.trajectory import Motion
 
 Array = NDArray[np.float64]
 
-SHADES = {"dancer": "human", "geometric": "planned", "posture": "controller", "final": "measured"}
-"""Colours of curves, by their names in `COLORS`."""
+SHADES: dict[str, Color] = {
+    "dancer": (119, 119, 119),
+    "geometric": (217, 118, 43),
+    "posture": (58, 154, 91),
+    "final": (43, 111, 217),
+}
+"""Of curves, to be told from dark and from white."""
 SIDE = 1.2
 """Between two dancers of the recording [m]."""
 

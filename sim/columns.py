@@ -68,6 +68,11 @@ class Columns:
         self._stream.flush()
 
 
+def css(color: Color) -> str:
+    """A colour as pictures for browsers have it, without its opacity."""
+    return "#{:02x}{:02x}{:02x}".format(*color[:3])
+
+
 def path(entity: Entity) -> str:
     """The path of an entity, its parts escaped."""
     return entity if isinstance(entity, str) else rr.new_entity_path(list(entity))

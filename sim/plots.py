@@ -21,18 +21,19 @@ class Curves:
         times: (T,) [s].
         values: (T, n), or (T,) for a single curve; nan where there is nothing to show.
         names: one a curve.
-        colors: names of `COLORS`, one a curve; without, each gets a colour of its own.
+        colors: one a curve, or its name in `COLORS`; without, each gets a colour of its own.
     """
 
     name: str
     times: np.ndarray
     values: np.ndarray
     names: Sequence[str]
-    colors: Sequence[str] = ()
+    colors: Sequence[str | Color] = ()
 
     def send(self, columns: Columns, entity: Entity) -> None:
         """Send them as an entity."""
-        shades = [COLORS[color] for color in self.colors] or [SERIES[k % len(SERIES)] for k in range(len(self.names))]
+        shades = [COLORS[color] if isinstance(color, str) else color for color in self.colors]
+        shades = shades or [SERIES[k % len(SERIES)] for k in range(len(self.names))]
         lines = rr.SeriesLines(names=list(self.names), colors=shades, widths=[WIDTH] * len(self.names))
         columns.static(entity, lines)
         # Seven digits are enough to look at, and the zeros behind them make the file smaller.
