@@ -110,14 +110,14 @@ def test_unknown_feet(robot):
 
 def test_a_slide_is_put_in_with_the_zmp_in_the_other_foot():
     robot = Robot.load("hrp2")
-    motion = plan(dancer(), robot, rate=200.0, slide=(0.02, 0.0, 0.0)).motion
+    motion = plan(dancer(), robot, rate=200.0, slide=(0.015, 0.0, 0.0)).motion
     (phase,) = (phase for phase in motion.phases if phase.sliding)
     (foot,), (standing,) = phase.sliding, phase.feet
     rows = (motion.times >= phase.start) & (motion.times <= phase.end)
     assert support(robot, phase).margin(motion.zmp[rows]).min() > 0.035
     gone = motion.track(foot).position - motion.phases[0].feet[foot].translation
     assert np.abs(gone[motion.times < phase.start]).max() < 5e-4
-    assert np.abs(gone[motion.times > phase.end] - [0.02, 0.0, 0.0]).max() < 5e-4
+    assert np.abs(gone[motion.times > phase.end] - [0.015, 0.0, 0.0]).max() < 5e-4
     assert np.abs(motion.track(standing).position - phase.feet[standing].translation).max() < 5e-4
     assert np.all(motion.q[:, 7:] >= robot.lower) and np.all(motion.q[:, 7:] <= robot.upper)
 
