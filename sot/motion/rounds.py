@@ -76,6 +76,7 @@ class Rounds:
         self._grip = Grip(robot, phases, times) if self._steps else None
         self._state, self._asked = _centroidal(self.whole, robot), _centroidal(self.whole, robot)
         self._strained = np.zeros(wanted.length, bool)
+        self._fits: dict[int, PartFit] = {}  # by number of knots
         self._wanted_com = self._state.com[:, :2].copy()
         self._com = Spline.through(self._wanted_com, whole.period)
         self._height = Spline.through(wanted.hips[:, 2:], whole.period)
@@ -136,10 +137,13 @@ class Rounds:
             self._lower(part)
         zmp, body = self._plan(part), self._body()
         control, y = slice(part.start, part.stop + 2), self.whole.knots[part]
-        fit = PartFit(body.columns, len(y), period, self._limits, resting=part == self._everything)
+        if len(y) not in self._fits:
+            self._fits[len(y)] = PartFit(body.columns, len(y), period, self._limits, resting=part == self._everything)
         bends = self._grip.excess(y, self._state[part], part.start) if self._grip else None
         spline = Spline(self.whole.control[control][:, body.columns], period)
-        self.whole.control[control, body.columns] = fit.improve(body, spline, y, 1, bends, part.start).control
+        self.whole.control[control, body.columns] = (
+            self._fits[len(y)].improve(body, spline, y, 1, bends, part.start).control
+        )
         state = _centroidal(self.whole, robot, period * np.arange(part.start, part.stop))
         self._state[part] = state
         self._asked[part] = self._asked[part].toward(state, RELAXED)
