@@ -52,9 +52,10 @@ def around(motion: Motion, t: float) -> Motion:
 
 def danced(motion: Motion, mismatch: Mismatch = AS_MODELLED, pushes: tuple[Push, ...] = ()) -> Run:
     """The shipped stack on a motion."""
-    period = 1.0 / motion.rate
-    controller = Controller(motion.robot, stacks.planted(motion.robot, motion), Cascade(), period)
-    return run(controller, World(motion.robot, period, mismatch, pushes), motion)
+    robot, period = motion.robot, 1.0 / motion.rate
+    stack, schedule = stacks.steps(robot, motion), stacks.stepping(robot, motion)
+    controller = Controller(robot, stack, Cascade(), period, schedule)
+    return run(controller, World(robot, period, mismatch, pushes), motion)
 
 
 def pushed(motion: Motion, impulse: float, count: int, seed: int) -> Iterator[tuple[float, float, Run]]:

@@ -242,8 +242,6 @@ def _shipped(robot: Robot, motion: Motion) -> Composition:
     """The stack that fits the motion's feet."""
     if any(phase.sliding for phase in motion.phases):
         return Composition(stacks.slides(robot, motion), stacks.sliding(robot, motion))
-    if all(len(phase.feet) == len(robot.feet) for phase in motion.phases):
-        return Composition(stacks.planted(robot, motion))
     return Composition(stacks.steps(robot, motion), stacks.stepping(robot, motion))
 
 

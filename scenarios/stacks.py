@@ -2,10 +2,10 @@
 
 from sot.contact import Contact
 from sot.motion.trajectory import Motion
+from sot.recovery import Recovery
 from sot.robot import Robot
 from sot.sliding import Sliding
 from sot.stack import Stack
-from sot.stepping import Stepping
 from tasks import (
     Balance,
     FootSliding,
@@ -25,7 +25,7 @@ def planted(robot: Robot, motion: Motion) -> Stack:
         contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
         hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
         levels={
-            "balance": [Balance(motion.balance, motion.feet)],
+            "balance": [Balance(motion.balance, motion.feet, motion.angular_momentum)],
             "waist": [OperationalPoint(robot, "waist", motion.pose("waist"), axes="RPY")],
             "posture": [Posture(robot, motion.joints)],
             "forces": [LeastForces()],
@@ -41,9 +41,9 @@ def steps(robot: Robot, motion: Motion) -> Stack:
     return stack
 
 
-def stepping(robot: Robot, motion: Motion) -> Stepping:
-    """The schedule that goes with `steps`: the motion's contact phases, and what the feet feel."""
-    return Stepping(robot, motion.phases)
+def stepping(robot: Robot, motion: Motion) -> Recovery:
+    """The schedule that goes with `steps`: the motion's contact phases, what the feet feel, steps that a push needs."""
+    return Recovery(robot, motion)
 
 
 def slides(robot: Robot, motion: Motion) -> Stack:

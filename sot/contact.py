@@ -56,7 +56,7 @@ class Contact:
         form: See above.
         stiffness: Of the drive that lays the surface flat on the floor [1/s²].
         damping: Of any motion that the contact should not make [1/s].
-        way: How the point is to move while it slides.
+        way: How the point is to move while it slides, or, if not as planned, while it is off.
         sliding_friction: Coulomb coefficient that is expected of the floor then.
     """
 

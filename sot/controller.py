@@ -91,6 +91,8 @@ class Controller:
         self._meet(stack.contacts)
         self.tick.contacts = stack.contacts
         self.tick.update(t, q, v)
+        if self.schedule is not None:
+            self.schedule.heed(self.tick)
         modelled = perf_counter()
         levels = self.dynamics.assemble(self.tick, stack.contacts, stack.hard, stack.levels)
         assembled = perf_counter()

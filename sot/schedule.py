@@ -8,6 +8,7 @@ from sot.contact import SLIDING_SHARE, Mode
 from sot.errors import InputError
 from sot.stack import Stack
 from sot.task import Task
+from sot.tick import Tick
 from sot.transition import Transition
 
 RAMP = 0.2
@@ -129,6 +130,9 @@ class Schedule:
             if self.underway[name] >= 1.0:
                 del self.underway[name], self._transitions[name]
         return done
+
+    def heed(self, tick: Tick) -> None:
+        """See what the robot does; what follows from it happens with the next `apply`."""
 
     def _lead(self, stack: Stack, task: Task, level: str | None, before: str | None, start: float, ramp: float) -> None:
         earlier = self._transitions.pop(task.name, None)

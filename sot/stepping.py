@@ -56,27 +56,54 @@ class Stepping(Schedule):
     def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:
         """Carry out what has become due; returns what it was. Without loads all happens as planned."""
         done = super().apply(t, stack, loads)
-        contacts = {foot.name: stack.contact(foot.name) for foot in self._feet}
-        felt = {name: load / self._weight for name, load in (loads or {}).items()}
         for foot in self._feet:
-            contact, mode = contacts[foot.name], contacts[foot.name].mode
+            contact = stack.contact(foot.name)
+            mode = contact.mode
             if mode == "fixed":
-                others = [other for name, other in contacts.items() if name != foot.name]
-                self._stand(t, foot, contact, _carry(others, felt))
+                self._stand(t, foot, contact, stack, loads)
             elif mode == "off":
-                self._swing(t, foot, contact, felt.get(foot.name))
+                self._swing(t, foot, contact, loads.get(foot.name, 0.0) if loads else None)
             if contact.mode != mode:
                 done.append(f"{foot.name} {contact.mode}")
         return done
 
-    def _stand(self, t: float, foot: _Foot, contact: Contact, others_carry: bool) -> None:
+    def others_carry(self, foot: str, stack: Stack, loads: Mapping[str, float] | None) -> bool:
+        """Whether another foot stands with all its load and, as far as that is felt, bears enough of the weight."""
+        standing = [
+            other.name
+            for other in self._feet
+            if other.name != foot
+            and stack.contact(other.name).mode == "fixed"
+            and stack.contact(other.name).load >= 1.0
+        ]
+        if not standing or not loads:
+            return bool(standing)
+        return sum(loads.get(name, 0.0) for name in standing) >= CARRIES * self._weight
+
+    def begun(self, foot: str) -> int:
+        """How many stances of a foot have begun."""
+        return self._of(foot).next
+
+    def due(self, foot: str) -> int:
+        """How many are still to come."""
+        return len(self._of(foot).stances) - self.begun(foot)
+
+    def interrupt(self, foot: str, lift: float, land: float) -> None:
+        """Have a foot that stands step in between, from a time to another [s]."""
+        own = self._of(foot)
+        own.stances = own.stances.interrupted(lift, land, own.stances[own.next - 1].pose)
+
+    def _of(self, name: str) -> _Foot:
+        return next(foot for foot in self._feet if foot.name == name)
+
+    def _stand(self, t: float, foot: _Foot, contact: Contact, stack: Stack, loads: Mapping[str, float] | None) -> None:
         """Take the load, and give it away in time for the next swing."""
         contact.load = min(max((t - foot.made) / self.ramp, 0.0), 1.0) if self.ramp else 1.0
         if foot.next == 0 or foot.next >= len(foot.stances):
             return
         leaves, lands = foot.stances[foot.next - 1].end, foot.stances[foot.next].start
         if foot.lifts is None and t >= leaves - self.ramp - 1e-9:
-            if others_carry and contact.load >= 1.0:
+            if contact.load >= 1.0 and self.others_carry(foot.name, stack, loads):
                 foot.lifts = max(leaves, t + self.ramp)
             elif t > leaves + EARLY * (lands - leaves):
                 foot.next += 1  # too late for this step
@@ -91,14 +118,8 @@ class Stepping(Schedule):
             return
         leaves = foot.stances[foot.next - 1].end if foot.next else 0.0
         lands = foot.stances[foot.next].start
-        touches = felt is not None and felt > TOUCH and t > leaves + EARLY * (lands - leaves)
+        touches = felt is not None and felt > TOUCH * self._weight and t > leaves + EARLY * (lands - leaves)
         due = t >= lands + (0.0 if felt is None else LATEST) - 1e-9
         if touches or due:
             contact.mode, contact.load = "fixed", 0.0
             foot.made, foot.next = t, foot.next + 1
-
-
-def _carry(contacts: Sequence[Contact], felt: Mapping[str, float]) -> bool:
-    """Whether some contacts stand with all their load and, as far as that is felt, bear enough of the weight."""
-    standing = [contact.point for contact in contacts if contact.mode == "fixed" and contact.load >= 1.0]
-    return bool(standing) and (not felt or sum(felt.get(point, 0.0) for point in standing) >= CARRIES)

@@ -103,6 +103,11 @@ class Tick:
             self._frames[point] = state
         return state
 
+    @property
+    def momentum(self) -> Array:
+        """Momentum about the CoM, linear over angular, world axes, shape (6,) [N s, N m s]."""
+        return self._A_g @ self.v
+
     def centroidal(self) -> tuple[Array, Array, Array]:
         """Momentum about the CoM, its matrix A_g with ``h = A_g v``, and Ȧ_g v: shapes (6,), (6, nv), (6,).
 
@@ -113,7 +118,7 @@ class Tick:
             force, moment = self._base @ self._forces[:3], self._base @ self._forces[3:6]
             moment += np.cross(self.data.oMi[1].translation - self.com, force)
             force[2] -= self._mass * GRAVITY
-            self._centroidal = self._A_g @ self.v, self._A_g, np.concatenate([force, moment])
+            self._centroidal = self.momentum, self._A_g, np.concatenate([force, moment])
         return self._centroidal
 
     def _point(self, name: str) -> tuple[FrameState, Array]:

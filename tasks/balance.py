@@ -7,14 +7,19 @@ import numpy as np
 
 from solvers.compiled import compiled
 from solvers.rows import Rows
+from sot.displacement import Displacement
 from sot.polygon import ANYWHERE, Polygon, nearest
 from sot.task import Task
 from sot.tick import GRAVITY, Tick
 
 Array = np.ndarray
 PlaceReference = Callable[[float], Array]
+MomentumReference = Callable[[float], Array]
 BalanceReference = Callable[[float], tuple[Array, Array, Array, Array]]
 
+CATCHING = 0.009
+"""What the margin grows by while one foot catches the robot [m]: on an edge, the other has no friction to turn with."""
+NONE = np.zeros(2)
 LOOK = 0.01
 """Interval at which it is looked where the contacts are [s]; at once if one of them carries more or less."""
 
@@ -28,12 +33,21 @@ class Balance(Task):
         c̈* = c̈_ref + ω² ((c − c_ref) − (z* − z_ref))
 
     lets ξ converge at the rate k, and asks for no pressure that the feet cannot give; ω² = g / c_z. What the plan
-    knows of angular momentum is in c̈_ref and z_ref, and is given up where it leaves too little room to recover.
+    knows of angular momentum is in c̈_ref and z_ref, and is given up where it leaves too little room to recover. What
+    the body has beyond the plan, ΔL, has to go as well: at the rate ω + k that takes the zero-moment point
+    (ω + k) / (m g) (ΔL_y, −ΔL_x) away from z*, and that, too, is to be inside.
+
+    While a foot steps as nobody planned (its contact is off and has a `way`), the other one alone does not lead ξ back,
+    the step does. The zero-moment point itself is then commanded to z*, and what becomes of the centre of mass is left
+    to how the posture brings the body upright:
+
+        c̈ + (L̇_y, −L̇_x) / (m c_z) = (g + c̈_z) / c_z (c − z*).
 
     Args:
         reference: ``t -> (c, ċ, c̈, z)``, shapes (3,), (3,), (3,), (2,), world.
         feet: Where the plan has the contacts, ``t -> place`` (3,). Feet creep and land beside their place, and a plan
             that did not follow them would lead over their edge: c and z are meant relative to the feet that stand.
+        momentum: Angular momentum of the plan, ``t -> L`` (3,), world axes [N m s]; unless given, none is too much.
         k: Rate at which the divergent component converges [1/s].
         kp: Stiffness of the height [1/s²], critically damped.
         margin: Distance kept from the edges of the support polygon [m].
@@ -45,6 +59,7 @@ class Balance(Task):
         self,
         reference: BalanceReference,
         feet: Mapping[str, PlaceReference] | None = None,
+        momentum: MomentumReference | None = None,
         k: float = 4.0,
         kp: float = 100.0,
         margin: float = 0.001,
@@ -56,37 +71,52 @@ class Balance(Task):
         self._of = slice(len(axes))
         self._reference = reference
         self._feet = dict(feet or {})
+        self._momentum = momentum
         self.k, self.kp, self.margin = k, kp, margin
-        self._polygon, self._crept = ANYWHERE, (0.0, 0.0)
+        self._polygon, self._moved_by = ANYWHERE, Displacement.of(())
         self._loads, self._looked = [-1.0], -np.inf
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
         self._look(tick)
         plan, state = self._reference(tick.t), (tick.com, tick.com_velocity, tick.com_drift)
-        polygon, of = self._polygon, self._of
-        error, wanted = _led_back(*plan, *state, self._crept, self.k, self.kp, polygon.normals, polygon.offsets)
-        self.error = error[of]
-        return self._rows(tick.com_jacobian[of], wanted[of], wanted[of])
+        polygon, of, turning = self._polygon, self._of, self._turning(tick)
+        catching = any(contact.mode == "off" and contact.way is not None for contact in tick.contacts)
+        if catching:
+            polygon = polygon.inset(CATCHING)
+        error, wanted, z = _led_back(
+            *plan, *state, *self._moved_by, turning, self.k, self.kp, polygon.normals, polygon.offsets
+        )
+        self.error, J = error[of], tick.com_jacobian
+        if catching:
+            J, wanted = _pressed(tick, z, wanted)
+        return self._rows(J[of], wanted[of], wanted[of])
+
+    def _turning(self, tick: Tick) -> Array:
+        """ΔL / (m g), turned to where it takes the zero-moment point, (2,) [m s]."""
+        if self._momentum is None:
+            return NONE
+        L = tick.momentum[3:] - self._momentum(tick.t)
+        return np.array((L[1], -L[0])) / (tick.robot.mass * GRAVITY)
 
     def _look(self, tick: Tick) -> None:
         """See where the contacts are: standing feet creep by fractions of a millimetre, which can wait a few ticks."""
         loads = [contact.load if contact.mode == "fixed" else 0.0 for contact in tick.contacts]
         if loads != self._loads or not 0.0 < tick.t - self._looked < LOOK:
-            self._polygon, self._crept = self._carried(tick), self._moved(tick)
+            self._polygon, self._moved_by = self._carried(tick), self._displaced(tick)
             self._loads, self._looked = loads, tick.t
 
-    def _moved(self, tick: Tick) -> tuple[float, float]:
-        """How far the contacts that stand are from where the plan has them [m], on average, by the load they may take:
-        where a foot comes down beside its place, the plan is to move over as gradually as it takes its load."""
-        x = y = weight = 0.0
-        for contact in tick.contacts:
-            if contact.mode == "fixed" and contact.point in self._feet:
-                at_x, at_y, _ = tick.frame(contact.point).position.tolist()
-                place_x, place_y, _ = self._feet[contact.point](tick.t).tolist()
-                x, y = x + contact.load * (at_x - place_x), y + contact.load * (at_y - place_y)
-                weight += contact.load
-        return (x / weight, y / weight) if weight else (0.0, 0.0)
+    def _displaced(self, tick: Tick) -> Displacement:
+        """How the feet that stand are off their planned places, by the load they may take: where a foot comes down
+        beside its place, the plan is to move over as gradually as it takes its load."""
+        standing = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load > 0.0]
+        return Displacement.of(
+            [
+                (self._feet[contact.point](tick.t)[:2], tick.frame(contact.point).position[:2], contact.load)
+                for contact in standing
+                if contact.point in self._feet
+            ]
+        )
 
     def _carried(self, tick: Tick) -> Polygon:
         """Where the contacts let the zero-moment point be, drawn in by the margin; anywhere if nothing carries.
@@ -111,6 +141,18 @@ class Balance(Task):
         return Polygon.hull(np.concatenate(corners)).inset(self.margin)
 
 
+def _pressed(tick: Tick, z: Array, wanted: Array) -> tuple[Array, Array]:
+    """Rows (3, nv), and what they are to be (3,), by which the zero-moment point is at z (2,); the height as wanted."""
+    _, A, drift = tick.centroidal()
+    lever = 1.0 / (tick.robot.mass * tick.com[2])
+    J, wanted = tick.com_jacobian.copy(), wanted.copy()
+    J[0] += lever * A[4]
+    J[1] -= lever * A[3]
+    lift = (GRAVITY + wanted[2] + tick.com_drift[2]) / tick.com[2]
+    wanted[:2] = lift * (tick.com[:2] - z) - tick.com_drift[:2] - lever * np.array((drift[4], -drift[3]))
+    return J, wanted
+
+
 @compiled
 def _led_back(
     c: Array,
@@ -120,36 +162,48 @@ def _led_back(
     com: Array,
     com_velocity: Array,
     com_drift: Array,
-    crept: tuple[float, float],
+    shift: Array,
+    tilt: Array,
+    turning: Array,
     k: float,
     kp: float,
     normals: Array,
     offsets: Array,
-) -> tuple[Array, Array]:
-    """The error c − com of a plan that creeps with the feet, and the wanted acceleration less its drift, (3,) each."""
+) -> tuple[Array, Array, Array]:
+    """The error c − com of a plan that moves with the feet, the wanted acceleration less its drift, (3,) each, and the
+    zero-moment point with the momentum that has to go (2,)."""
+    c, velocity, acceleration, z = c.copy(), velocity.copy(), acceleration.copy(), z.copy()
+    z += shift + _turned(tilt, z)
+    c[:2] += shift + _turned(tilt, c)
+    velocity[:2] += _turned(tilt, velocity)
+    acceleration[:2] += _turned(tilt, acceleration)
     error, rate, wanted = c - com, velocity - com_velocity, acceleration - com_drift
-    z = z.copy()
-    for i in range(2):
-        error[i] += crept[i]
-        z[i] += crept[i]
     omega = np.sqrt(GRAVITY / max(com[2], 0.1))
     # The deviation from the plan, and the zero-moment point's lag that leads the divergent component back.
     lag = -(1.0 + k / omega) * (error[:2] + rate[:2] / omega)
+    turned = (omega + k) * turning
     pivot = c[:2] - acceleration[:2] * c[2] / (GRAVITY + acceleration[2])
-    lag = _admitted(lag, z, pivot, normals, offsets)
+    lag = _admitted(lag, turned, z, pivot, normals, offsets)
     for i in range(2):
         wanted[i] -= omega**2 * (error[i] + lag[i])
     wanted[2] += kp * error[2] + 2.0 * np.sqrt(kp) * rate[2]
-    return error, wanted
+    return error, wanted, nearest(normals, offsets, z + lag + turned)
 
 
 @compiled
-def _admitted(lag: Array, z: Array, pivot: Array, normals: Array, offsets: Array) -> Array:
-    """As much of a wanted lag of the zero-moment point (2,) [m] as the support polygon admits.
+def _turned(tilt: Array, x: Array) -> Array:
+    """A matrix (2, 2) times the first two of a vector."""
+    return np.array((tilt[0, 0] * x[0] + tilt[0, 1] * x[1], tilt[1, 0] * x[0] + tilt[1, 1] * x[1]))
+
+
+@compiled
+def _admitted(lag: Array, turned: Array, z: Array, pivot: Array, normals: Array, offsets: Array) -> Array:
+    """As much of a wanted lag of the zero-moment point (2,) [m] as the support admits beside what it is turned by.
 
     The plan's zero-moment point z differs from its pivot, the point that the floor's force on the centre of mass comes
     from, by what its angular momentum changes. When that leaves too little room, the change is given up: then the
     pivot alone has to stay inside.
     """
-    kept, given_up = nearest(normals, offsets, z + lag) - z - lag, nearest(normals, offsets, pivot + lag) - pivot - lag
+    whole, part = z + lag + turned, pivot + lag + turned
+    kept, given_up = nearest(normals, offsets, whole) - whole, nearest(normals, offsets, part) - part
     return lag + (kept if kept @ kept <= given_up @ given_up else given_up)

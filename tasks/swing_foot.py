@@ -6,22 +6,20 @@ from sot.contact import LEAD
 from sot.motion.footfalls import Footfalls
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
+from sot.stride import lowered
 from sot.task import Pose
 from sot.tick import Tick
 from tasks.operational_point import OperationalPoint
 
 Array = np.ndarray
 
-DESCENT = 0.1
-SPEED_UP = 0.03
-"""Speed at which a foot looks for a floor that it should have reached [m/s], and how long it takes to get there [s]."""
 RELEASE = 0.04
 """Time within which a foot is led over from what its contact asked for to its path [s]: no joint's torque steps."""
-UP = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 
 
 class SwingFoot(OperationalPoint):
-    """Moves a foot along a motion for as long as its contact is off; a foot that stands is not asked for anything.
+    """Moves a foot along a motion for as long as its contact is off; a foot that stands is not asked for anything. The
+    `way` of the contact, if it has one, goes before the motion's.
 
     A path may leave the floor with an acceleration, and a foot not be where the path has it: what the foot is asked for
     begins with what its contact asked for. Once the motion has the foot on the floor, and the contact is still off, it
@@ -52,6 +50,7 @@ class SwingFoot(OperationalPoint):
             return self._none
         if self._stood:
             self._stood, self._left = False, (tick.t, contact.acceleration(tick))
+        self._reference = contact.way or self._lowered
         error, rate, J, drift, feedforward = super().observe(tick)
         start, left = self._left
         share = 1.0 - (tick.t - start) / RELEASE
@@ -64,7 +63,4 @@ class SwingFoot(OperationalPoint):
         stance = self._stances.nearest(t)
         if stance is None or not stance.start <= t < stance.end - 1e-9:
             return pose
-        late = t - stance.start
-        speed = DESCENT * min(late / SPEED_UP, 1.0)
-        depth = 0.5 * speed * late if late < SPEED_UP else DESCENT * (late - 0.5 * SPEED_UP)
-        return pose._replace(position=pose.position - depth * UP[:3], velocity=pose.velocity - speed * UP)
+        return lowered(pose, t - stance.start)

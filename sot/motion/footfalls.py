@@ -2,7 +2,8 @@
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 
 import pinocchio as pin
 
@@ -41,8 +42,20 @@ class Footfalls:
                 stances[-1] = Stance(stances[-1].start, phase.end, pose)
             else:
                 stances.append(Stance(phase.start, phase.end, pose))
+        self._take(stances)
+
+    def _take(self, stances: Sequence[Stance]) -> None:
         self.stances = tuple(stances)
         self._starts = [stance.start for stance in stances]
+
+    def interrupted(self, lift: float, land: float, pose: pin.SE3) -> "Footfalls":
+        """With the stance at `lift` in two: between, until `land`, the foot is in the air, and then at another pose."""
+        at = self.begun(lift) - 1
+        stance = self.stances[at]
+        parts = replace(stance, end=lift), Stance(land, max(stance.end, land), pose)
+        changed = copy(self)
+        changed._take((*self.stances[:at], *parts, *self.stances[at + 1 :]))
+        return changed
 
     def __len__(self) -> int:
         return len(self.stances)

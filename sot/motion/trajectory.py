@@ -119,6 +119,12 @@ class Motion:
         row, (_, _, _, com, velocity, acceleration, zmp) = self._row(t), self._slices
         return row[com], row[velocity], row[acceleration], row[zmp]
 
+    def angular_momentum(self, t: float) -> Array:
+        """Angular momentum about the centre of mass at a time [s], (3,), world axes [N m s]."""
+        k, rest = self._place(t)
+        L = self.momentum[k]
+        return L + rest * (self.momentum[k + 1] - L) if rest else L
+
     @property
     def feet(self) -> dict[str, Callable[[float], Array]]:
         """Where each foot that stands is to stand at a time [s], or was or will be if it is not to stand then: (3,)."""

@@ -63,7 +63,8 @@ def test_the_hand_rises_by_what_was_added_and_the_head_meets_its_way_points(clip
     turned = np.rad2deg(log.q[:, 7 + joint] - motion.q[: len(hand), 7 + joint])
     np.testing.assert_allclose(np.interp([0.9, 1.3], log.time, turned), [20.0, -20.0], atol=1.0)
     column = [k for k, name in enumerate(log.level_names) if name.startswith("right_hand edited")]
-    assert np.all(log.level_place[full, column] == 3) and np.all(log.level_share[full, column] == 1.0)
+    # After balance, feet and waist.
+    assert np.all(log.level_place[full, column] == 4) and np.all(log.level_share[full, column] == 1.0)
     assert np.all(log.level_place[log.time < 0.19, column] == 0)
 
 

@@ -96,3 +96,22 @@ def test_planted_feet_stay(robot, stack):
     changes, ramp = modes(Stepping(robot, planted(robot, 2.0)), stack)
     assert changes == []
     assert set(ramp.values()) == {1.0}
+
+
+def test_a_step_that_was_not_planned(robot, stack):
+    stepping = Stepping(robot, planted(robot, 2.0))
+    assert (stepping.begun(RIGHT), stepping.due(RIGHT)) == (1, 0)
+    stepping.apply(0.2, stack)
+    stepping.interrupt(RIGHT, LIFT, LAND)
+    assert (stepping.begun(RIGHT), stepping.due(RIGHT), stepping.due(LEFT)) == (1, 1, 0)
+    changes, _ = modes(stepping, stack)
+    assert changes == [(LIFT, f"{RIGHT} off"), (LAND, f"{RIGHT} fixed")]
+    assert (stepping.begun(RIGHT), stepping.due(RIGHT)) == (2, 0)
+
+
+def test_who_carries(robot, stepping, stack):
+    assert stepping.others_carry(RIGHT, stack, None)
+    assert stepping.others_carry(RIGHT, stack, carried(robot, 0.4, 0.6))
+    assert not stepping.others_carry(RIGHT, stack, carried(robot, 0.2, 0.8))
+    stack.contact(LEFT).mode = "off"
+    assert not stepping.others_carry(RIGHT, stack, carried(robot, 1.0, 0.0))

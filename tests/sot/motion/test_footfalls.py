@@ -43,3 +43,11 @@ def test_the_stance_nearest_in_time(falls, t, x):
 
 def test_a_foot_that_never_stands():
     assert Footfalls([Phase(0.0, 1.0, {})], "right").nearest(0.5) is None
+
+
+def test_a_step_in_between(falls):
+    cut = falls.interrupted(1.8, 2.1, place(0.5))
+    assert [(stance.start, stance.end) for stance in cut.stances] == [(0.0, 1.0), (1.5, 1.8), (2.1, 3.0)]
+    assert [stance.pose.translation[0] for stance in cut.stances] == [0.0, 0.3, 0.5]
+    assert [cut.begun(t) for t in (1.7, 2.0, 2.2)] == [2, 2, 3]
+    assert len(falls) == 2

@@ -1,0 +1,61 @@
+"""Where a plan is to be carried out by feet that do not stand where it has them."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+Array = np.ndarray
+
+NOTHING = np.zeros(2)
+NONE = np.zeros((2, 2))
+APART = 0.02
+"""Distance below which planned places are one [m]."""
+
+
+class Displacement(NamedTuple):
+    """An affine map of the floor that takes each foot's planned place to where it stands: ``x -> x + shift + tilt x``.
+
+    Along the line between two feet it goes from what is true of one to what is true of the other. Being affine, it
+    takes every motion of a pendulum, centre of mass and zero-moment point, to another such motion.
+
+    Args:
+        shift: Shape (2,) [m].
+        tilt: Shape (2, 2).
+    """
+
+    shift: Array
+    tilt: Array
+
+    @classmethod
+    def of(cls, feet: Sequence[tuple[Array, Array, float]]) -> "Displacement":
+        """That of one foot or two.
+
+        Args:
+            feet: Planned place (2,), place (2,) [m], and load of each one that stands: one that may carry less than the
+                other counts by its share, so that nothing jumps when it begins to.
+        """
+        if not feet:
+            return cls(NOTHING, NONE)
+        if len(feet) == 1:
+            ((planned, place, _),) = feet
+            return cls(place - planned, NONE)
+        (first, first_at, first_load), (second, second_at, second_load) = feet
+        most = max(first_load, second_load)
+        off, other = first_at - first, second_at - second
+        first_share, second_share = (load / most if most > 0.0 else 1.0 for load in (first_load, second_load))
+        off, other = other + first_share * (off - other), off + second_share * (other - off)
+        between = second - first
+        squared = between @ between
+        if squared < APART**2:
+            return cls(0.5 * (off + other), NONE)
+        tilt = np.outer(other - off, between / squared)
+        return cls(off - tilt @ first, tilt)
+
+    def place(self, x: Array) -> Array:
+        """Where a place (2,) of the plan is [m]."""
+        return x + self.shift + self.tilt @ x
+
+    def rate(self, v: Array) -> Array:
+        """What a velocity or acceleration (2,) of the plan is there."""
+        return v + self.tilt @ v
