@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from itertools import combinations
 
 from sot.motion.edit import Change, Edit, edited_joints, edited_point
+from sot.motion.limb import reaching
 from sot.motion.trajectory import Motion
 from sot.robot import GROUPS, Robot
 from sot.schedule import RAMP, Schedule
@@ -13,8 +14,8 @@ from tasks.operational_point import AXES, OperationalPoint
 from tasks.posture import Posture
 
 GUIDE = 0.3
-"""Weight of a limb's planned motion [m] beside what is edited of its point: what a joint's lever would have to be for
-both to count alike."""
+"""Weight of a limb's own motion [m] beside what is edited of its point: what a joint's lever would have to be for both
+to count alike."""
 
 
 def edit(stack: Stack, schedule: Schedule, motion: Motion, edits: Sequence[Edit]) -> list[str]:
@@ -24,8 +25,8 @@ def edit(stack: Stack, schedule: Schedule, motion: Motion, edits: Sequence[Edit]
     which it moves, or another task on the same point. That posture stays, as a guide for what the edit leaves open.
 
     An edit that is `limb_only` moves the limb's joints and no others: where they cannot do it, the rest of the body
-    does not jump in. In its level the limb is guided by its planned motion, feed-forward included: a stretched arm,
-    which cannot move along itself, does not flail.
+    does not jump in. In its level the limb is guided by a motion of its own, feed-forward included, which is fitted to
+    the edit within the limits of its joints: a stretched arm, which cannot move along itself, does not flail.
 
     Args:
         stack: Of the robot; its levels are as when the edits come.
@@ -48,15 +49,21 @@ def edit(stack: Stack, schedule: Schedule, motion: Motion, edits: Sequence[Edit]
             start, end = max(one.span[0], other.span[0]), min(one.span[1], other.span[1])
             raise other.error(f"changes {_what(other)} from {start:g} to {end:g} s, as edit {k} does already")
     changes = [Change.of(one, motion) for one in edits]
+    fitted: dict[str, Motion] = {}
     lines = []
     for k, one in enumerate(edits, 1):
         own = [(other, change) for other, change in zip(edits, changes, strict=True) if other.of == one.of]
         outranked = _outranked(stack, motion.robot, [other for other, _ in own])
-        task = _task(motion, one, own, f"edit {k}")
+        task, guides = _task(motion, one, own, f"edit {k}"), []
+        if one.limb_only:
+            free = sorted(_limb(motion.robot, one) - {other.of for other in edits})
+            if one.of not in fitted:
+                fitted[one.of] = _reaching(motion, free, own)
+            guides = [Posture(motion.robot, fitted[one.of].joints, free, weight=GUIDE, name=f"edit {k} guide")]
         start, end = one.span
         level = f"{one.of} edited"
         # The task is there before anything changes, and until nothing does any more.
-        for asked in [task, *_guides(motion, one, edits, f"edit {k} guide")]:
+        for asked in [task, *guides]:
             schedule.add(start - RAMP, asked, level, before=outranked).remove(end + RAMP, asked.name)
         over = f"outranks '{outranked}', which stays as a guide" if outranked else "has no posture to outrank"
         alone = ", by its limb alone" if one.limb_only else ""
@@ -74,12 +81,11 @@ def _task(motion: Motion, one: Edit, own: Sequence[tuple[Edit, Change]], name: s
     return OperationalPoint(motion.robot, one.of, path, axes, name=name, joints=limb)
 
 
-def _guides(motion: Motion, one: Edit, edits: Sequence[Edit], name: str) -> list[Task]:
-    """The planned motion of a limb that does an edit alone, but for joints that are edited themselves."""
-    if not one.limb_only:
-        return []
-    free = _limb(motion.robot, one) - {other.of for other in edits}
-    return [Posture(motion.robot, motion.joints, sorted(free), weight=GUIDE, name=name)]
+def _reaching(motion: Motion, joints: Sequence[str], own: Sequence[tuple[Edit, Change]]) -> Motion:
+    """A motion whose limb does by itself what the edits of its point ask for."""
+    path = edited_point(motion.pose(own[0][0].of), [(other.rows, change) for other, change in own])
+    wanted = [(row, *other.span) for other, _ in own if other.limb_only for row in other.rows]
+    return reaching(motion, joints, own[0][0].of, wanted, path)
 
 
 def _what(one: Edit) -> str:

@@ -17,7 +17,7 @@ from sot.robot import Robot
 Array = NDArray[np.float64]
 Way = tuple[float, float, float]
 
-AHEAD: Way = (0.083, 0.0, 0.0)
+AHEAD: Way = (0.085, 0.0, 0.0)
 """A way by default. Forward, friction pushes a bent leg onto the floor; outward or back it lifts it off."""
 SPEED = 0.0075
 """Mean speed of a slide [m/s]: the faster, the less of the time does MuJoCo's floor carry it (docs/lessons.md)."""

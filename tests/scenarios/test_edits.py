@@ -50,8 +50,10 @@ def test_what_is_asked_for_happens_and_is_told(clip, tmp_path):
     assert "right_hand edited: edit 1" in picture and "balance: Balance" in picture
 
 
-def test_the_hand_rises_by_what_was_added_and_the_head_meets_its_way_points(clip, tmp_path):
-    (tmp_path / "edits.toml").write_text(EDITS)
+@pytest.mark.parametrize("limb_only", ["false", "true"])
+def test_the_hand_rises_by_what_was_added_and_the_head_meets_its_way_points(clip, tmp_path, limb_only):
+    """By the whole body, or by its arm alone."""
+    (tmp_path / "edits.toml").write_text(EDITS.replace("by = 0.12", f"by = 0.12\nlimb_only = {limb_only}"))
     run, motion = danced(clip, edits=tmp_path / "edits.toml").run, Motion.load(clip)
     log, robot = run.log.trimmed(), motion.robot
     hand = Points.of(robot, log.q, ("right_hand",)).positions["right_hand"][:, 2]
@@ -62,7 +64,7 @@ def test_the_hand_rises_by_what_was_added_and_the_head_meets_its_way_points(clip
     joint = robot.joints.index("HEAD0")
     turned = np.rad2deg(log.q[:, 7 + joint] - motion.q[: len(hand), 7 + joint])
     np.testing.assert_allclose(np.interp([0.9, 1.3], log.time, turned), [20.0, -20.0], atol=1.0)
-    column = [k for k, name in enumerate(log.level_names) if name.startswith("right_hand edited")]
+    column = log.level_names.index("right_hand edited: edit 1")
     # After balance, feet and waist.
     assert np.all(log.level_place[full, column] == 4) and np.all(log.level_share[full, column] == 1.0)
     assert np.all(log.level_place[log.time < 0.19, column] == 0)

@@ -1,4 +1,4 @@
-"""A real run of Kim & Oh's experiment: upright under physics, within the narrowed ranges, the pelvis corrected."""
+"""A real run of Kim & Oh's experiment: upright under physics, within the narrowed ranges, the pelvis's height corrected."""
 
 import pytest
 
@@ -22,7 +22,7 @@ def test_imitates_with_two_joints_narrowed(tmp_path):
     found = report["imitation"]["iktc"]
     assert found["qps_most"] == 1 and found["unsolved"] == 0
     assert found["given_up"]["feet"] == found["given_up"]["com"] == 0.0
-    assert 0.05 < found["given_up"]["height"] < 0.6 and found["given_up"]["attitude"] > 0.0
+    assert 0.05 < found["given_up"]["height"] < 0.6 and found["given_up"]["attitude"] < 0.01
     assert max(found[f"beyond_{what}"] for what in ("rad", "velocity", "acceleration")) < 1e-6
     assert found["upper_body_rad"] < report["imitation"]["cascade"]["upper_body_rad"]
     assert {path.name for path in tmp_path.iterdir()} == {"run.rrd", "report.json", "traces.npz", "imitation.svg"}
