@@ -29,7 +29,7 @@ from scenarios.replay import (
 )
 from scenarios.stack_file import Composer, Composition
 from sim import report, timeline
-from sim.slides import SMOOTHED
+from sim.slides import LIGHT, SMOOTHED
 from sot.contact import Contact
 from sot.motion import Human, plan, read, recognise
 from sot.motion.edit import Edit
@@ -220,8 +220,9 @@ def _slid(slide: dict[str, Any]) -> str:
         f"{slide['foot'].replace('_', ' ')} slides {1e2 * slide['way_m']:.1f} cm, {slide['start_s']:.1f} to "
         f"{slide['end_s']:.1f} s: it touches the floor for {100 * slide['contact']:.0f} % of the time, with "
         f"{100 * slide['load_min']:.0f} to {100 * slide['load_max']:.0f} % of the weight (means over "
-        f"{1e3 * SMOOTHED:.0f} ms; single ticks up to {100 * slide['load_raw_max']:.0f} %); the ZMP lies in the other "
-        f"foot for {100 * slide['zmp_inside']:.2f} % of the ticks"
+        f"{1e3 * SMOOTHED:.0f} ms; {100 * slide['light']:.0f} % of the ticks are between "
+        f"{100 * LIGHT[0]:.0f} and {100 * LIGHT[1]:.0f} %, the greatest {100 * slide['load_raw_max']:.0f} %); the ZMP "
+        f"lies in the other foot for {100 * slide['zmp_inside']:.2f} % of the ticks"
     )
 
 

@@ -12,6 +12,8 @@ from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
 from sot.tick import GRAVITY
 
+LIGHT = 0.02, 0.15
+"""Least and greatest load of a foot that slides lightly, in weights of the robot."""
 SMOOTHED = 0.05
 """Time over which a foot's load and the ZMP are averaged [s]: the floor carries what slides in pulses, tick by tick."""
 
@@ -40,6 +42,7 @@ def slides(log: RunLog, motion: Motion) -> list[dict[str, Any]]:
     - "contact": share of the ticks in which the floor carries the foot.
     - "load", "load_min", "load_max": its normal load, all forces of the floor on it together, in weights of the robot;
       mean over the slide, and extremes of the mean over any `SMOOTHED` seconds. "load_raw_max": the greatest of a tick.
+      "light": share of the ticks with a load that is `LIGHT`.
     - "zmp_inside": share of the ticks with the measured ZMP of the whole robot in the soles that stand.
       "zmp_min_margin_m": least distance of its mean over `SMOOTHED` seconds from their edge, negative outside;
       "zmp_raw_min_margin_m": of one tick.
@@ -65,6 +68,7 @@ def slides(log: RunLog, motion: Motion) -> list[dict[str, Any]]:
                     "load_min": float(mean.min()),
                     "load_max": float(mean.max()),
                     "load_raw_max": float(load.max()),
+                    "light": float(np.mean((load >= LIGHT[0]) & (load <= LIGHT[1]))),
                     "zmp_inside": float(np.mean(margin >= 0.0)),
                     "zmp_raw_min_margin_m": float(margin.min()),
                     "zmp_min_margin_m": float(_margin(soles, _smoothed(log.zmp_measured[rows], log.period)).min()),

@@ -1,4 +1,4 @@
-"""A real run of Kim & Oh's experiment: upright under physics, within the narrowed ranges, the pelvis's height corrected."""
+"""A real run of Kim & Oh's experiment: upright under physics, within narrowed ranges, the pelvis corrected."""
 
 import pytest
 

@@ -36,7 +36,7 @@ def test_a_slide_is_measured_and_is_no_slip(motion, log):
     assert slide["foot"] == "right_foot"
     assert (slide["start_s"], slide["end_s"]) == pytest.approx((100 * PERIOD, 201 * PERIOD))
     assert (slide["way_m"], slide["moved_m"]) == pytest.approx((0.2, 0.2))
-    assert slide["contact"] == 1.0
+    assert slide["contact"] == slide["light"] == 1.0
     assert [slide[name] for name in ("load", "load_min", "load_max", "load_raw_max")] == pytest.approx([0.1] * 4)
     assert slide["zmp_inside"] == 1.0 and 0.03 < slide["zmp_min_margin_m"] < 0.1
     assert figures.contacts(log, motion.robot)["slip_max_m"] < 0.201  # of the feet that stand, as the whole robot moved
@@ -46,6 +46,7 @@ def test_a_foot_that_hops_is_not_in_contact_though_its_mean_load_may_be_right(mo
     log.foot_wrench[SLID, 1, 2] = np.where(np.arange(101) % 2, 0.2, 0.0) * WEIGHTS
     (slide,) = slides(log, motion)
     assert slide["contact"] == pytest.approx(50 / 101)
+    assert slide["light"] == 0.0
     assert slide["load_raw_max"] == pytest.approx(0.2)
     assert 0.09 < slide["load_min"] <= slide["load_max"] < 0.11
 
