@@ -51,7 +51,7 @@ class Proximity:
         self.pairs = [(first.name, second.name) for first, second in pairs]
         moves = [_moves(self._model, second) - _moves(self._model, first) for first, second in pairs]
         self._moves = np.array(moves).reshape(len(pairs), robot.nv)
-        reaches = [_reach(self._model, first, second) for first, second in pairs]
+        reaches = [reach(self._model, first, second) for first, second in pairs]
         self._reach = np.array(reaches).reshape(len(pairs), robot.na)
         self._seen = np.zeros((len(pairs), robot.na))
         self._apart = np.full(len(pairs), -np.inf)
@@ -163,7 +163,7 @@ def _moves(model: pin.Model, shape: pin.GeometryObject) -> Array:
     return moves
 
 
-def _reach(model: pin.Model, first: pin.GeometryObject, second: pin.GeometryObject) -> Array:
+def reach(model: pin.Model, first: pin.GeometryObject, second: pin.GeometryObject) -> Array:
     """How far a shape is moved in the view of another when each joint turns by one radian, at most; shape (na,) [m]."""
     reach = np.zeros(model.nv - 6)
     chains = [set(model.supports[shape.parentJoint]) for shape in (first, second)]

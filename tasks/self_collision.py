@@ -23,9 +23,12 @@ SURPRISE = 0.25
 """How much faster a pair may approach from look to look [m/s]."""
 FAR = 0.1
 """Pairs this much further apart than they may come [m] are not watched: what is too fast for it is stopped harder."""
-BRAKE = 10.0
-"""Deceleration that is relied upon to stop an approach [m/s²]; one that is too fast for it is stopped as much harder as
-it takes, steadily."""
+EASY = 10.0
+"""Deceleration that pairs are watched for [m/s²]: some joints have little leverage on a distance."""
+BRAKE = 25.0
+"""Deceleration that is relied upon to stop an approach, if the joints give as much [m/s²]. Feet are planned to stop
+beside one another at up to 20 m/s², hands likewise: what relies on less brakes motions that are in order. An approach
+that is too fast for it is stopped as much harder as it takes, steadily."""
 
 
 class SelfCollision(Task):
@@ -121,12 +124,12 @@ def _brakes(ways: Array, rates: Array, period: float, most: Array) -> Array:
 
     To lead a pair that is too fast for BRAKE back to where BRAKE would do takes an arm's whole torque for some ticks.
     """
-    brakes = np.full(len(ways), BRAKE)
+    brakes = np.minimum(BRAKE, most)
     for k in range(len(ways)):
         speed = -rates[k]
         left = 2.0 * ways[k] - period * speed
         if speed > 0.0 and left > 0.0:
-            brakes[k] = max(BRAKE, min(speed**2 / left, most[k]))
+            brakes[k] = min(max(BRAKE, speed**2 / left), most[k])
     return brakes
 
 
@@ -134,7 +137,7 @@ def _brakes(ways: Array, rates: Array, period: float, most: Array) -> Array:
 def _stopping(speed: float, period: float, looks: float) -> float:
     """Way on which an approach at a speed [m/s] is stopped if it is watched from so many looks on [m]."""
     speed = speed + looks * SURPRISE
-    return min(speed * (speed / (2.0 * BRAKE) + period + looks * LOOK), FAR)
+    return min(speed * (speed / (2.0 * EASY) + period + looks * LOOK), FAR)
 
 
 @compiled

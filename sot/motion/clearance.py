@@ -1,4 +1,8 @@
-"""Arms that keep clear of the rest of the body."""
+"""Limbs that keep clear of the rest of the body: arms of all that is not of them, legs of each other."""
+
+from collections.abc import Iterable, Mapping
+from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -6,63 +10,102 @@ from numpy.typing import NDArray
 
 from sot.motion.coordinates import to_configuration
 from sot.motion.kinematics import Chains, Kinematics
-from sot.motion.parts import Arm, Indices
+from sot.motion.parts import Arm, Body, Indices
+from sot.motion.stance import Build
+from sot.motion.swing import FootPath
 from sot.motion.targets import Targets
+from sot.proximity import reach
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
 
-ROOM = 0.02  # m, distance that an arm keeps from the rest of the body
-CLEAR = 1.0 / 0.003  # 1/m, weight of what is missing of it
+ROOM = 0.02  # m, distance that limbs keep
+CLEAR = {"arm": 1.0 / 0.003, "legs": 1.0 / 0.001}  # 1/m, weight of what is missing of it
+
+
+class _Place(NamedTuple):
+    """Where a pair is nearest: the row, the shape, the normal and the nearest points (3,)."""
+
+    row: int
+    shape: int
+    normal: Array
+    first: Array
+    second: Array
 
 
 class Clearance:
-    """Signed distances from each shape of an arm to the nearest shape of the rest of the body.
+    """Signed distances from each shape of a limb to the nearest one of what it keeps clear of, at the knots of a clip.
 
-    Pairs that are less than ROOM apart at rest, neighbours in the tree mostly, do not count.
+    Pairs that are less than ROOM apart at rest, neighbours in the tree mostly, do not count. A distance changes by no
+    more than the joints between two shapes turn, each times its reach: only where something may have come near since a
+    knot was last looked at is it looked at again.
     """
 
-    def __init__(self, robot: Robot, side: str, columns: Indices):
-        """columns: of y, that Jacobians are with respect to."""
-        self._model, self._columns = robot.model, columns
-        self._chains = Chains(robot)
+    def __init__(self, robot: Robot, pairs: Iterable[tuple[int, int]], length: int):
+        """
+        Args:
+            robot: the robot.
+            pairs: of its shapes, each what is to be kept clear of and the limb's.
+            length: number of knots T.
+        """
+        self._model, self._chains = robot.model, Chains(robot)
         self._data = robot.model.createData()
-        joints = {2 + joint for joint in robot.groups[f"{side}_arm"]}
-        shapes = list(enumerate(robot.shapes.geometryObjects))
-        self._own = [k for k, shape in shapes if shape.parentJoint in joints]
-        others = [k for k, shape in shapes if shape.parentJoint not in joints]
         self._geometry = robot.shapes.copy()
         self._geometry.removeAllCollisionPairs()
-        for own in self._own:
-            for other in others:
-                self._geometry.addCollisionPair(pin.CollisionPair(other, own))
+        for pair in pairs:
+            self._geometry.addCollisionPair(pin.CollisionPair(*pair))
         self._make_room()
         for k in np.flatnonzero(self._distances(robot.rest) < ROOM)[::-1]:
             self._geometry.removeCollisionPair(self._geometry.collisionPairs[int(k)])
         self._make_room()
-        owners = np.array([pair.second for pair in self._geometry.collisionPairs])
-        self._pairs = [np.flatnonzero(owners == own) for own in self._own]
+        left, shapes = list(self._geometry.collisionPairs), self._geometry.geometryObjects
+        owners = np.array([pair.second for pair in left], dtype=int)
+        self._limb = [np.flatnonzero(owners == shape) for shape in np.unique(owners)]  # pairs of each of its shapes
+        self._joints = [(shapes[pair.first].parentJoint, shapes[pair.second].parentJoint) for pair in left]
+        reaches = [reach(self._model, shapes[pair.first], shapes[pair.second]) for pair in left]
+        self._reach = np.array(reaches).reshape(len(left), robot.na)
+        self._seen = np.zeros((length, robot.na))
+        self._apart = np.full((length, len(left)), -np.inf)
 
-    def evaluate(self, y: Array) -> tuple[Array, Array]:
-        """What is missing of ROOM (n, shapes) [m], 0 where nothing is, and its Jacobian (n, shapes, s)."""
-        missing = np.zeros((len(y), len(self._own)))
-        normals, points = np.zeros((2, *missing.shape, 3))
-        for k, q in enumerate(to_configuration(y)):
-            apart = self._distances(q)
+    @staticmethod
+    def of_arm(robot: Robot, side: str, length: int) -> "Clearance":
+        """Of an arm from the rest of the body."""
+        arm, shapes = _carrying(robot, f"{side}_arm"), range(robot.shapes.ngeoms)
+        return Clearance(robot, product([k for k in shapes if k not in arm], arm), length)
+
+    @staticmethod
+    def of_legs(robot: Robot, length: int) -> "Clearance":
+        """Of the left leg from the right one; where the feet go is given, so that these do not count together."""
+        left, right = (_carrying(robot, f"{side}_leg") for side in ("left", "right"))
+        soles = {robot.model.frames[robot.point(foot)].parentJoint for foot in robot.feet}
+        feet = {k for k, shape in enumerate(robot.shapes.geometryObjects) if shape.parentJoint in soles}
+        return Clearance(robot, (pair for pair in product(right, left) if not feet.issuperset(pair)), length)
+
+    def evaluate(self, knots: Indices, y: Array, columns: Indices) -> tuple[Array, Array]:
+        """What is missing of ROOM at n knots (n, shapes) [m], 0 where nothing is, and its Jacobian (n, shapes, s) with
+        respect to some columns of the coordinates y (n, nv)."""
+        missing = np.zeros((len(y), len(self._limb)))
+        J = np.zeros((*missing.shape, len(columns)))
+        nearest: dict[int, list[_Place]] = {}  # pair -> where it is the nearest
+        turned = np.abs(y[:, 6:] - self._seen[knots]) @ self._reach.T
+        due = np.flatnonzero((self._apart[knots] - turned < ROOM).any(axis=1))
+        self._seen[knots[due]] = y[due, 6:]
+        for n, q in zip(due.tolist(), to_configuration(y[due]), strict=True):
+            self._apart[knots[n]] = apart = self._distances(q)
             if apart.min(initial=np.inf) >= ROOM:
                 continue
-            for i, pairs in enumerate(self._pairs):
-                if len(pairs) and (least := apart[pairs].min()) < ROOM:
-                    nearest = self._each[pairs[apart[pairs].argmin()]]
-                    missing[k, i] = ROOM - least
-                    normals[k, i], points[k, i] = nearest.normal, nearest.getNearestPoint2()
-        J = np.zeros((*missing.shape, len(self._columns)))
-        for i, own in enumerate(self._own):
-            near = np.flatnonzero(missing[:, i])
-            if len(near):
-                joint = self._geometry.geometryObjects[own].parentJoint
-                moved = Kinematics(self._chains, y[near], self._columns).moved(joint, points[near, i])
-                J[near, i] = -np.einsum("ni,nis->ns", normals[near, i], moved)
+            for i, pairs in enumerate(self._limb):
+                if (least := apart[pairs].min()) < ROOM:
+                    k = int(pairs[apart[pairs].argmin()])
+                    missing[n, i] = ROOM - least
+                    found = self._each[k]
+                    place = _Place(n, i, found.normal.copy(), found.getNearestPoint1(), found.getNearestPoint2())
+                    nearest.setdefault(k, []).append(place)
+        for k, places in nearest.items():
+            rows, shapes, normals, first, second = (np.array(each) for each in zip(*places, strict=True))
+            kinematics, (one, other) = Kinematics(self._chains, y[rows], columns), self._joints[k]
+            apart_by = kinematics.moved(other, second) - kinematics.moved(one, first)
+            J[rows, shapes] = -np.einsum("ni,nis->ns", normals, apart_by)
         return missing, J
 
     def _make_room(self) -> None:
@@ -79,9 +122,38 @@ class ClearArm(Arm):
 
     def __init__(self, robot: Robot, side: str, targets: Targets):
         super().__init__(robot, side, targets)
-        self._clearance = Clearance(robot, side, self.columns)
+        self._clearance = Clearance.of_arm(robot, side, targets.length)
 
     def evaluate(self, knots: Indices, y: Array) -> tuple[Array, Array]:
-        errors, jacobians = super().evaluate(knots, y)
-        missing, J = self._clearance.evaluate(y)
-        return np.hstack([errors, CLEAR * missing]), np.concatenate([jacobians, CLEAR * J], axis=1)
+        return _beside("arm", super().evaluate(knots, y), self._clearance.evaluate(knots, y, self.columns))
+
+
+class ClearBody(Body):
+    """Base, legs and chest as they are to be, with legs pushed off each other where they come nearer than ROOM."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        build: Build,
+        targets: Targets,
+        feet: Mapping[str, FootPath],
+        legs: Clearance,
+        com: Array | None = None,
+    ):
+        """legs: their clearance, which remembers what it saw from body to body of the same clip."""
+        super().__init__(robot, build, targets, feet, com)
+        self._legs = legs
+
+    def evaluate(self, knots: Indices, y: Array) -> tuple[Array, Array]:
+        return _beside("legs", super().evaluate(knots, y), self._legs.evaluate(knots, y, self.columns))
+
+
+def _carrying(robot: Robot, group: str) -> list[int]:
+    """The shapes that a group of joints carries."""
+    joints = {2 + joint for joint in robot.groups[group]}
+    return [k for k, shape in enumerate(robot.shapes.geometryObjects) if shape.parentJoint in joints]
+
+
+def _beside(limb: str, looks: tuple[Array, Array], clear: tuple[Array, Array]) -> tuple[Array, Array]:
+    (errors, jacobians), (missing, J) = looks, clear
+    return np.hstack([errors, CLEAR[limb] * missing]), np.concatenate([jacobians, CLEAR[limb] * J], axis=1)

@@ -9,13 +9,13 @@ from scipy.ndimage import binary_dilation
 
 from sot.motion.balance import plan_balance
 from sot.motion.centroidal import Centroidal
+from sot.motion.clearance import Clearance, ClearBody
 from sot.motion.contacts import Phase
 from sot.motion.coordinates import to_pinocchio
 from sot.motion.grip import Grip
 from sot.motion.height import lowered, reachable
 from sot.motion.kinematics import Chains, Kinematics
 from sot.motion.limits import Limits
-from sot.motion.parts import Body
 from sot.motion.retarget import PartFit, solve
 from sot.motion.spline import Spline
 from sot.motion.stance import Build
@@ -71,6 +71,7 @@ class Rounds:
         self.whole = Spline(whole.control.copy(), whole.period)
         self._robot, self._build, self._human, self._feet, self._limits = robot, build, wanted, feet, limits
         self._supports, self._steps = supports(robot, phases), moving(feet)
+        self._legs = Clearance.of_legs(robot, wanted.length)
         self._lowers = self._steps and wanted.height is None
         times: Array = whole.period * np.arange(wanted.length, dtype=float)
         self._grip = Grip(robot, phases, times) if self._steps else None
@@ -153,10 +154,11 @@ class Rounds:
         self._strained[part] = strained(robot, self._feet, self._supports, self.whole, state, part)
         return self._strained[part] | (off > NEARLY) if off.max() > SETTLED else np.zeros(len(off), bool)
 
-    def _body(self) -> Body:
+    def _body(self) -> ClearBody:
         """Whose hips are as low as legs have to reach, and whose CoM is where it is planned."""
         hips = np.column_stack([self._human.hips[:, :2], self._height.knots])
-        return Body(self._robot, self._build, replace(self._human, hips=hips), self._feet, self._com.knots)
+        wanted = replace(self._human, hips=hips)
+        return ClearBody(self._robot, self._build, wanted, self._feet, self._legs, self._com.knots)
 
     def _plan(self, part: slice) -> Array:
         """Plans the CoM over a part of the knots; the ZMP (n, 2) there."""
