@@ -129,7 +129,11 @@ class ClearArm(Arm):
 
 
 class ClearBody(Body):
-    """Base, legs and chest as they are to be, with legs pushed off each other where they come nearer than ROOM."""
+    """Base, legs and chest as they are to be, with legs pushed off each other where they come nearer than ROOM.
+
+    The more they overlap the less, and not at all from ROOM on: over feet that leave no way out, the push would tear at
+    all the rest.
+    """
 
     def __init__(
         self,
@@ -145,7 +149,9 @@ class ClearBody(Body):
         self._legs = legs
 
     def evaluate(self, knots: Indices, y: Array) -> tuple[Array, Array]:
-        return _beside("legs", super().evaluate(knots, y), self._legs.evaluate(knots, y, self.columns))
+        missing, J = self._legs.evaluate(knots, y, self.columns)
+        hope = np.clip(2.0 - missing / ROOM, 0.0, 1.0)
+        return _beside("legs", super().evaluate(knots, y), (hope * missing, hope[..., None] * J))
 
 
 def _carrying(robot: Robot, group: str) -> list[int]:

@@ -1,7 +1,7 @@
 """Where the robot's feet stand: the dancer's places, changed by the least that its legs need."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from solvers.banded import sparse_qp
 from sot.motion.footwork import Stand, Step
 from sot.motion.human import SIDES
+from sot.proximity import ROOM as NEXT
 from sot.robot import Robot
 
 Array = NDArray[np.float64]
@@ -39,7 +40,8 @@ class Reach:
         leg: its length, stretched [m].
         hips: distance of the legs' roots [m].
         stride: farthest of one ankle from the other beyond that distance [m].
-        turn: least and most that the left foot may be turned out from the right one, together [rad].
+        turn: least and most that the left foot may be turned out from the right one, together [rad]; toes are turned in
+            no further than until knees meet.
         speed, turning: mean of a foot in a step [m/s, rad/s].
         soles: foot -> (nc, 2) corners about the point below the ankle [m].
     """
@@ -80,7 +82,7 @@ class Reach:
         for foot, side in zip(robot.feet, SIDES, strict=True):
             pose = data.oMf[robot.point(foot)]
             soles[foot] = np.array([(pose.act(corner) - place(f"{side}_ankle"))[:2] for corner in robot.sole(foot)])
-        return Reach(
+        reach = Reach(
             leg=leg,
             hips=float(abs(place("left_hip")[1] - place("right_hip")[1])),
             stride=float(2.0 * leg * np.sqrt(EXTENDED**2 - LOWERED**2)),
@@ -89,6 +91,37 @@ class Reach:
             turning=SPINNING * min(float(robot.velocity[yaw(side)]) for side in SIDES),
             soles=soles,
         )
+        knees = float(abs(place("left_knee")[1] - place("right_knee")[1]))
+        return replace(reach, turn=(max(reach.turn[0], -_turned_in(reach, knees - _legs_apart(robot))), reach.turn[1]))
+
+
+def _turned_in(reach: Reach, thick: float) -> float:
+    """How far toes can be turned in, both feet together, until knees meet that are so thick [rad].
+
+    Feet are as near as soles allow, hips as high as they can be over them: the lower, the farther knees stand out.
+    """
+    ahead = 0.5 * reach.leg * float(np.sqrt(1.0 - EXTENDED**2))
+    angles = np.arange(0.0, 0.25 * np.pi, np.deg2rad(1.0))
+    wide = [max(separation((-angle, angle), reach, np.array([0.0, 1.0])), reach.hips) for angle in angles]
+    meet = 0.5 * (reach.hips + np.array(wide)) - 2.0 * ahead * np.sin(angles) < thick
+    return 2.0 * float(angles[meet.argmax()] if meet.any() else angles[-1])
+
+
+def _legs_apart(robot: Robot) -> float:
+    """Distance of one leg from the other at rest, without feet and what is next to each other by design [m]; infinite
+    if there are no shapes."""
+    feet = {robot.model.frames[robot.point(foot)].parentJoint for foot in robot.feet}
+    left, right = ({2 + joint for joint in robot.groups[f"{side}_leg"]} - feet for side in SIDES)
+    shapes = list(enumerate(robot.shapes.geometryObjects))
+    geometry = robot.shapes.copy()
+    geometry.removeAllCollisionPairs()
+    for first in [k for k, shape in shapes if shape.parentJoint in left]:
+        for second in [k for k, shape in shapes if shape.parentJoint in right]:
+            geometry.addCollisionPair(pin.CollisionPair(first, second))
+    results = geometry.createData()
+    pin.computeDistances(robot.model, robot.model.createData(), geometry, results, robot.rest)
+    distances = [result.min_distance for result in results.distanceResults]
+    return min((apart for apart in distances if apart >= NEXT), default=np.inf)
 
 
 def together(steps: Sequence[Step]) -> Iterator[tuple[int, int]]:

@@ -16,6 +16,7 @@ from sot.motion.grip import Grip
 from sot.motion.height import lowered, reachable
 from sot.motion.kinematics import Chains, Kinematics
 from sot.motion.limits import Limits
+from sot.motion.parts import Body
 from sot.motion.retarget import PartFit, solve
 from sot.motion.spline import Spline
 from sot.motion.stance import Build
@@ -126,7 +127,8 @@ class Rounds:
     def _knot_by_knot(self) -> None:
         """Fits every knot for itself: what the accelerations of a fit are from there on means something."""
         self._plan(self._everything)
-        body, y = self._body(), self.whole.knots
+        body = Body(self._robot, self._build, self._looks(), self._feet, self._com.knots)
+        y = self.whole.knots
         y[:, body.columns], _ = solve(body, np.arange(len(y)), y, self._limits)
         self.whole = Spline.through(y, self.whole.period)
         self.whole.control[:3] = y[0]  # at rest
@@ -136,7 +138,8 @@ class Rounds:
         robot, period = self._robot, self.whole.period
         if self._lowers:
             self._lower(part)
-        zmp, body = self._plan(part), self._body()
+        zmp = self._plan(part)
+        body = ClearBody(robot, self._build, self._looks(), self._feet, self._legs, self._com.knots)
         control, y = slice(part.start, part.stop + 2), self.whole.knots[part]
         if len(y) not in self._fits:
             self._fits[len(y)] = PartFit(body.columns, len(y), period, self._limits, resting=part == self._everything)
@@ -154,11 +157,9 @@ class Rounds:
         self._strained[part] = strained(robot, self._feet, self._supports, self.whole, state, part)
         return self._strained[part] | (off > NEARLY) if off.max() > SETTLED else np.zeros(len(off), bool)
 
-    def _body(self) -> ClearBody:
-        """Whose hips are as low as legs have to reach, and whose CoM is where it is planned."""
-        hips = np.column_stack([self._human.hips[:, :2], self._height.knots])
-        wanted = replace(self._human, hips=hips)
-        return ClearBody(self._robot, self._build, wanted, self._feet, self._legs, self._com.knots)
+    def _looks(self) -> Targets:
+        """The body's, with hips as low as legs have to reach."""
+        return replace(self._human, hips=np.column_stack([self._human.hips[:, :2], self._height.knots]))
 
     def _plan(self, part: slice) -> Array:
         """Plans the CoM over a part of the knots; the ZMP (n, 2) there."""

@@ -8,12 +8,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from sot.motion.branches import choose
-from sot.motion.clearance import Clearance, ClearArm, ClearBody
+from sot.motion.clearance import ClearArm
 from sot.motion.coordinates import from_configuration
 from sot.motion.height import lowered, reachable
 from sot.motion.human import SIDES
 from sot.motion.limits import Limits
-from sot.motion.parts import Arm, Head, Part
+from sot.motion.parts import Arm, Body, Head, Part
 from sot.motion.retarget import PartFit, solve
 from sot.motion.spline import Spline
 from sot.motion.stance import Build
@@ -44,8 +44,7 @@ def retarget(
     if moving(feet) and wanted.height is None:
         y[:, :2] = wanted.hips[:, :2]
         wanted = _in_reach(robot, wanted, feet, y, period)
-    legs = Clearance.of_legs(robot, wanted.length)
-    parts: list[Part] = [ClearBody(robot, build, wanted, feet, legs), Head(robot, wanted)]
+    parts: list[Part] = [Body(robot, build, wanted, feet), Head(robot, wanted)]
     for part in parts:
         y[:, part.columns], _ = solve(part, knots, y, limits)
     for side in SIDES:

@@ -51,11 +51,11 @@ def bodies(robot):
     build = Build.of(robot)
     human = on_time_line(over_feet(dancer(1.0), build), 50.0)
     wanted = targets(human, robot, build, np.zeros(human.count))
-    wanted.hips[:, 2] -= 0.08
+    wanted.hips[:, 2] -= 0.02
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
     feet = {}
-    for foot, inward in zip(robot.feet, (-0.45, 0.45), strict=True):
+    for foot, inward in zip(robot.feet, (-0.3, 0.3), strict=True):
         pose = data.oMf[robot.point(foot)]
         turned = pin.utils.rotate("z", inward) @ pose.rotation
         feet[foot] = FootPath(np.tile(pose.translation, (human.count, 1)), np.tile(turned, (human.count, 1, 1)))

@@ -2,6 +2,7 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
+import coal
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -195,6 +196,19 @@ def test_footholds_out_of_reach_are_moved_into_it(robot):
         way = np.array([a.x - b.x, a.y - b.y])
         assert way @ across > separation((a.heading, b.heading), reach, across) - 1e-6
         assert np.linalg.norm(way - reach.hips * across) < reach.stride + 1e-6
+
+
+def test_toes_are_turned_in_until_knees_meet(robot):
+    """With legs as they are HRP-2's hips set the limit; the thicker they are, the sooner knees do."""
+    limits = [Reach.of(robot).turn]
+    for more in (0.012, 0.02):
+        shapes = robot.shapes.copy()
+        for shape in shapes.geometryObjects:
+            if shape.name.startswith(("RLEG2", "LLEG2", "RLEG3", "LLEG3")):
+                shape.geometry = coal.Capsule(shape.geometry.radius + more, 2.0 * shape.geometry.halfLength)
+        limits.append(Reach.of(replace(robot, shapes=shapes)).turn)
+    assert limits[0][0] < limits[1][0] < limits[2][0] <= 0.0
+    assert limits[0][1] == limits[1][1] == limits[2][1]
 
 
 def test_footholds_in_reach_stay(robot):
