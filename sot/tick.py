@@ -46,6 +46,7 @@ class Tick:
         t: Time [s].
         period: Control period, from this tick to the next [s].
         contacts: The contacts of this tick, those that are off included.
+        mass: Of the robot [kg].
         acceleration: What the controller commanded a tick ago, v̇ (nv,); none at first.
         q, v: State, Pinocchio's conventions, shapes (nq,), (nv,).
         M: Mass matrix with the rotors' inertia, shape (nv, nv).
@@ -64,7 +65,7 @@ class Tick:
         # Live views of where Pinocchio writes: to ask it for them anew takes longer than to compute what is in them.
         self.M, self.com = data.M, data.com[0]
         self._forces, self._base, self._A_g = data.nle, data.oMi[1].rotation, data.Ag
-        self._J, self._mass = data.J, robot.mass
+        self._J, self.mass = data.J, robot.mass
         self.h, self.com_jacobian = np.empty(robot.nv), np.empty((3, robot.nv))
         self.com_velocity, self.com_drift = np.empty(3), np.empty(3)
         self._points: dict[str, tuple[FrameState, Array]] = {}
@@ -81,7 +82,7 @@ class Tick:
         pin.nonLinearEffects(model, data, q, v)
         pin.updateFramePlacements(model, data)
         _take(
-            *(self._forces, self._base, self._A_g, self._mass, v, robot.damping, robot.friction),
+            *(self._forces, self._base, self._A_g, self.mass, v, robot.damping, robot.friction),
             *(self.h, self.com_jacobian, self.com_velocity, self.com_drift),
         )
         self._frames.clear()
@@ -117,7 +118,7 @@ class Tick:
             # Ȧ_g v is what has to act on the base from outside when v̇ is zero, seen from the CoM, less the weight.
             force, moment = self._base @ self._forces[:3], self._base @ self._forces[3:6]
             moment += np.cross(self.data.oMi[1].translation - self.com, force)
-            force[2] -= self._mass * GRAVITY
+            force[2] -= self.mass * GRAVITY
             self._centroidal = self.momentum, self._A_g, np.concatenate([force, moment])
         return self._centroidal
 

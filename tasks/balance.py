@@ -96,8 +96,7 @@ class Balance(Task):
         """ΔL / (m g), turned to where it takes the zero-moment point, (2,) [m s]."""
         if self._momentum is None:
             return NONE
-        L = tick.momentum[3:] - self._momentum(tick.t)
-        return np.array((L[1], -L[0])) / (tick.robot.mass * GRAVITY)
+        return _excess(tick.momentum, self._momentum(tick.t), tick.mass * GRAVITY)
 
     def _look(self, tick: Tick) -> None:
         """See where the contacts are: standing feet creep by fractions of a millimetre, which can wait a few ticks."""
@@ -144,13 +143,18 @@ class Balance(Task):
 def _pressed(tick: Tick, z: Array, wanted: Array) -> tuple[Array, Array]:
     """Rows (3, nv), and what they are to be (3,), by which the zero-moment point is at z (2,); the height as wanted."""
     _, A, drift = tick.centroidal()
-    lever = 1.0 / (tick.robot.mass * tick.com[2])
+    lever = 1.0 / (tick.mass * tick.com[2])
     J, wanted = tick.com_jacobian.copy(), wanted.copy()
     J[0] += lever * A[4]
     J[1] -= lever * A[3]
     lift = (GRAVITY + wanted[2] + tick.com_drift[2]) / tick.com[2]
     wanted[:2] = lift * (tick.com[:2] - z) - tick.com_drift[:2] - lever * np.array((drift[4], -drift[3]))
     return J, wanted
+
+
+@compiled
+def _excess(momentum: Array, planned: Array, weight: float) -> Array:
+    return np.array(((momentum[4] - planned[1]) / weight, (planned[0] - momentum[3]) / weight))
 
 
 @compiled

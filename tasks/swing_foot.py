@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from solvers.rows import Rows
 from sot.contact import LEAD
 from sot.motion.footfalls import Footfalls
 from sot.motion.trajectory import Motion
@@ -40,17 +41,21 @@ class SwingFoot(OperationalPoint):
         self._reference = self._lowered
         self._stances = Footfalls(motion.phases, foot)
         self._stood, self._left = False, (-np.inf, np.zeros(6))  # when it left, with which acceleration
-        self._none = np.zeros(0), np.zeros(0), np.zeros((0, robot.nv)), np.zeros(0), np.zeros(0)
+        self._none, self._no_rows = np.zeros(0), np.zeros((0, robot.nv))
 
-    def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
-        """As an `OperationalPoint` in all axes while the foot swings; no rows while it stands."""
+    def rows(self, tick: Tick) -> Rows:
+        """Acceleration rows in all axes while the foot swings, none while it stands."""
         contact = next((contact for contact in tick.contacts if contact.point == self.point), None)
         if contact is None or contact.mode != "off":
-            self._stood = contact is not None
-            return self._none
+            self._stood, self.error = contact is not None, self._none
+            return self._rows(self._no_rows, self._none, self._none)
         if self._stood:
             self._stood, self._left = False, (tick.t, contact.acceleration(tick))
         self._reference = contact.way or self._lowered
+        return super().rows(tick)
+
+    def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
+        """As an `OperationalPoint`, led over from what the contact asked for."""
         error, rate, J, drift, feedforward = super().observe(tick)
         start, left = self._left
         share = 1.0 - (tick.t - start) / RELEASE
