@@ -30,7 +30,7 @@ HEIGHT = 0.05
 """Of a step [m]."""
 EDGE = 0.01
 """Distance from the edges of a support within which the zero-moment point can be kept [m]."""
-ROOM = 0.05
+ROOM = 0.04
 """Distance from the edges of the support after a step that the divergent component is to have [m]."""
 LOOK = 0.01
 """Interval at which it is looked whether a step is needed [s]."""
@@ -134,7 +134,7 @@ class Recovery(Stepping):
         support = Polygon.hull(np.vstack([self._sole(tick, foot) for foot in self._robot.feet]))
         if support.margin(xi) >= 0.0:
             return None
-        best, step = GAIN + float(support.margin(_ahead(tick, xi, support, self.ramp + QUICK))), None
+        best, step = GAIN + float(support.margin(_ahead(tick, xi, support, QUICK + 2.0 * self.ramp))), None
         for foot, beside in self._free:
             place, depth = self._foothold(tick, xi, foot, beside, self.ramp + QUICK)
             span = max(QUICK, float(np.linalg.norm(place - tick.frame(foot).position[:2])) / self._reach.speed)
@@ -175,9 +175,9 @@ class Recovery(Stepping):
         return tick.frame(beside).position[:2] + (self._places[foot](tick.t) - self._places[beside](tick.t))[:2]
 
     def _foothold(self, tick: Tick, xi: Array, foot: str, beside: str, span: float) -> tuple[Array, float]:
-        """Where a foot is to land some time from now [s], (2,), and how deep in the support ξ is then [m]."""
+        """Where a foot lands some time from now [s], (2,), and how deep in the support ξ is once it carries [m]."""
         stands, sole = self._sole(tick, beside), self._sole(tick, foot) - tick.frame(foot).position[:2]
-        xi = _ahead(tick, xi, Polygon.hull(stands), span)
+        xi = _ahead(tick, xi, Polygon.hull(stands), span + self.ramp)
         place = self._home(tick, foot, beside)
         for _ in range(ROUNDS):
             # The support's edge between both feet moves by a part of what one of them does.

@@ -9,13 +9,16 @@ Array = np.ndarray
 DESCENT = 0.1
 SPEED_UP = 0.03
 """Speed at which a foot looks for a floor that it should have reached [m/s], and how long it takes to get there [s]."""
+INTO = 0.005
+"""Depth to which a foot is led into the floor, so that it does not hover above it when it should land [m]."""
 UP = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 
 
 class Stride:
     """A foot leaves the floor at rest and lands at rest, without turning, at a time that is settled: ``t -> Pose``.
 
-    Over the floor it follows quintic polynomials, from what it does when it is led elsewhere; above it a bump.
+    It is led a little into the floor, so as to land in time. Over the floor it follows quintic polynomials, from what
+    it does when it is led elsewhere; above it a bump.
 
     Args:
         start: Where its point stands, shape (3,) [m].
@@ -42,13 +45,14 @@ class Stride:
         span = self.land - self.lift
         s = min(max((t - self.lift) / span, 0.0), 1.0)
         r = s * (1.0 - s)
-        up = self._floor * (1.0 - s**3 * (10.0 - 15.0 * s + 6.0 * s * s))
-        position = np.array([*at, up + 64.0 * self._height * r**3])
+        down = self._floor + INTO
+        level = self._floor - down * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        position = np.array([*at, level + 64.0 * self._height * r**3])
         velocity, acceleration = np.zeros(6), np.zeros(6)
         velocity[:2], acceleration[:2] = rate, second
-        velocity[2] = (192.0 * self._height * r**2 * (1.0 - 2.0 * s) - 30.0 * self._floor * r**2) / span
+        velocity[2] = (192.0 * self._height * r**2 * (1.0 - 2.0 * s) - 30.0 * down * r**2) / span
         acceleration[2] = (
-            384.0 * self._height * r * ((1.0 - 2.0 * s) ** 2 - r) - 60.0 * self._floor * r * (1.0 - 2.0 * s)
+            384.0 * self._height * r * ((1.0 - 2.0 * s) ** 2 - r) - 60.0 * down * r * (1.0 - 2.0 * s)
         ) / span**2
         return lowered(Pose(position, self._rotation, velocity, acceleration), t - self.land)
 

@@ -41,7 +41,7 @@ class Balance(Task):
     the step does. The zero-moment point itself is then commanded to z*, and what becomes of the centre of mass is left
     to how the posture brings the body upright:
 
-        c̈ + (L̇_y, −L̇_x) / (m c_z) = (g + c̈_z) / c_z (c − z*).
+        c_z c̈ + (L̇_y, −L̇_x) / m = (g + c̈_z) (c − z*).
 
     Args:
         reference: ``t -> (c, ċ, c̈, z)``, shapes (3,), (3,), (3,), (2,), world.
@@ -143,12 +143,11 @@ class Balance(Task):
 def _pressed(tick: Tick, z: Array, wanted: Array) -> tuple[Array, Array]:
     """Rows (3, nv), and what they are to be (3,), by which the zero-moment point is at z (2,); the height as wanted."""
     _, A, drift = tick.centroidal()
-    lever = 1.0 / (tick.mass * tick.com[2])
     J, wanted = tick.com_jacobian.copy(), wanted.copy()
-    J[0] += lever * A[4]
-    J[1] -= lever * A[3]
-    lift = (GRAVITY + wanted[2] + tick.com_drift[2]) / tick.com[2]
-    wanted[:2] = lift * (tick.com[:2] - z) - tick.com_drift[:2] - lever * np.array((drift[4], -drift[3]))
+    lever, lean = 1.0 / (tick.mass * tick.com[2]), (tick.com[:2] - z) / tick.com[2]
+    J[:2] += lever * np.stack((A[4], -A[3])) - np.outer(lean, J[2])
+    rest = tick.com_drift[:2] + lever * np.array((drift[4], -drift[3])) - lean * tick.com_drift[2]
+    wanted[:2] = GRAVITY * lean - rest
     return J, wanted
 
 

@@ -74,9 +74,9 @@ def test_a_step_leaves_what_diverges_inside_the_new_support(robot, motion, headi
     assert Polygon.hull(np.vstack(list(soles.values()))).margin(xi) < 0.0
     alone = Polygon.hull(next(sole for name, sole in soles.items() if name != foot))
     z = alone.inset(0.01).nearest(xi)
-    xi = z + np.exp(rate * (way.land - PERIOD)) * (xi - z)
+    xi = z + np.exp(rate * (way.land - PERIOD + 0.04)) * (xi - z)  # when the foot carries
     soles[foot] += moved
-    assert Polygon.hull(np.vstack(list(soles.values()))).margin(xi) > 0.03
+    assert Polygon.hull(np.vstack(list(soles.values()))).margin(xi) > 0.02
 
 
 def test_the_foot_that_steps_is_one_that_the_other_lets_go(robot, motion):
