@@ -13,7 +13,7 @@ from sot.task import AXIS_NAMES, Task
 from tasks.operational_point import AXES, OperationalPoint
 from tasks.posture import Posture
 
-GUIDE = 0.3
+GUIDE = 0.2
 """Weight of a limb's own motion [m] beside what is edited of its point: what a joint's lever would have to be for both
 to count alike."""
 

@@ -19,8 +19,8 @@ KNOT_RATE = 50.0  # Hz
 REACH = 1.0 / 0.01  # 1/m and 1/rad, of the point
 PLANNED = 1.0 / 0.5  # 1/rad, of the limb's joints
 JERK = 2000.0  # rad/s³, the jerk that costs as much as an error one is ready to accept
-DAMPING = 10.0  # of a Gauss-Newton step, in the units of squared residuals: a stretched limb is far from linear
-STEPS = 30  # of those
+DAMPING = 20.0  # of a Gauss-Newton step, in the units of squared residuals: a stretched limb is far from linear
+STEPS = 40  # of those
 
 
 def reaching(
