@@ -72,6 +72,17 @@ def lowered(pose: Pose, late: float) -> Pose:
     return pose._replace(position=pose.position - depth * UP[:3], velocity=pose.velocity - speed * UP)
 
 
+def raised(pose: Pose, by: float, t: float, span: float) -> Pose:
+    """A pose some time into a step [s] that is to end higher [m], the more of it the later, with the least jerk."""
+    s = min(max(t / span, 0.0), 1.0)
+    r = s * (1.0 - s)
+    return pose._replace(
+        position=pose.position + by * s**3 * (10.0 - 15.0 * s + 6.0 * s * s) * UP[:3],
+        velocity=pose.velocity + by * 30.0 * r**2 / span * UP,
+        acceleration=pose.acceleration + by * 60.0 * r * (1.0 - 2.0 * s) / span**2 * UP,
+    )
+
+
 def _quintic(at: Array, rate: Array, second: Array, to: Array, span: float) -> Array:
     """Coefficients (6, 2) of a polynomial that begins with a place, velocity and acceleration and ends at rest."""
     rest = to - at - span * rate - 0.5 * span**2 * second

@@ -7,7 +7,7 @@ from sot.contact import LEAD
 from sot.motion.footfalls import Footfalls
 from sot.motion.trajectory import Motion
 from sot.robot import Robot
-from sot.stride import lowered
+from sot.stride import lowered, raised
 from sot.task import Pose
 from sot.tick import Tick
 from tasks.operational_point import OperationalPoint
@@ -65,7 +65,9 @@ class SwingFoot(OperationalPoint):
 
     def _lowered(self, t: float) -> Pose:
         pose = self._planned(t)
-        stance = self._stances.nearest(t)
-        if stance is None or not stance.start <= t < stance.end - 1e-9:
+        before, after = self._stances.around(t)
+        if before is None or after is None:
             return pose
-        return lowered(pose, t - stance.start)
+        # Half a millimetre by which a fitted path ends above the floor makes a foot late by tens of milliseconds.
+        missing = float(after.pose.translation[2] - self._planned(after.start).position[2])
+        return lowered(raised(pose, missing, t - before.end, after.start - before.end), t - after.start)

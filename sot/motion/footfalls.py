@@ -67,6 +67,13 @@ class Footfalls:
         """How many stances have begun by a time [s]."""
         return bisect_right(self._starts, t + 1e-9)
 
+    def around(self, t: float) -> tuple[Stance | None, Stance | None]:
+        """The stances before and after the swing that a time [s] is in or follows, none where there is none."""
+        index = self.begun(t)
+        swings = index < len(self) and (not index or t >= self.stances[index - 1].end - 1e-9)
+        after = index if swings else index - 1
+        return (self.stances[after - 1] if after > 0 else None), (self.stances[after] if after >= 0 else None)
+
     def nearest(self, t: float) -> Stance | None:
         """The stance at a time [s], or the one nearest in time to it; none if the foot never stands."""
         if not self.stances:

@@ -14,6 +14,9 @@ Array = NDArray[np.float64]
 
 ROOM = 0.02  # rad, kept free at either end of a joint's range for the closed loop
 SHARE = 0.97  # of the velocity and acceleration limits that a reference may use
+LEGS = (
+    0.92  # of its velocity limits, the same of the legs: feedback needs the rest, and all that is strict hangs on them
+)
 STRAIGHT = 0.985  # of its length that a leg may extend to: at full length it can no longer push
 
 
@@ -33,10 +36,12 @@ class Limits:
         lower = np.minimum(robot.lower + ROOM, rest - ROOM)
         upper = np.maximum(robot.upper - ROOM, rest + ROOM)
         _keep_knees_bent(robot, lower, upper)
+        share = np.full(robot.na, SHARE)
+        share[list(robot.groups["legs"])] = LEGS
         return Limits(
             np.concatenate([-base, lower]),
             np.concatenate([base, upper]),
-            np.concatenate([base, SHARE * robot.velocity]),
+            np.concatenate([base, share * robot.velocity]),
             np.concatenate([base, SHARE * robot.acceleration]),
         )
 

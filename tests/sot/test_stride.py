@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from sot.stride import INTO, Stride, lowered
+from sot.stride import INTO, Stride, lowered, raised
+from sot.task import Pose
 
 START, TO, OTHER = np.array([0.1, 0.2, 0.001]), np.array([0.4, 0.25]), np.array([0.3, 0.4])
 LIFT, LAND, HEIGHT = 0.5, 0.8, 0.05
@@ -51,3 +52,19 @@ def test_a_late_foot_is_lowered(way):
     speeds = [way(LAND + late).velocity[2] for late in np.arange(0.0, 0.1, STEP * 100)]
     assert np.all(np.diff(depths) >= 0.0) and depths[-1] > INTO + 0.005
     np.testing.assert_allclose(np.gradient(depths, STEP * 100)[1:-1], np.negative(speeds)[1:-1], atol=2e-3)
+
+
+def test_raised_it_ends_higher_and_says_how_fast():
+    floor = Pose(np.zeros(3), np.eye(3), np.zeros(6), np.zeros(6))
+
+    def at(t: float) -> Pose:
+        return raised(floor, 0.01, t, 0.4)
+
+    assert at(-1.0).position[2] == 0.0
+    assert at(0.4).position[2] == at(1.0).position[2] == pytest.approx(0.01)
+    for t in np.linspace(0.02, 0.38, 7):
+        before, now, after = at(t - STEP), at(t), at(t + STEP)
+        np.testing.assert_allclose(now.velocity[2], (after.position[2] - before.position[2]) / (2 * STEP), atol=1e-8)
+        np.testing.assert_allclose(
+            now.acceleration[2], (after.velocity[2] - before.velocity[2]) / (2 * STEP), atol=1e-6
+        )

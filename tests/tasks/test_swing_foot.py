@@ -1,6 +1,9 @@
 """A foot is led while it swings only, and looks for the floor when it is late."""
 
+from dataclasses import replace
+
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from sot.contact import Contact
@@ -58,6 +61,18 @@ def test_a_late_foot_is_lowered_steadily_and_without_a_kick(robot, motion):
     assert speed[0] < 0.02
     np.testing.assert_allclose(speed[8:], 0.1, rtol=0.02)
     assert np.abs(np.diff(speed)).max() < 0.02
+
+
+def test_a_path_that_ends_above_the_floor_is_led_onto_it(robot, motion):
+    down = pin.SE3(np.eye(3), np.array([0.0, 0.0, -0.6e-3]))
+    phases = [
+        replace(phase, feet={foot: down * pose for foot, pose in phase.feet.items()}) if phase.start > FIRST else phase
+        for phase in motion.phases
+    ]
+    lower = replace(motion, phases=tuple(phases))
+    for share, missing in ((0.0, 0.0), (0.5, -0.3e-3), (1.0, -0.6e-3)):
+        task, _ = swung(robot, lower, FIRST + share * SWING, "off")
+        assert task.error[2] == pytest.approx(missing, abs=2e-5)
 
 
 def test_a_foot_leaves_with_what_its_contact_asked_for_and_is_led_over_to_its_path(robot, motion):

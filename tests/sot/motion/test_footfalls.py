@@ -51,3 +51,10 @@ def test_a_step_in_between(falls):
     assert [stance.pose.translation[0] for stance in cut.stances] == [0.0, 0.3, 0.5]
     assert [cut.begun(t) for t in (1.7, 2.0, 2.2)] == [2, 2, 3]
     assert len(falls) == 2
+
+
+@pytest.mark.parametrize(
+    ("t", "before", "after"), [(0.5, None, 0.0), (1.0, 0.0, 1.5), (1.4, 0.0, 1.5), (2.0, 0.0, 1.5)]
+)
+def test_the_stances_around_a_swing(falls, t, before, after):
+    assert tuple(stance and stance.start for stance in falls.around(t)) == (before, after)
