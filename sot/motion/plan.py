@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sot.errors import InputError
 from sot.motion.centroidal import Centroidal
-from sot.motion.contacts import Phase
+from sot.motion.contacts import Phase, planted
 from sot.motion.coordinates import to_pinocchio
 from sot.motion.course import Course, go, slid, slowed_down, stay
 from sot.motion.flight import Flight, flights, remark
@@ -22,6 +22,7 @@ from sot.motion.slides import Way, find_slide
 from sot.motion.smooth import ease, slow_part
 from sot.motion.spline import Spline
 from sot.motion.stance import LEAD, TAIL, Build, on_time_line, over_feet
+from sot.motion.support import supports
 from sot.motion.swing import facing, moving
 from sot.motion.targets import Targets, key_points, targets
 from sot.motion.tempo import clock_of, slowed
@@ -122,6 +123,7 @@ def plan(
         raise InputError("planted feet make no steps: leave the contacts out, or choose steps")
     if (slide is not None or height is not None) and feet != "planted":
         raise InputError("only planted feet slide, and let the hips bounce: choose them, or leave slide and height out")
+    supports(robot, planted(robot, 1.0))  # compiles what it needs, once an installation: that is no planning
     begun = time.perf_counter()
     fit = _Fit(robot, Build.of(robot), Limits.of(robot), height)
     smooth = human.low_passed(NOISE_HZ)
