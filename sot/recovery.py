@@ -162,9 +162,7 @@ class Recovery(Stepping):
         """ξ with angular momentum (2,), and its distance from the plan, as the feet stand [m]."""
         t, omega = tick.t, _rate(tick)
         com, velocity, _, _ = self._motion.balance(t)
-        turning = tick.momentum[3:] - self._motion.angular_momentum(t)
-        xi = tick.com[:2] + tick.com_velocity[:2] / omega
-        xi = xi + omega / (self._robot.mass * GRAVITY) * np.array([turning[1], -turning[0]])
+        xi = tick.com[:2] + tick.com_velocity[:2] / omega + omega * tick.turning(self._motion.angular_momentum(t))
         moved = Displacement.of(
             [(self._places[foot](t)[:2], tick.frame(foot).position[:2], 1.0) for foot in self._robot.feet]
         )
@@ -200,8 +198,7 @@ class Recovery(Stepping):
 
     def _sole(self, tick: Tick, foot: str) -> Array:
         """Corners of a foot's sole (nc, 2)."""
-        frame = tick.frame(foot)
-        return (frame.position + self._robot.sole(foot) @ frame.rotation.T)[:, :2]
+        return tick.frame(foot).below(self._robot.sole(foot))
 
 
 def _rate(tick: Tick) -> float:

@@ -45,16 +45,13 @@ class Stride:
         span = self.land - self.lift
         s = min(max((t - self.lift) / span, 0.0), 1.0)
         r = s * (1.0 - s)
-        down = self._floor + INTO
-        level = self._floor - down * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
-        position = np.array([*at, level + 64.0 * self._height * r**3])
+        position = np.array([*at, self._floor + 64.0 * self._height * r**3])
         velocity, acceleration = np.zeros(6), np.zeros(6)
         velocity[:2], acceleration[:2] = rate, second
-        velocity[2] = (192.0 * self._height * r**2 * (1.0 - 2.0 * s) - 30.0 * down * r**2) / span
-        acceleration[2] = (
-            384.0 * self._height * r * ((1.0 - 2.0 * s) ** 2 - r) - 60.0 * down * r * (1.0 - 2.0 * s)
-        ) / span**2
-        return lowered(Pose(position, self._rotation, velocity, acceleration), t - self.land)
+        velocity[2] = 192.0 * self._height * r**2 * (1.0 - 2.0 * s) / span
+        acceleration[2] = 384.0 * self._height * r * ((1.0 - 2.0 * s) ** 2 - r) / span**2
+        over = Pose(position, self._rotation, velocity, acceleration)
+        return lowered(raised(over, -self._floor - INTO, t - self.lift, span), t - self.land)
 
     def _over(self, t: float) -> tuple[Array, Array, Array]:
         """Place, velocity and acceleration over the floor, (2,) each."""

@@ -38,6 +38,11 @@ class FrameState:
     jacobian: Array
     drift: Array
 
+    def below(self, points: Array) -> Array:
+        """The places on the floor (n, 2) below points (n, 3) of the frame."""
+        places: Array = self.position[:2] + (points @ self.rotation.T)[:, :2]
+        return places
+
 
 class Tick:
     """Model quantities of one state (q, v); `update` moves it to the next one, in place: copy an array to keep it.
@@ -109,6 +114,11 @@ class Tick:
         """Momentum about the CoM, linear over angular, world axes, shape (6,) [N s, N m s]."""
         return self._A_g @ self.v
 
+    def turning(self, planned: Array) -> Array:
+        """Of what the body turns beyond a planned angular momentum (3,), ΔL, (ΔL_y, −ΔL_x) / (m g), (2,) [m s]."""
+        excess: Array = _turning(self.momentum, planned, self.mass * GRAVITY)
+        return excess
+
     def centroidal(self) -> tuple[Array, Array, Array]:
         """Momentum about the CoM, its matrix A_g with ``h = A_g v``, and Ȧ_g v: shapes (6,), (6, nv), (6,).
 
@@ -134,6 +144,11 @@ class Tick:
         ]
         state = FrameState(place.translation, place.rotation, np.empty(6), np.zeros((6, robot.nv)), np.empty(6))
         return state, np.array(moved_by)
+
+
+@compiled
+def _turning(momentum: Array, planned: Array, weight: float) -> Array:
+    return np.array(((momentum[4] - planned[1]) / weight, (planned[0] - momentum[3]) / weight))
 
 
 @compiled

@@ -80,7 +80,8 @@ class Balance(Task):
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
         self._look(tick)
         plan, state = self._reference(tick.t), (tick.com, tick.com_velocity, tick.com_drift)
-        polygon, of, turning = self._polygon, self._of, self._turning(tick)
+        polygon, of = self._polygon, self._of
+        turning = NONE if self._momentum is None else tick.turning(self._momentum(tick.t))
         catching = any(contact.mode == "off" and contact.way is not None for contact in tick.contacts)
         if catching:
             polygon = polygon.inset(CATCHING)
@@ -91,12 +92,6 @@ class Balance(Task):
         if catching:
             J, wanted = _pressed(tick, z, wanted)
         return self._rows(J[of], wanted[of], wanted[of])
-
-    def _turning(self, tick: Tick) -> Array:
-        """ΔL / (m g), turned to where it takes the zero-moment point, (2,) [m s]."""
-        if self._momentum is None:
-            return NONE
-        return _excess(tick.momentum, self._momentum(tick.t), tick.mass * GRAVITY)
 
     def _look(self, tick: Tick) -> None:
         """See where the contacts are: standing feet creep by fractions of a millimetre, which can wait a few ticks."""
@@ -125,11 +120,7 @@ class Balance(Task):
         standing = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load > 0.0]
         if not standing:
             return ANYWHERE
-        frames = [tick.frame(contact.point) for contact in standing]
-        soles = [
-            frame.position[:2] + (contact.vertices @ frame.rotation.T)[:, :2]
-            for contact, frame in zip(standing, frames, strict=True)
-        ]
+        soles = [tick.frame(contact.point).below(contact.vertices) for contact in standing]
         most = max(contact.load for contact in standing)
         full = np.concatenate([sole for sole, contact in zip(soles, standing, strict=True) if contact.load == most])
         corners = [full]
@@ -149,11 +140,6 @@ def _pressed(tick: Tick, z: Array, wanted: Array) -> tuple[Array, Array]:
     rest = tick.com_drift[:2] + lever * np.array((drift[4], -drift[3])) - lean * tick.com_drift[2]
     wanted[:2] = GRAVITY * lean - rest
     return J, wanted
-
-
-@compiled
-def _excess(momentum: Array, planned: Array, weight: float) -> Array:
-    return np.array(((momentum[4] - planned[1]) / weight, (planned[0] - momentum[3]) / weight))
 
 
 @compiled

@@ -40,6 +40,9 @@ class SwingFoot(OperationalPoint):
         self._planned = self._reference
         self._reference = self._lowered
         self._stances = Footfalls(motion.phases, foot)
+        # Half a millimetre by which a fitted path ends above the floor makes a foot late by tens of milliseconds.
+        heights = [(stance.start, float(stance.pose.translation[2])) for stance in self._stances.stances]
+        self._missing = {start: height - float(self._planned(start).position[2]) for start, height in heights}
         self._stood, self._left = False, (-np.inf, np.zeros(6))  # when it left, with which acceleration
         self._none, self._no_rows = np.zeros(0), np.zeros((0, robot.nv))
 
@@ -68,6 +71,5 @@ class SwingFoot(OperationalPoint):
         before, after = self._stances.around(t)
         if before is None or after is None:
             return pose
-        # Half a millimetre by which a fitted path ends above the floor makes a foot late by tens of milliseconds.
-        missing = float(after.pose.translation[2] - self._planned(after.start).position[2])
-        return lowered(raised(pose, missing, t - before.end, after.start - before.end), t - after.start)
+        late, span = t - after.start, after.start - before.end
+        return lowered(raised(pose, self._missing[after.start], span + late, span), late)

@@ -1,6 +1,7 @@
 """Rounds of balance and body, each taking the other's result: over the whole clip, then where it is not settled yet."""
 
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -76,7 +77,8 @@ class Rounds:
         self._lowers = self._steps and wanted.height is None
         times: Array = whole.period * np.arange(wanted.length, dtype=float)
         self._grip = Grip(robot, phases, times) if self._steps else None
-        self._state, self._asked = _centroidal(self.whole, robot), _centroidal(self.whole, robot)
+        self._state = _centroidal(self.whole, robot)
+        self._asked = deepcopy(self._state)
         self._strained = np.zeros(wanted.length, bool)
         self._fits: dict[int, PartFit] = {}  # by number of knots
         self._wanted_com = self._state.com[:, :2].copy()
@@ -110,7 +112,7 @@ class Rounds:
         """
         left = changed.copy()
         for attempt in range(ATTEMPTS):
-            for part in _about(left, round(AROUND / self.whole.period)):
+            for part in _parts(left, round(AROUND / self.whole.period)):
                 before = int(self._strained[part].sum())
                 for _ in range(ROUNDS):
                     left[part] = self._round(part)
@@ -215,7 +217,7 @@ def strained(
     return bad
 
 
-def _about(flags: Flags, around: int) -> list[slice]:
+def _parts(flags: Flags, around: int) -> list[slice]:
     """The parts of knots (T,) that are no further than so many from flagged ones."""
     near = binary_dilation(flags, iterations=around)
     edges = np.flatnonzero(np.diff(near.astype(np.int8), prepend=0, append=0))

@@ -6,7 +6,7 @@ from sot.motion.coordinates import to_pinocchio
 from sot.motion.course import go
 from sot.motion.limits import Limits
 from sot.motion.plan import PLAN_RATE, played, stretched
-from sot.motion.rounds import AROUND, Rounds, _about
+from sot.motion.rounds import AROUND, Rounds, _parts
 from sot.motion.spline import Spline
 from sot.motion.stance import Build, on_time_line
 from sot.motion.support import supports
@@ -74,8 +74,8 @@ def test_what_has_changed_is_balanced_anew_and_the_rest_stays(walk):
 def test_parts_that_meet_are_one():
     flags = np.zeros(100, bool)
     flags[[3, 30, 38, 70]] = True
-    assert _about(flags, 5) == [slice(0, 9), slice(25, 44), slice(65, 76)]
-    assert _about(np.zeros(100, bool), 5) == []
+    assert _parts(flags, 5) == [slice(0, 9), slice(25, 44), slice(65, 76)]
+    assert _parts(np.zeros(100, bool), 5) == []
 
 
 def test_a_clock_tells_what_it_slows_down():
