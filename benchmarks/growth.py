@@ -18,7 +18,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.clips import locate
+from scenarios.inputs.clips import locate
 from scenarios.stacks import planted
 from sim.log import RunLog
 from sim.loop import run
@@ -26,9 +26,9 @@ from sim.reference import hot_reference_us
 from sim.world import World
 from solvers import Cascade, Level
 from solvers.rows import Equality
-from sot.controller import Controller
+from sot.control.controller import Controller
 from sot.motion import plan, read, recognise
-from sot.robot import Robot
+from sot.robots.robot import Robot
 
 Array = np.ndarray
 BASE = {"levels": 5, "contacts": 2, "dofs": 36}

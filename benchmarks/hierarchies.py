@@ -31,8 +31,8 @@ from sim.reference import hot_reference_us
 from sim.world import World
 from solvers import Cascade, Level
 from solvers.reduction import Reduction, leading_of
-from sot.controller import Controller
-from sot.robot import Robot
+from sot.control.controller import Controller
+from sot.robots.robot import Robot
 
 Array = np.ndarray
 BACK_ENDS = ("proxqp", "quadprog", "daqp", "piqp")

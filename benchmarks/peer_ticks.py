@@ -25,9 +25,9 @@ from scenarios.stacks import planted
 from sim.log import RunLog
 from sim.reference import Reference
 from solvers import Cascade
-from sot.controller import Controller
+from sot.control.controller import Controller
 from sot.motion.trajectory import Motion
-from sot.robot import Robot
+from sot.robots.robot import Robot
 
 POINTS = ("waist", "left_foot", "right_foot")
 EVERY = 20  # ticks, between two runs of the reference computation

@@ -17,18 +17,18 @@ from rich.console import Console
 from rich.table import Table
 
 from scenarios import stacks
-from scenarios.clips import locate
-from sim import figures
+from scenarios.inputs.clips import locate
 from sim.loop import Run, run
 from sim.mismatch import AS_MODELLED, Mismatch
 from sim.push import Push
+from sim.reporting import figures
 from sim.world import World
 from solvers import Cascade
-from sot.controller import Controller
+from sot.control.controller import Controller
 from sot.motion import read, recognise
 from sot.motion.plan import plan
 from sot.motion.trajectory import FIELDS, Motion
-from sot.robot import Robot
+from sot.robots.robot import Robot
 
 BEFORE, AFTER = 0.4, 2.6  # s of the dance around the beginning of a push
 CALM = 2.0  # s at both ends of the clip in which nobody is pushed

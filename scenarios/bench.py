@@ -15,7 +15,7 @@ from rich.table import Table
 from scenarios.replay import RECORDING, Replay, Tell, dance
 from sim.log import RunLog
 from sim.reference import Reference, hot_reference_us
-from sim.report import figure_at
+from sim.reporting.report import figure_at
 from sot.errors import InputError
 
 PHASES = ("model", "assemble", "solve", "rest")

@@ -15,19 +15,20 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 import tasks
-from scenarios import clips, viewer
+from scenarios import viewer
 from scenarios.bench import bench, read_figures
 from scenarios.bench import show as show_bench
-from scenarios.disturbances import parse_mismatch, parse_push
+from scenarios.inputs import clips
+from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.page import write_page
 from scenarios.peers import read_peer
 from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, check_writable, make_solver, replay, retarget
 from scenarios.studies import DANCED, SCENARIOS, own_solver, run_scenario
 from scenarios.suite import SUITES, bench_suite, pieces
 from scenarios.suite import show as show_suite
-from sim.report import show
+from sim.reporting.report import show
 from sot.errors import InputError
-from sot.robot import Robot, robots
+from sot.robots.robot import Robot, robots
 
 DONE, FELL, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 TRACEBACK = "SOT_TRACEBACK"

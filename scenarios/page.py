@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from scenarios.replay import REPORT, TRACES, check_writable
-from sim import page
-from sim.traces import Traces
+from sim.reporting import page
+from sim.reporting.traces import Traces
 from sot.errors import InputError
 
 PAGE, COMPARISON = "report.html", "comparison.html"

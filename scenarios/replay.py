@@ -8,24 +8,27 @@ from time import perf_counter
 from types import MappingProxyType
 from typing import Any
 
-from scenarios import clips, edit_file, stacks
-from scenarios.stack_file import Composer, Composition, blamed, load_stack
-from sim import recorder, report, timeline
+from scenarios import stacks
+from scenarios.inputs import clips, edit_file
+from scenarios.inputs.stack_file import Composer, Composition, blamed, load_stack
 from sim.log import RunInfo
 from sim.loop import Run, run
 from sim.mismatch import AS_MODELLED, Mismatch
 from sim.push import Push
-from sim.traces import Traces
+from sim.recording import recorder
+from sim.reporting import report, timeline
+from sim.reporting.traces import Traces
 from sim.world import World
 from solvers import Cascade, Solver, TaskCorrection, Weighted
-from sot.controller import Controller
+from sot.control.controller import Controller
+from sot.control.schedule import Schedule
+from sot.control.stack import Stack
 from sot.errors import InputError
-from sot.motion import Human, contact_file, read, recognise
+from sot.motion import Human, read, recognise
+from sot.motion.feet import contact_file
 from sot.motion.plan import Plan, plan
 from sot.motion.trajectory import Motion
-from sot.robot import Robot
-from sot.schedule import Schedule
-from sot.stack import Stack
+from sot.robots.robot import Robot
 from sot.whole_file import whole
 from tasks.editing import edit
 

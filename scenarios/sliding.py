@@ -3,12 +3,12 @@
 import numpy as np
 
 from scenarios import stacks
-from sot.motion.contacts import planted
-from sot.motion.feet_led import feet_led
-from sot.motion.slides import Slide, Way, slid_paths, slid_phases, slide_time
-from sot.motion.swing import standing
+from sot.motion.balance.feet_led import feet_led
+from sot.motion.feet.contacts import planted
+from sot.motion.feet.slides import Slide, Way, slid_paths, slid_phases, slide_time
+from sot.motion.feet.swing import standing
 from sot.motion.trajectory import Motion
-from sot.robot import Robot
+from sot.robots.robot import Robot
 
 PERIOD = 0.02  # s, between knots
 FEET = ("right_foot", "left_foot")

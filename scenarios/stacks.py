@@ -1,11 +1,11 @@
 """The stacks that come with the project. Copy one into a file of your own, change it, and give it to ``--stack``."""
 
-from sot.contact import Contact
+from sot.behaviours.recovery import Recovery
+from sot.behaviours.sliding import Sliding
+from sot.control.contact import Contact
+from sot.control.stack import Stack
 from sot.motion.trajectory import Motion
-from sot.recovery import Recovery
-from sot.robot import Robot
-from sot.sliding import Sliding
-from sot.stack import Stack
+from sot.robots.robot import Robot
 from tasks import (
     Balance,
     FootSliding,

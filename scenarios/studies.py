@@ -8,13 +8,15 @@ from typing import Any
 
 from rich.console import Console
 
-from scenarios import imitation, planar3r, printed_bounds, ramos, sliding
+from scenarios import sliding
+from scenarios.inputs.stack_file import Composition
+from scenarios.kimoh2013 import imitation, planar3r, printed_bounds
+from scenarios.ramos2011 import ramos
 from scenarios.replay import REPORT, Replay, Tell, check_writable, keep, make_solver, perform
-from scenarios.stack_file import Composition
-from sim import report
+from sim.reporting import report
 from sot.errors import InputError
 from sot.motion.trajectory import Motion
-from sot.robot import Robot
+from sot.robots.robot import Robot
 
 DANCED: dict[str, ModuleType] = {"sliding": sliding, "imitation": imitation}
 """Scenarios of a robot under physics. They may name their `SOLVER`, and add `findings` to the report with a way to

@@ -10,9 +10,9 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from scenarios import clips
+from scenarios.inputs import clips
 from scenarios.replay import Replay, Tell, dance, keep
-from sim.report import figure_at
+from sim.reporting.report import figure_at
 from sot.errors import InputError
 
 MPJPE_MM = 100.0  # a dance whose key bodies are farther off, on average, is no success

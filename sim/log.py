@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.mismatch import AS_MODELLED, Mismatch
 from sim.push import Push
-from sot.robot import Robot
+from sot.robots.robot import Robot
 
 FOOT_OFF, FOOT_FIXED, FOOT_SLIDING = 0, 1, 2
 """Values of `RunLog.foot_mode`."""

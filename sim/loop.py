@@ -14,7 +14,7 @@ from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_SLIDING, Fallback, RunLog
 from sim.world import World
 from solvers.conflict import explain
 from solvers.rows import Level, Solution, Status
-from sot.controller import Command, Controller
+from sot.control.controller import Command, Controller
 from sot.motion.trajectory import Motion
 
 LOW_WAIST = 0.6

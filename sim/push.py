@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from sot.errors import InputError
-from sot.robot import Robot
+from sot.robots.robot import Robot
 
 
 @dataclass(frozen=True)

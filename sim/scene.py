@@ -5,7 +5,7 @@ import numpy as np
 
 from sim.sensors import FloorSensors
 from sot.errors import InputError
-from sot.robot import Robot
+from sot.robots.robot import Robot
 
 IMPRATIO = 10.0  # friction is that much stiffer than the normal force
 # Contacts take velocity out at the rate 2 / (0.95 time constant), but MuJoCo leaves J̇ v out of their equations, the

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 
 from sim.log import FOOT_FIXED, RunLog
-from sot.motion.contacts import Phase, phase_at, support
+from sot.motion.feet.contacts import Phase, phase_at, support
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
 

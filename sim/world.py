@@ -12,7 +12,7 @@ from sim.mismatch import AS_MODELLED, Mismatch
 from sim.push import Push, Pusher
 from sim.scene import build
 from sim.sensors import FloorSensors, SelfDistance
-from sot.robot import Robot
+from sot.robots.robot import Robot
 
 PHYSICS_TIMESTEP = 0.001
 

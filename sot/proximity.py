@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from solvers.compiled import compiled
-from sot.robot import Robot
+from sot.robots.robot import Robot
 
 Array = np.ndarray
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from solvers.compiled import compiled
 from solvers.rows import Rows
-from sot.displacement import Displacement
+from sot.behaviours.displacement import Displacement
+from sot.control.task import Task
+from sot.control.tick import GRAVITY, Tick
 from sot.polygon import ANYWHERE, Polygon, nearest
-from sot.task import Task
-from sot.tick import GRAVITY, Tick
 
 Array = np.ndarray
 PlaceReference = Callable[[float], Array]

@@ -4,9 +4,9 @@ import numpy as np
 
 from solvers.compiled import compiled
 from solvers.rows import Rows
-from sot.robot import Robot
-from sot.task import Task
-from sot.tick import Tick
+from sot.control.task import Task
+from sot.control.tick import Tick
+from sot.robots.robot import Robot
 
 Array = np.ndarray
 

@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from sot.control.task import MotionTask
+from sot.control.tick import Tick
 from sot.errors import InputError
-from sot.task import MotionTask
-from sot.tick import Tick
 
 Array = np.ndarray
 PointReference = Callable[[float], tuple[Array, Array, Array]]

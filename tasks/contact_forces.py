@@ -3,8 +3,8 @@
 import numpy as np
 
 from solvers.rows import Rows
-from sot.task import Task
-from sot.tick import Tick
+from sot.control.task import Task
+from sot.control.tick import Tick
 
 
 class LeastForces(Task):

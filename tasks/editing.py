@@ -3,13 +3,14 @@
 from collections.abc import Sequence
 from itertools import combinations
 
+from sot.control.pose import AXIS_NAMES
+from sot.control.schedule import RAMP, Schedule
+from sot.control.stack import Stack
+from sot.control.task import Task
+from sot.motion.body.limb import reaching
 from sot.motion.edit import Change, Edit, edited_joints, edited_point
-from sot.motion.limb import reaching
 from sot.motion.trajectory import Motion
-from sot.robot import GROUPS, Robot
-from sot.schedule import RAMP, Schedule
-from sot.stack import Stack
-from sot.task import AXIS_NAMES, Task
+from sot.robots.robot import GROUPS, Robot
 from tasks.operational_point import AXES, OperationalPoint
 from tasks.posture import Posture
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from sot.robot import Robot
-from sot.task import PoseReference
-from sot.tick import Tick
+from sot.control.pose import PoseReference
+from sot.control.tick import Tick
+from sot.robots.robot import Robot
 from tasks.operational_point import OperationalPoint
 
 Array = np.ndarray

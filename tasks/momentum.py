@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from solvers.rows import Rows
-from sot.task import Task
-from sot.tick import Tick
+from sot.control.task import Task
+from sot.control.tick import Tick
 
 Array = np.ndarray
 MomentumReference = Callable[[float], tuple[Array, Array]]

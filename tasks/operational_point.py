@@ -6,11 +6,12 @@ import numpy as np
 import pinocchio as pin
 
 from solvers.compiled import compiled
+from sot.control.pose import AXIS_NAMES, Pose, PoseReference
+from sot.control.task import MotionTask
+from sot.control.tick import Tick
 from sot.errors import InputError
-from sot.robot import Robot
+from sot.robots.robot import Robot
 from sot.rotation import rotation_vector
-from sot.task import AXIS_NAMES, MotionTask, Pose, PoseReference
-from sot.tick import Tick
 
 Array = np.ndarray
 AXES = "xyzRPY"

@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from sot.robot import Robot
-from sot.task import MotionTask
-from sot.tick import Tick
+from sot.control.task import MotionTask
+from sot.control.tick import Tick
+from sot.robots.robot import Robot
 
 Array = np.ndarray
 JointReference = Callable[[float], tuple[Array, Array, Array]]

@@ -7,10 +7,10 @@ import pinocchio as pin
 
 from solvers.compiled import compiled
 from solvers.rows import Rows
+from sot.control.task import Task
+from sot.control.tick import Tick
 from sot.proximity import Proximity
-from sot.robot import Robot
-from sot.task import Task
-from sot.tick import Tick
+from sot.robots.robot import Robot
 from tasks.bounds import AccelerationBounds
 
 Array = np.ndarray

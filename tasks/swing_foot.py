@@ -3,13 +3,13 @@
 import numpy as np
 
 from solvers.rows import Rows
-from sot.contact import LEAD
-from sot.motion.footfalls import Footfalls
+from sot.behaviours.stride import lowered, raised
+from sot.control.contact import LEAD
+from sot.control.pose import Pose
+from sot.control.tick import Tick
+from sot.motion.feet.footfalls import Footfalls
 from sot.motion.trajectory import Motion
-from sot.robot import Robot
-from sot.stride import lowered, raised
-from sot.task import Pose
-from sot.tick import Tick
+from sot.robots.robot import Robot
 from tasks.operational_point import OperationalPoint
 
 Array = np.ndarray

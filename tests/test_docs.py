@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from scenarios.replay import Dance, Replay, dance
-from sim.figures import Points
+from sim.reporting.figures import Points
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = sorted((ROOT / "docs" / "examples").glob("*.py"))

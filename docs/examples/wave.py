@@ -5,10 +5,10 @@ sot replay groove --stack docs/examples/wave.py
 
 import numpy as np
 
-from sot.contact import Contact
-from sot.schedule import Schedule
-from sot.stack import Stack
-from sot.task import Pose
+from sot.control.contact import Contact
+from sot.control.pose import Pose
+from sot.control.schedule import Schedule
+from sot.control.stack import Stack
 from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, SelfCollision, TorqueBounds
 
 

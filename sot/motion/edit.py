@@ -9,11 +9,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
+from sot.control.pose import AXIS_NAMES, Pose, PoseReference
 from sot.errors import InputError
-from sot.motion.smooth import ease
 from sot.motion.trajectory import Motion
-from sot.robot import Robot
-from sot.task import AXIS_NAMES, Pose, PoseReference
+from sot.robots.robot import Robot
+from sot.smooth import ease
 
 Array = NDArray[np.float64]
 JointReference = Callable[[float], tuple[Array, Array, Array]]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
-from sot.motion.human import SEGMENTS, SIDES
+from sot.motion.human.human import SEGMENTS, SIDES
 
 Array = NDArray[np.float64]
 Points = Mapping[str, Array]

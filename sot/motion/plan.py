@@ -8,28 +8,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sot.errors import InputError
-from sot.motion.centroidal import Centroidal
-from sot.motion.contacts import Phase, planted
-from sot.motion.coordinates import to_pinocchio
-from sot.motion.course import Course, go, slid, slowed_down, stay
-from sot.motion.flight import Flight, flights, remark
-from sot.motion.footwork import Step
-from sot.motion.human import Human
-from sot.motion.kinematics import Chains, Kinematics
-from sot.motion.limits import Limits
-from sot.motion.rounds import Rounds
-from sot.motion.slides import Way, find_slide
-from sot.motion.smooth import ease, slow_part
-from sot.motion.spline import Spline
-from sot.motion.stance import LEAD, TAIL, Build, on_time_line, over_feet
-from sot.motion.support import supports
-from sot.motion.swing import facing, moving
-from sot.motion.targets import Targets, key_points, targets
-from sot.motion.tempo import clock_of, slowed
+from sot.motion.balance.centroidal import Centroidal
+from sot.motion.balance.rounds import Rounds
+from sot.motion.body.coordinates import to_pinocchio
+from sot.motion.body.kinematics import Chains, Kinematics
+from sot.motion.body.limits import Limits
+from sot.motion.body.spline import Spline
+from sot.motion.body.targets import Targets, key_points, targets
+from sot.motion.body.whole_body import limbs_fitted, retarget
+from sot.motion.feet.contacts import Phase, planted
+from sot.motion.feet.course import Course, go, slid, slowed_down, stay
+from sot.motion.feet.flight import Flight, flights, remark
+from sot.motion.feet.footwork import Step
+from sot.motion.feet.slides import Way, find_slide
+from sot.motion.feet.stance import LEAD, TAIL, Build, on_time_line, over_feet
+from sot.motion.feet.support import supports
+from sot.motion.feet.swing import facing, moving
+from sot.motion.feet.tempo import clock_of, slowed
+from sot.motion.feet.travel import Travel
+from sot.motion.human.human import Human
 from sot.motion.trajectory import Motion
-from sot.motion.travel import Travel
-from sot.motion.whole_body import limbs_fitted, retarget
-from sot.robot import Robot
+from sot.robots.robot import Robot
+from sot.smooth import ease, slow_part
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -59,8 +59,8 @@ class Plan:
         flights: of the dancer; the robot has a foot on the floor all the time.
         seconds: time that planning took, by step.
         imitation: the body that looks like the human, joint limits kept, before anything of it is balanced or slowed
-            down; coordinates of `sot.motion.coordinates` at PLAN_RATE. `sampled` makes a motion of it, which no robot
-            can do.
+            down; coordinates of `sot.motion.body.coordinates` at PLAN_RATE. `sampled` makes a motion of it, which no
+            robot can do.
     """
 
     motion: Motion

@@ -11,11 +11,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from sot.control.pose import Pose
 from sot.errors import InputError
-from sot.motion.contacts import Phase
-from sot.motion.footfalls import Footfalls
-from sot.robot import Robot
-from sot.task import Pose
+from sot.motion.feet.contacts import Phase
+from sot.motion.feet.footfalls import Footfalls
+from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 

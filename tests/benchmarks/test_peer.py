@@ -6,7 +6,7 @@ import pytest
 
 from benchmarks.peer_ticks import POINTS, robot_arrays
 from benchmarks.peer_tsid import build_model
-from sot.robot import Robot
+from sot.robots.robot import Robot
 from tests.sot.states import random_state
 
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scenarios import cli, clips, viewer
-from scenarios.groove import groove
+from scenarios import cli, viewer
+from scenarios.inputs import clips
+from scenarios.inputs.groove import groove
 from scenarios.replay import RECORDING, REPORT, TRACES
 from sot.motion.trajectory import Motion
 

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from scenarios import stacks
-from scenarios.clips import locate
+from scenarios.inputs.clips import locate
 from sim.loop import run
 from sim.world import World
 from solvers import Cascade, Status
-from sot.controller import Controller
-from sot.dynamics import Dynamics
+from sot.control.controller import Controller
+from sot.control.dynamics import Dynamics
+from sot.control.tick import Tick
 from sot.motion import plan, read, recognise
-from sot.robot import Robot
-from sot.tick import Tick
+from sot.robots.robot import Robot
 
 EVERY = 25  # ticks
 

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 from scenarios import stacks
-from sim import figures
 from sim.loop import Run, run
 from sim.push import Push
+from sim.reporting import figures
 from sim.world import World
 from solvers import Cascade
-from sot.controller import Controller
+from sot.behaviours.stepping import Stepping
+from sot.control.controller import Controller
+from sot.control.schedule import Schedule
 from sot.motion.trajectory import Motion
-from sot.robot import Robot
-from sot.schedule import Schedule
-from sot.stepping import Stepping
+from sot.robots.robot import Robot
 from tests.sim.runs import still_motion
 
 RATE = 200.0

@@ -2,16 +2,17 @@
 
 import pytest
 
-from scenarios import clips, sliding, stacks
-from sim import figures
+from scenarios import sliding, stacks
+from scenarios.inputs import clips
 from sim.loop import run
-from sim.slides import slides
+from sim.reporting import figures
+from sim.reporting.slides import slides
 from sim.world import World
 from solvers import Cascade
-from sot.controller import Controller
+from sot.control.controller import Controller
 from sot.motion import plan, read, recognise
-from sot.motion.slides import AHEAD, SPEED, slide_time
-from sot.robot import Robot, robots
+from sot.motion.feet.slides import AHEAD, SPEED, slide_time
+from sot.robots.robot import Robot, robots
 
 
 @pytest.mark.parametrize("name", robots())

@@ -7,15 +7,15 @@ import pytest
 
 from scenarios import stacks
 from scenarios.replay import Replay, replay
-from sim import figures
 from sim.log import FOOT_OFF
 from sim.loop import run
+from sim.reporting import figures
 from sim.world import World
 from solvers import Cascade
-from sot.controller import Controller
+from sot.control.controller import Controller
 from sot.motion.trajectory import Motion
-from sot.robot import Robot
-from tests.sot.stepping import stepping_motion
+from sot.robots.robot import Robot
+from tests.sot.behaviours.stepping import stepping_motion
 
 WALK = Path(__file__).parents[2] / "../shared/mocap/bandai_walk.bvh"
 RATE = 500.0

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from scenarios import cli, suite
-from scenarios.groove import groove
+from scenarios.inputs.groove import groove
 from scenarios.replay import RECORDING, REPORT, Replay
 from scenarios.suite import FIGURES, Piece, bench_suite, pieces, show
 from sot.errors import InputError

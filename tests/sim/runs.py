@@ -4,13 +4,13 @@ import numpy as np
 import pinocchio as pin
 
 from sim.log import FOOT_FIXED, RunLog
-from sot.motion.contacts import planted
-from sot.motion.coordinates import from_configuration
-from sot.motion.human import Human
+from sot.motion.body.coordinates import from_configuration
+from sot.motion.body.spline import Spline
+from sot.motion.feet.contacts import planted
+from sot.motion.human.human import Human
 from sot.motion.plan import Plan
-from sot.motion.spline import Spline
 from sot.motion.trajectory import Motion
-from sot.robot import Robot
+from sot.robots.robot import Robot
 
 PERIOD = 0.005
 HUMAN_RATE = 50.0

@@ -7,8 +7,8 @@ import pytest
 
 from sim.convert import joint_order, state_from_mujoco, state_to_mujoco
 from sim.scene import read
-from sot.robot import Robot, robots
-from tests.sot import urdf_robot
+from sot.robots.robot import Robot, robots
+from tests.sot.robots import urdf_robot
 
 STATES = 100
 
@@ -110,7 +110,7 @@ def test_points_agree(robot, model):
     """Position and Jacobian of every operational point."""
     data, mj = robot.model.createData(), mujoco.MjData(model)
     if robot.mjcf is not None:
-        pytest.skip("a URDF has no sites; tests/sot/test_urdf.py compares its bodies")
+        pytest.skip("a URDF has no sites; tests/sot/robots/test_urdf.py compares its bodies")
     sites = [model.site(name).id for name in robot.points]
     J_mj = np.zeros((len(sites), 6, model.nv))
     for q, v in random_states(robot, STATES):

@@ -8,11 +8,10 @@ from sim.loop import run
 from sim.world import World
 from solvers import Cascade, Status
 from solvers.rows import Rows
-from sot.controller import Controller
-from sot.robot import Robot
-from sot.task import Task
-
-from .runs import PERIOD, still_motion
+from sot.control.controller import Controller
+from sot.control.task import Task
+from sot.robots.robot import Robot
+from tests.sim.runs import PERIOD, still_motion
 
 
 class Stumbling(Cascade):

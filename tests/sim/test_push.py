@@ -7,7 +7,7 @@ import pytest
 from sim.push import Push
 from sim.world import World
 from sot.errors import InputError
-from sot.robot import Robot
+from sot.robots.robot import Robot
 
 
 @pytest.fixture(scope="module")

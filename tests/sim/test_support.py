@@ -5,9 +5,8 @@ import pytest
 
 from sim.log import FOOT_OFF
 from sim.support import support_sides
-from sot.robot import Robot
-
-from .runs import perfect_log, still_motion
+from sot.robots.robot import Robot
+from tests.sim.runs import perfect_log, still_motion
 
 
 def test_sides_are_those_of_the_soles_that_carry():

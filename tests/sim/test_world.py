@@ -10,12 +10,12 @@ import pytest
 from sim.mismatch import Mismatch
 from sim.world import World
 from solvers import Cascade
-from sot.controller import Controller
+from sot.control.controller import Controller
+from sot.control.pose import Pose
 from sot.errors import InputError
-from sot.robot import MODELS, Robot, robots
-from sot.task import Pose
+from sot.robots.robot import MODELS, Robot, robots
 from tasks import OperationalPoint
-from tests.sot import urdf_robot
+from tests.sot.robots import urdf_robot
 from tests.sot.stances import standing_stack
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pinocchio as pin
 
-from sot.contact import Contact, Form
-from sot.robot import Robot
-from sot.stack import Stack
-from sot.tick import Tick
+from sot.control.contact import Contact, Form
+from sot.control.stack import Stack
+from sot.control.tick import Tick
+from sot.robots.robot import Robot
 from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, TorqueBounds
 
 Array = np.ndarray

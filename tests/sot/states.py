@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 import pinocchio as pin
 
-from sot.robot import Robot
-from sot.tick import Tick
+from sot.control.tick import Tick
+from sot.robots.robot import Robot
 
 Array = np.ndarray
 

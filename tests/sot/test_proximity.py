@@ -6,9 +6,9 @@ import pinocchio as pin
 import pytest
 
 from sim.world import World
+from sot.control.tick import Tick
 from sot.proximity import LIMBS, Proximity
-from sot.robot import Robot, robots
-from sot.tick import Tick
+from sot.robots.robot import Robot, robots
 from tests.sot.states import random_state
 
 STEP = 1e-5

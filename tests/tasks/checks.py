@@ -3,9 +3,9 @@
 import numpy as np
 import pinocchio as pin
 
-from sot.robot import Robot
-from sot.task import MotionTask, Task
-from sot.tick import Tick
+from sot.control.task import MotionTask, Task
+from sot.control.tick import Tick
+from sot.robots.robot import Robot
 
 Array = np.ndarray
 

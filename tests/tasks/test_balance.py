@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sot.contact import Contact
+from sot.control.contact import Contact
+from sot.control.tick import GRAVITY, Tick
 from sot.polygon import Polygon
-from sot.robot import Robot, robots
-from sot.tick import GRAVITY, Tick
+from sot.robots.robot import Robot, robots
 from tasks import Balance
 from tests.sot.states import random_state, standing_state
 

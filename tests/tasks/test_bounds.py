@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sot.robot import Robot, robots
-from sot.tick import Tick
+from sot.control.tick import Tick
+from sot.robots.robot import Robot, robots
 from tasks.bounds import SOFT, AccelerationBounds, JointBounds, TorqueBounds
 from tests.sot.states import random_state
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from sot.control.tick import Tick
 from sot.errors import InputError
-from sot.robot import Robot, robots
-from sot.tick import Tick
+from sot.robots.robot import Robot, robots
 from tasks import CenterOfMass
 from tests.sot.states import random_state
 from tests.tasks.checks import assert_jacobian_and_drift, followed

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from solvers import Cascade
-from sot.contact import Contact
-from sot.controller import Controller
-from sot.dynamics import Dynamics
-from sot.robot import Robot, robots
-from sot.tick import Tick
+from sot.control.contact import Contact
+from sot.control.controller import Controller
+from sot.control.dynamics import Dynamics
+from sot.control.tick import Tick
+from sot.robots.robot import Robot, robots
 from tasks import LeastForces
 from tests.sot.stances import leaning, standing_stack
 

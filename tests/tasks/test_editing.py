@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from scenarios import stacks
+from sot.control.schedule import Schedule
+from sot.control.tick import Tick
 from sot.errors import InputError
 from sot.motion.edit import Edit
-from sot.robot import Robot
-from sot.schedule import Schedule
-from sot.tick import Tick
+from sot.robots.robot import Robot
 from tasks import OperationalPoint, Posture
 from tasks.editing import edit
 from tests.sim.runs import still_motion

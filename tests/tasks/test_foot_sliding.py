@@ -5,12 +5,12 @@ import pinocchio as pin
 import pytest
 
 from solvers import Cascade, Status
-from sot.contact import Contact
-from sot.controller import Controller
+from sot.control.contact import Contact
+from sot.control.controller import Controller
+from sot.control.pose import Pose
+from sot.control.tick import Tick
 from sot.errors import InputError
-from sot.robot import Robot, robots
-from sot.task import Pose
-from sot.tick import Tick
+from sot.robots.robot import Robot, robots
 from tasks import FootSliding
 from tests.sot.stances import leaning, standing_stack
 from tests.sot.states import random_state

@@ -4,8 +4,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from sot.robot import Robot, robots
-from sot.tick import Tick
+from sot.control.tick import Tick
+from sot.robots.robot import Robot, robots
 from tasks import AngularMomentum
 from tests.sot.states import random_state
 from tests.tasks.checks import followed

@@ -4,10 +4,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from sot.control.pose import Pose
+from sot.control.tick import Tick
 from sot.errors import InputError
-from sot.robot import Robot, robots
-from sot.task import Pose
-from sot.tick import Tick
+from sot.robots.robot import Robot, robots
 from tasks import OperationalPoint
 from tests.sot.states import random_state
 from tests.tasks.checks import assert_jacobian_and_drift, followed

@@ -6,10 +6,10 @@ import pytest
 
 from sim.world import World
 from solvers import Cascade
-from sot.controller import Controller
+from sot.control.controller import Controller
+from sot.control.tick import Tick
 from sot.proximity import Proximity
-from sot.robot import Robot, robots
-from sot.tick import Tick
+from sot.robots.robot import Robot, robots
 from tasks import Posture, SelfCollision
 from tasks.self_collision import LOOK, SURPRISE
 from tests.sot.stances import standing_stack

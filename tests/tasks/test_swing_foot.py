@@ -6,11 +6,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from sot.contact import Contact
-from sot.robot import Robot
-from sot.tick import Tick
+from sot.control.contact import Contact
+from sot.control.tick import Tick
+from sot.robots.robot import Robot
 from tasks import SwingFoot
-from tests.sot.stepping import FIRST, SWING, stepping_motion
+from tests.sot.behaviours.stepping import FIRST, SWING, stepping_motion
 
 FOOT = "right_foot"
 

@@ -4,10 +4,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from sot.control.pose import Pose
 from sot.errors import InputError
 from sot.motion.edit import Change, Edit, edited_joints, edited_point
-from sot.robot import Robot
-from sot.task import Pose
+from sot.robots.robot import Robot
 from tests.sim.runs import still_motion
 
 STEP = 1e-3

@@ -3,7 +3,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from sot.motion.likeness import hand_path_ratio, segment_angles, segment_deg
-from tests.sot.motion.humans import RATE, dancer
+from tests.sot.motion.human.humans import RATE, dancer
 
 
 @pytest.fixture

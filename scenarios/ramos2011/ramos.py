@@ -1,0 +1,251 @@
+"""A dance copied, made stable and edited, three robots side by side: Ramos 2011, VI, and its Figures 3 to 8."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+from scenarios.inputs.clips import locate
+from scenarios.inputs.stack_file import Composer, Composition
+from scenarios.ramos2011.ramos_edits import (
+    dancers_height,
+    hand_edits,
+    knee_edits,
+    oscillating_knees,
+    raises,
+    slid,
+    without,
+)
+from scenarios.ramos2011.ramos_figures import geometric_figures, hand_figures, knee_figures, slide_figures
+from scenarios.ramos2011.ramos_pictures import draw_curves, draw_scalogram, draw_thumbnails
+from scenarios.ramos2011.ramos_view import Three, record
+from scenarios.replay import (
+    RECORDING,
+    REPORT,
+    TIMELINE,
+    Dance,
+    Replay,
+    Tell,
+    check_writable,
+    composed,
+    keep,
+    make_solver,
+    perform,
+)
+from sim.reporting import report, timeline
+from sim.reporting.slides import LIGHT, SMOOTHED
+from sot.behaviours.rehearsal import rebalanced, rehearsed
+from sot.behaviours.sliding import Sliding
+from sot.control.contact import Contact
+from sot.control.stack import Stack
+from sot.motion import Human, plan, read, recognise
+from sot.motion.edit import Edit
+from sot.motion.feet.slides import AHEAD
+from sot.motion.human.human import SIDES
+from sot.motion.human.oscillation import find_oscillations
+from sot.motion.plan import NOISE_HZ, Plan, sampled
+from sot.motion.trajectory import Motion
+from sot.robots.robot import Robot
+from tasks import Balance, FootSliding, JointBounds, LeastForces, Posture, SelfCollision, TorqueBounds
+
+Array = NDArray[np.float64]
+
+CLIP = "lafan1_dance1_subject2"
+SECONDS = 40.0
+"""How much of a longer clip is danced: where the dancer's knees swing most."""
+SERVO = 25.0
+"""Stiffness λ_p of the posture, Ramos (17) [1/s²]: as a filter it is slower than a dancer's knees."""
+HEIGHT = 0.01
+"""Error of the hips' height that the plan accepts [m]: more would smooth the knees away before any servo does."""
+KEPT, HAND_KEPT = 0.01, 0.025
+"""Least distance of parts of the robot from one another [m], and the same where a hand is raised to the head."""
+POSTURE, FINAL = "posture", "final"
+"""Folders of the runs, each with its own recording and report."""
+
+
+def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
+    """Dance a clip as a copy, with the posture task only, and edited; lay the three beside each other.
+
+    Args:
+        request: The clip and what part of it; the rest as for a replay.
+        out: Folder for recording, pictures and report, with a folder in it for each of the runs.
+        tell: Told of the progress.
+
+    Returns:
+        The report.
+
+    Raises:
+        InputError: anything in the request that does not fit; nothing is written then.
+    """
+    make_solver(request.solver)
+    check_writable(out)
+    robot = Robot.load(request.robot)
+    tell("reading", None)
+    human = recognise(read(locate(request.clip)), request.mapping)
+    start, duration = part(human, request.start, request.duration)
+    tell("planning", None)
+    human = human.slice(start, duration)
+    planned = plan(human, robot, "planted", request.rate, height=HEIGHT)
+    sliding = plan(human, robot, "planted", request.rate, slide=AHEAD, height=HEIGHT)
+    geometric = sampled(robot, planned.imitation, planned.motion.phases, request.rate)
+    posture = _danced(request, posture_only(KEPT), planned, tell)
+    slides = slid(sliding)
+    knees = oscillating_knees(planned, slides)
+    wanted = dancers_height(planned)
+    raised = without(raises(planned, wanted, posture.run.log.trimmed()), slides)
+    edits = (*knee_edits(sliding, knees), *hand_edits(sliding, raised))
+    final = _danced(request, posture_only(HAND_KEPT, edits), sliding, tell)
+    logs = posture.run.log.trimmed(), final.run.log.trimmed()
+    three = Three(planned, geometric, *logs, wanted, knees, raised, slides)
+
+    tell("recording", None)
+    runs = {name: keep(danced, out / name, tell) for name, danced in ((POSTURE, posture), (FINAL, final))}
+    title = f"{posture.info.clip}, {start:g} to {start + duration:g} s, by {robot.label}"
+    record(out / RECORDING, three, title)
+    draw_thumbnails(out / "thumbnails.svg", three, title)
+    draw_curves(out / "curves.svg", three, title)
+    draw_scalogram(out / "scalogram.svg", three, title)
+    timeline.draw(out / TIMELINE, final.run.log, final.info, robot)
+    figures = {
+        "scenario": "ramos",
+        "clip": posture.info.clip,
+        "robot": robot.name,
+        "solver": request.solver,
+        "rate_hz": request.rate,
+        "start_s": start,
+        "duration_s": duration,
+        "fell": any(run["fell"] for run in runs.values()),
+        "geometric": geometric_figures(geometric),
+        "runs": {name: _summary(run) for name, run in runs.items()},
+        "knees": knee_figures(knees, geometric, three.posture, three.final),
+        "hand": hand_figures(robot, wanted, raised, three.posture, three.final),
+        "slides": [slide | slide_figures(slide, planned.motion, three.posture) for slide in runs[FINAL]["slides"]],
+        "edits": list(final.edits),
+    }
+    figures = report.rounded(figures)
+    report.write(figures, out / REPORT)
+    return figures
+
+
+def show(figures: dict[str, Any], console: Console) -> None:
+    """Print what the three dances came to."""
+    geometric, hand = figures["geometric"], figures["hand"]
+    console.print(
+        f"\n{figures['clip']}, {figures['start_s']:g} to {figures['start_s'] + figures['duration_s']:g} s. "
+        f"No robot on a floor does the geometric motion: its ZMP is outside the soles for "
+        f"{100 * geometric['zmp_outside']:.0f} % of the time, for 5 % of it by more than "
+        f"{1e3 * geometric['zmp_outside_p95_m']:.0f} mm; joints reach {geometric['velocity_max']:.1f} times their "
+        f"velocity, {geometric['torque_max']:.1f} times their torque.\n",
+        soft_wrap=True,
+        highlight=False,
+    )
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    for words in ("", "demonstrated", POSTURE, FINAL):
+        table.add_column(words, justify="right" if words else "left")
+    runs = [figures["runs"][name] for name in (POSTURE, FINAL)]
+    endings = (f"fell at {run['fell_at_s']:.1f} s" if run["fell"] else "upright" for run in runs)
+    table.add_row("how it ended", "not simulated", *endings)
+    for knee in figures["knees"]:
+        when = f"{knee['start_s']:.1f} to {knee['end_s']:.1f} s, {knee['frequency_hz']:.2f} Hz"
+        amplitudes = (_digits(knee[f"{name}_deg"]) for name in ("demonstrated", POSTURE, FINAL))
+        table.add_row(f"{knee['knee'].replace('_', ' ')}, {when}, deg", *amplitudes)
+    off = [hand[f"{name}_rms_m"] for name in (POSTURE, FINAL)]
+    table.add_row("right hand's height off the dancer's, rms, mm", "", *(_digits(value, 1e3) for value in off))
+    near = [hand[f"{name}_head_min_m"] for name in (POSTURE, FINAL)]
+    table.add_row("right hand to head, least, mm", "", *(_digits(value, 1e3) for value in near))
+    console.print(table)
+    for line in (*map(_slid, figures["slides"]), *figures["edits"]):
+        console.print(line, soft_wrap=True, highlight=False)
+
+
+def _danced(request: Replay, compose: Composer, planned: Plan, tell: Tell) -> Dance:
+    """A plan danced with a stack, its balance planned for what the stack makes of it."""
+    tell("rehearsing", None)
+    stack, schedule, _ = composed(request, compose, planned.motion)
+    motion = rebalanced(planned.motion, rehearsed(planned.motion, stack, make_solver(request.solver), schedule))
+    return perform(request, compose, motion, planned, tell)
+
+
+def part(human: Human, start: float, duration: float | None) -> tuple[float, float]:
+    """Which part of a clip is danced, its start and duration [s]: as asked for, or where the knees swing most.
+
+    That is the stretch of `SECONDS` with the largest sum of amplitude times duration over the oscillations of both
+    knees' angles; a clip that is shorter is danced whole.
+    """
+    if start or duration is not None or human.duration <= SECONDS:
+        return start, human.duration - start if duration is None else duration
+    smooth = human.low_passed(NOISE_HZ)
+    found = [swing for side in SIDES for swing in find_oscillations(smooth.times, knee_angle(smooth, side))]
+    starts = np.arange(0.0, human.duration - SECONDS, 1.0)
+    swung = [
+        sum(one.amplitude * max(min(one.end, t + SECONDS) - max(one.start, t), 0.0) for one in found) for t in starts
+    ]
+    return float(starts[int(np.argmax(swung))]), SECONDS
+
+
+def knee_angle(human: Human, side: str) -> Array:
+    """How far a human's knee is bent (T,) [rad]."""
+    thigh, shank = (human.segment_direction(f"{side}_{segment}") for segment in ("thigh", "shank"))
+    return np.arccos(np.clip(np.sum(thigh * shank, axis=1), -1.0, 1.0))
+
+
+def posture_only(kept: float, edits: Sequence[Edit] = ()) -> Composer:
+    """A stack with the paper's posture task, Ramos (17), below balance and feet that slide.
+
+    Balance has no say in the height, nor is the trunk held upright: both are left to the posture, or little would be
+    lost that edits could bring back.
+
+    Args:
+        kept: Least distance of parts of the robot [m].
+        edits: Of the motion.
+    """
+
+    def compose(robot: Robot, motion: Motion) -> Composition:
+        stack = Stack(
+            contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
+            hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot, kept)],
+            levels={
+                "balance": [Balance(motion.balance, motion.feet, axes="xy")],
+                "posture": [Posture(robot, motion.joints, kp=SERVO, feedforward=False)],
+                "forces": [LeastForces()],
+            },
+        )
+        for foot in sorted({foot for phase in motion.phases for foot in phase.sliding}):
+            stack.contact(foot).way = way = motion.pose(foot)
+            stack.add(FootSliding(robot, foot, way), level="feet", before="posture")
+        return Composition(stack, Sliding(motion.phases), tuple(edits))
+
+    return compose
+
+
+def _slid(slide: dict[str, Any]) -> str:
+    """What there is to say about a slide."""
+    return (
+        f"{slide['foot'].replace('_', ' ')} slides {1e2 * slide['way_m']:.1f} cm, {slide['start_s']:.1f} to "
+        f"{slide['end_s']:.1f} s: it touches the floor for {100 * slide['contact']:.0f} % of the time, with "
+        f"{100 * slide['load_min']:.0f} to {100 * slide['load_max']:.0f} % of the weight (means over "
+        f"{1e3 * SMOOTHED:.0f} ms; {100 * slide['light']:.0f} % of the ticks are between "
+        f"{100 * LIGHT[0]:.0f} and {100 * LIGHT[1]:.0f} %, the greatest {100 * slide['load_raw_max']:.0f} %); the ZMP "
+        f"lies in the other foot for {100 * slide['zmp_inside']:.2f} % of the ticks"
+    )
+
+
+def _digits(value: float | None, factor: float = 1.0) -> str:
+    return "-" if value is None else f"{factor * value:.1f}"
+
+
+def _summary(run: dict[str, Any]) -> dict[str, Any]:
+    """What is compared of a run; the rest is in its own report."""
+    return {
+        "fell": run["fell"],
+        "fell_at_s": run["fell_at_s"],
+        "zmp_inside": run["zmp"]["inside"],
+        "joint_rms_rad": run["tracking"]["joint_rms_rad"],
+        "slip_max_m": run["contacts"]["slip_max_m"],
+        "self_collision_min_m": run["limits"]["self_collision_min_m"],
+        "hand_path_ratio": run["likeness"]["hand_path_ratio"],
+    }

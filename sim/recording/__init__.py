@@ -1,0 +1,1 @@
+"""A run as a recording for the rerun viewer."""

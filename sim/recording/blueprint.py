@@ -1,0 +1,47 @@
+"""How a recording is laid out when it is opened: the robot large, curves in tabs beside it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import rerun.blueprint as rrb
+
+from sim.recording.columns import TIMELINE
+from sim.recording.panels import Tab
+from sot.motion.trajectory import Motion
+
+HEIGHT = 0.72  # m that is looked at
+SHARE = 0.6  # of the way that the robot goes, which is looked at from further away
+FROM = (3.3, -0.8, 0.63)  # m, from where, for a robot that stays in place
+
+
+def layout(motion: Motion, tabs: Sequence[Tab], conflicts: bool = False, aside: float = 0.0) -> rrb.Blueprint:
+    """Blueprint of a run of a motion with these tabs of plots, the first of them open, and one of its conflicts; those
+    who dance so far aside [m] are looked at too."""
+    told = [rrb.TextLogView(origin="conflicts", name="Conflicts")] if conflicts else []
+    beside = rrb.Tabs(
+        *(rrb.Vertical(*(plot.view() for plot in tab.plots), name=tab.name) for tab in tabs),
+        *told,
+        rrb.TextDocumentView(origin="about", name="About"),
+        active_tab=0,
+    )
+    scene = rrb.Spatial3DView(
+        origin="world",
+        name=motion.robot.label,
+        eye_controls=_eye(motion, aside),
+        line_grid=False,
+        background=[24, 26, 31],
+    )
+    return rrb.Blueprint(
+        rrb.Horizontal(scene, beside, column_shares=[3, 2]),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="playing", loop_mode="all"),
+    )
+
+
+def _eye(motion: Motion, aside: float) -> rrb.EyeControls3D:
+    """Looks at the middle of where the robot goes, from as far as takes it all in."""
+    low, high = motion.com[:, :2].min(axis=0), motion.com[:, :2].max(axis=0)
+    target = np.append(0.5 * (low + high), HEIGHT)
+    distance = 1.0 + (SHARE * np.linalg.norm(high - low) + aside) / np.linalg.norm(FROM)
+    return rrb.EyeControls3D(position=target + distance * np.array(FROM), look_target=target)

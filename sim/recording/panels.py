@@ -1,0 +1,205 @@
+"""The plots of a run, in tabs: balance, joints, tasks, ticks."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.log import RunLog, nearest_frames
+from sim.recording.columns import COLORS, SERIES
+from sim.recording.plots import Curves, Plot, States
+from sim.support import support_sides
+from sot.motion.balance.centroidal import GRAVITY
+from sot.motion.plan import PLAN_RATE, Plan
+from sot.motion.trajectory import Motion
+
+FRAME_RATE = 60.0  # Hz, of the 3D view and of what is only looked at; other curves keep the control rate
+MM = 1e3
+SLOWED = 0.999  # of the dancer's speed: less is rounding
+MODES = ("off", "fixed", "sliding")
+"""Names of `RunLog.foot_mode`: `FOOT_OFF`, `FOOT_FIXED`, `FOOT_SLIDING`."""
+LIMBS = {
+    "left_leg": ("left_leg",),
+    "right_leg": ("right_leg",),
+    "trunk": ("chest", "head"),
+    "left_arm": ("left_arm",),
+    "right_arm": ("right_arm",),
+}
+"""Tab of joint curves -> joint groups in it."""
+
+
+@dataclass(frozen=True)
+class Tab:
+    """Plots shown together."""
+
+    name: str
+    plots: tuple[Plot | States, ...]
+
+
+def tabs(log: RunLog, motion: Motion, plan: Plan | None) -> list[Tab]:
+    """All plots of a run, what is looked at first coming first."""
+    joints = [_joints(log, motion, limb) for limb in LIMBS]
+    slowed = [_time(plan)] if plan is not None and plan.speed_min < SLOWED else []
+    return [
+        _balance(log, motion),
+        _center_of_mass(log, motion),
+        *changes(log),
+        *slowed,
+        *joints,
+        _tasks(log),
+        _ticks(log),
+    ]
+
+
+def divergent(com: np.ndarray, velocity: np.ndarray, height: np.ndarray) -> np.ndarray:
+    """Divergent component of motion ξ = c + ċ/ω (T, 2), ω² = g / height, of CoM positions and velocities (T, 3)."""
+    return com[:, :2] + velocity[:, :2] * np.sqrt(height / GRAVITY)[:, None]
+
+
+def dcm(log: RunLog, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Measured and planned divergent component of motion at every tick, (T, 2) each [m]."""
+    frames = nearest_frames(log.time, motion.rate, len(motion.com))
+    planned, height = motion.com[frames], motion.com[frames, 2]
+    velocity = np.gradient(log.com, log.period, axis=0) if log.ticks > 1 else np.zeros_like(log.com)
+    return divergent(log.com, velocity, height), divergent(planned, motion.com_velocity[frames], height)
+
+
+def _balance(log: RunLog, motion: Motion) -> Tab:
+    sides = support_sides(log, motion)
+    frames = log.rows_at(FRAME_RATE)
+    zmps = np.stack([log.zmp_measured, log.zmp_control, log.zmp_planned], axis=2)
+    names, ends = ("measured", "controller", "planned"), ("support, least", "support, greatest")
+    in_support = (
+        Plot(
+            f"ZMP {name} in the planned support [mm]",
+            ("balance", name),
+            (
+                Curves("support", log.time[frames], MM * sides[frames, :, axis], ends, ("limit",) * 2),
+                Curves("zmp", log.time, MM * zmps[:, axis], names, names),
+            ),
+        )
+        for axis, name in enumerate("xy")
+    )
+    feet = motion.robot.feet
+    load = Curves("load", log.time, log.foot_wrench[:, :, 2], feet)
+    modes = {foot: log.foot_mode[:, k] for k, foot in enumerate(feet)}
+    shades = [COLORS[name] for name in MODES]
+    contacts = States("Planned contacts", ("contacts",), log.time, modes, MODES, shades)
+    return Tab("Balance", (*in_support, Plot("Normal force on each foot [N]", ("balance", "force"), (load,)), contacts))
+
+
+def _center_of_mass(log: RunLog, motion: Motion) -> Tab:
+    planned = motion.com[nearest_frames(log.time, motion.rate, len(motion.com))]
+    measured_dcm, planned_dcm = dcm(log, motion)
+    error = Curves("com_error", log.time, MM * (log.com - planned), ("x", "y", "z"))
+    dcm_error = Curves("dcm_error", log.time, MM * (measured_dcm - planned_dcm), ("x", "y"))
+    both = np.stack([log.com[:, :2], planned[:, :2], measured_dcm, planned_dcm], axis=2)
+    names = ("CoM, measured", "CoM, planned", "DCM, measured", "DCM, planned")
+    shades = ("com", "com_planned", "dcm", "dcm_planned")
+    frames = log.rows_at(FRAME_RATE)
+    ways = (
+        Plot(
+            f"Centre of mass and its divergent component, {name} [mm]",
+            ("com", name),
+            (Curves("way", log.time[frames], MM * both[frames, axis], names, shades),),
+        )
+        for axis, name in enumerate("xy")
+    )
+    return Tab(
+        "Centre of mass",
+        (
+            Plot("Centre of mass minus reference [mm]", ("com", "position"), (error,)),
+            Plot("Divergent component minus reference [mm]", ("com", "divergent"), (dcm_error,)),
+            *ways,
+        ),
+    )
+
+
+def _time(plan: Plan) -> Tab:
+    share = 100.0 / (PLAN_RATE * np.diff(plan.clock))
+    curve = Curves("share", plan.clock[:-1], share, ("speed",))
+    return Tab("Time", (Plot("Speed of the clip, over the dancer's [%]", ("time", "speed"), (curve,)),))
+
+
+def _joints(log: RunLog, motion: Motion, limb: str) -> Tab:
+    robot, frames = motion.robot, log.rows_at(FRAME_RATE)
+    joints = [joint for group in LIMBS[limb] for joint in robot.groups[group]]
+    names = [robot.joints[joint] for joint in joints]
+    angle = log.q[:, 7:][:, joints]
+    error = angle - motion.q[nearest_frames(log.time, motion.rate, len(motion.q)), 7:][:, joints]
+    lower, upper = robot.lower[joints], robot.upper[joints]
+    share = 100.0 * (angle[frames] - lower) / (upper - lower)
+    efforts = np.unique(robot.effort[joints])
+    limits = np.concatenate([efforts, -efforts])
+    named, red = [f"limit {limit:+g}" for limit in limits], ("limit",) * len(limits)
+    greatest = 1.05 * float(efforts[-1])
+
+    def plot(title: str, kind: str, *curves: Curves, span: tuple[float, float] | None = None) -> Plot:
+        return Plot(title, ("joints", limb, kind), curves, span)
+
+    return Tab(
+        limb.replace("_", " ").capitalize(),
+        (
+            plot("Angle [deg]", "angle", Curves("joints", log.time, np.rad2deg(angle), names)),
+            plot(
+                "Angle within its range, from 0 to 100 [%]",
+                "range",
+                Curves("joints", log.time[frames], share, names),
+                span=(0.0, 100.0),
+            ),
+            plot("Angle minus reference [deg]", "error", Curves("joints", log.time, np.rad2deg(error), names)),
+            plot(
+                "Torque [N m]",
+                "torque",
+                Curves("joints", log.time, log.torque[:, joints], names),
+                Curves("limits", log.time[[0, -1]], np.tile(limits, (2, 1)), named, red),
+                span=(-greatest, greatest),
+            ),
+        ),
+    )
+
+
+def _tasks(log: RunLog) -> Tab:
+    errors = (
+        Plot(
+            f"{level}: error [{unit}]", ("tasks", level), (Curves("error", log.time, log.level_error[:, k], (level,)),)
+        )
+        for k, (level, unit) in enumerate(zip(log.level_names, log.level_units, strict=True))
+    )
+    return Tab("Tasks", tuple(errors))
+
+
+def changes(log: RunLog) -> list[Tab]:
+    """In which level of the stack each task is that comes, goes or changes its level; none if there is no such task."""
+    if not (log.level_share < 1.0).any():
+        return []
+    states = [f"level {place}" for place in range(log.level_place.max() + 1)]
+    states[0] = "none"
+    underway = (log.level_share < 1.0) & (log.level_place > 0)
+    values = np.where(underway, len(states), log.level_place)  # a state of its own, after all the levels
+    changing = np.flatnonzero((log.level_share < 1.0).any(axis=0))
+    lanes = {log.level_names[k]: values[:, k] for k in changing.tolist()}
+    shades = [COLORS["off"], *(SERIES[place % len(SERIES)] for place in range(1, len(states))), COLORS["sliding"]]
+    names = (*states, "on its way")
+    return [Tab("Schedule", (States("Tasks and their levels", ("schedule",), log.time, lanes, names, shades),))]
+
+
+def _ticks(log: RunLog) -> Tab:
+    parts = np.column_stack([log.tick_us, log.model_us, log.assemble_us, log.solve_us])
+
+    def plot(title: str, kind: str, values: np.ndarray, names: Sequence[str]) -> Plot:
+        return Plot(title, ("tick", kind), (Curves(kind, log.time, values, names),))
+
+    levels = (
+        plot("Slack of each level", "slack", log.level_slack, log.level_names),
+        plot("Active inequality rows of each level", "active", log.level_active, log.level_names),
+    )
+    return Tab(
+        "Ticks",
+        (
+            plot("Time of a tick [µs]", "time", parts, ("tick", "model", "assemble", "solve")),
+            *(levels if log.level_names else ()),
+            plot("Status: 0 solved, 1 second solver, 2 relaxed, 3 failed", "status", log.status, ("status",)),
+            plot("Residual of what had to hold", "residual", log.residual, ("residual",)),
+        ),
+    )

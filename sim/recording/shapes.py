@@ -1,0 +1,78 @@
+"""The robot's visible shapes, as its model has them."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from sim.scene import read
+from sot.errors import InputError
+from sot.robots.robot import Robot
+
+KINDS = {
+    mujoco.mjtGeom.mjGEOM_BOX: "box",
+    mujoco.mjtGeom.mjGEOM_SPHERE: "ellipsoid",
+    mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
+    mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
+    mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
+}
+HIDDEN_GROUP = 3  # MuJoCo's viewers show geom groups 0 to 2: a model keeps its collision shapes in the others
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A primitive on a body.
+
+    Attributes:
+        body: name of the body.
+        kind: box, ellipsoid, capsule or cylinder; the latter two lie along their own z axis.
+        half_sizes: half extents of a box, semi-axes of an ellipsoid, else (radius, radius, half length without the
+            caps) [m].
+        position: centre in the body frame [m].
+        quaternion: orientation in the body frame, xyzw.
+        color: rgba, 0..255.
+    """
+
+    body: str
+    kind: str
+    half_sizes: np.ndarray
+    position: np.ndarray
+    quaternion: np.ndarray
+    color: tuple[int, int, int, int]
+
+
+def read_shapes(robot: Robot) -> list[Shape]:
+    """Visible shapes of a robot's model; a mesh is shown by its bounding box.
+
+    Raises:
+        InputError: MuJoCo cannot read the model.
+    """
+    try:
+        model = read(robot).compile()
+    except ValueError as error:
+        raise InputError(f"{robot.path}: MuJoCo cannot read this model: {str(error).splitlines()[0]}") from error
+    return [
+        _shape(model, geom)
+        for geom in range(model.ngeom)
+        if model.geom_bodyid[geom] > 0 and model.geom_group[geom] < HIDDEN_GROUP
+    ]
+
+
+def _shape(model: mujoco.MjModel, geom: int) -> Shape:
+    size, position = model.geom_size[geom].copy(), model.geom_pos[geom].copy()
+    w, x, y, z = model.geom_quat[geom]
+    kind = KINDS.get(mujoco.mjtGeom(model.geom_type[geom]))
+    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_SPHERE:
+        size[:] = size[0]
+    elif kind in ("capsule", "cylinder"):
+        size = np.array([size[0], size[0], size[1]])
+    elif kind is None:
+        size = model.geom_aabb[geom, 3:].copy()
+        rotation = np.zeros(9)
+        mujoco.mju_quat2Mat(rotation, model.geom_quat[geom])
+        position += rotation.reshape(3, 3) @ model.geom_aabb[geom, :3]
+    material = model.geom_matid[geom]
+    rgba = model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom]
+    red, green, blue, alpha = (round(255 * float(channel)) for channel in rgba)
+    body = str(model.body(model.geom_bodyid[geom]).name)
+    return Shape(body, kind or "box", size, position, np.array([x, y, z, w]), (red, green, blue, alpha))

@@ -1,0 +1,1 @@
+"""A run's figures, as JSON, as a table and as a page of plots."""

@@ -1,0 +1,242 @@
+"""The figures of a run: how well the robot tracked, balanced, stood and kept its limits."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from sim.log import FOOT_FIXED, FOOT_OFF, RunInfo, RunLog, nearest_frames, stretches
+from sim.support import planned_support
+from solvers.rows import Status
+from sot.motion.feet.path import path_length
+from sot.motion.likeness import hand_path_ratio, segment_deg
+from sot.motion.plan import Plan
+from sot.motion.trajectory import Motion
+from sot.robots.robot import Robot
+
+Figures = dict[str, float | int | None]
+
+POSE_RATE = 100.0  # Hz, at which the places of bodies are compared
+INSET = 0.010  # m that the ZMP has to stay inside the support polygon
+MADE = 0.15  # m from its place, a footfall that counts as made
+LANDED = 0.1  # s after a planned landing: the foot stands
+AROUND = 0.06  # s before and after a switch of contacts: its ramps
+SATURATED = 0.99  # of a torque limit
+RECOVERY = 3.0  # s after a push: a robot that still stands then has survived it
+KEY_POINTS = (
+    "head",
+    *(
+        f"{side}_{point}"
+        for side in ("left", "right")
+        for point in ("foot", "knee", "hip", "hand", "elbow", "shoulder")
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Points:
+    """Operational points along a motion: name -> positions (T, 3) [m] and rotations (T, 3, 3), world."""
+
+    positions: Mapping[str, np.ndarray]
+    rotations: Mapping[str, np.ndarray]
+
+    @classmethod
+    def of(cls, robot: Robot, q: np.ndarray, names: tuple[str, ...] | None = None) -> "Points":
+        """All points of a robot, or those named, at configurations (T, nq)."""
+        data = robot.model.createData()
+        names = tuple(robot.points) if names is None else names
+        frames = [robot.point(name) for name in names]
+        positions = np.empty((len(names), len(q), 3))
+        rotations = np.empty((len(names), len(q), 3, 3))
+        for row, configuration in enumerate(q):
+            pin.forwardKinematics(robot.model, data, configuration)
+            for index, frame in enumerate(frames):
+                placement = pin.updateFramePlacement(robot.model, data, frame)
+                positions[index, row], rotations[index, row] = placement.translation, placement.rotation
+        return cls(dict(zip(names, positions, strict=True)), dict(zip(names, rotations, strict=True)))
+
+
+def tick_us(log: RunLog) -> Figures:
+    """Time of a tick and, as medians, of its parts [µs]."""
+    return {
+        "p50": _percentile(log.tick_us, 50),
+        "p99": _percentile(log.tick_us, 99),
+        "max": _percentile(log.tick_us, 100),
+        "model": _percentile(log.model_us, 50),
+        "assemble": _percentile(log.assemble_us, 50),
+        "solve": _percentile(log.solve_us, 50),
+    }
+
+
+def tracking(log: RunLog, motion: Motion) -> Figures:
+    """The simulated robot against its reference."""
+    every = nearest_frames(log.time, motion.rate, len(motion.q))
+    rows = log.rows_at(POSE_RATE)
+    names = ("waist", *KEY_POINTS)
+    real = Points.of(motion.robot, log.q[rows], names)
+    wanted = Points.of(motion.robot, motion.q[every[rows]], names)
+    off = {name: real.positions[name] - wanted.positions[name] for name in names}
+    key = [np.linalg.norm(off[name] - off["waist"], axis=1) for name in KEY_POINTS]
+    turn = np.einsum("tji,tjk->tik", wanted.rotations["head"], real.rotations["head"])
+    cosine = (np.trace(turn, axis1=1, axis2=2) - 1.0) / 2.0
+    sine = np.linalg.norm(turn - turn.transpose(0, 2, 1), axis=(1, 2)) / np.sqrt(8.0)
+    return {
+        "mpjpe_mm": _mean(1e3 * np.array(key)),
+        "joint_rms_rad": _rms(log.q[:, 7:] - motion.q[every, 7:]),
+        "com_rms_m": _rms(np.linalg.norm(log.com - motion.com[every], axis=1)),
+        "hand_rms_m": _rms(np.linalg.norm([off[hand] for hand in motion.robot.hands], axis=2)),
+        "head_rms_rad": _rms(np.arctan2(sine, cosine)),
+    }
+
+
+def likeness(log: RunLog, plan: Plan | None) -> Figures:
+    """The simulated robot against the human, while the clip plays."""
+    nothing: Figures = dict.fromkeys(("segment_deg", "upper_segment_deg", "hand_path_ratio"))
+    if plan is None or not log.ticks:
+        return nothing
+    human, motion = plan.human, plan.motion
+    end = min(plan.end, float(log.time[-1]))
+    shown = np.flatnonzero((human.times >= plan.start) & (human.times <= end))
+    if len(shown) < 2:
+        return nothing
+    rows = nearest_frames(human.times[shown], 1.0 / log.period, log.ticks)
+    robot = Points.of(motion.robot, log.q[rows]).positions
+    person = {name: positions[shown] for name, positions in human.points.items()}
+    return {
+        "segment_deg": segment_deg(person, robot),
+        "upper_segment_deg": segment_deg(person, robot, upper=True),
+        "hand_path_ratio": hand_path_ratio(person, robot, human.rate),
+    }
+
+
+def steps(log: RunLog, plan: Plan | None) -> Figures:
+    """Footfalls of the dancer longer than 10 cm; how many the robot made, within MADE of their place on the scaled
+    path; and the root's path through the room, robot over human in the robot's size."""
+    nothing: Figures = dict.fromkeys(("footfalls", "made", "path_ratio", "path_scale"))
+    if plan is None or plan.travel is None or not log.ticks:
+        return nothing
+    robot, made = plan.motion.robot, 0
+    for fall in plan.travel.footfalls:
+        tick = 0 if fall.landed is None else round((fall.landed + LANDED) / log.period)
+        if fall.landed is None or tick >= log.ticks:
+            continue
+        ankle = fall.foot.replace("foot", "ankle")
+        place = Points.of(robot, log.q[tick : tick + 1], (ankle,)).positions[ankle][0, :2]
+        made += bool(np.linalg.norm(place - fall.place) <= MADE)
+    return {
+        "footfalls": len(plan.travel.footfalls),
+        "made": made,
+        "path_ratio": path_length(log.q[:, :2], 1.0 / log.period) / plan.travel.path if plan.travel.path else None,
+        "path_scale": plan.travel.scale,
+    }
+
+
+def flights(plan: Plan | None) -> Figures:
+    """How often the dancer has both feet off the floor, and for how long at most [s]: the robot never has."""
+    if plan is None:
+        return dict.fromkeys(("count", "longest_s"))
+    times = [flight.end - flight.start for flight in plan.flights]
+    return {"count": len(times), "longest_s": max(times, default=None)}
+
+
+def zmp(log: RunLog, motion: Motion) -> Figures:
+    """The measured ZMP in the support that was planned; a tick without support or load counts as outside."""
+    margins = np.full(log.ticks, np.nan)
+    for rows, polygon in planned_support(log, motion):
+        margins[rows] = polygon.margin(log.zmp_measured[rows])
+    known = margins[np.isfinite(margins)]
+    off = np.linalg.norm(log.zmp_measured - log.zmp_planned, axis=1)
+    return {
+        "inside": float(np.count_nonzero(known >= INSET) / log.ticks) if log.ticks else None,
+        "min_margin_m": float(known.min()) if len(known) else None,
+        "rms_to_planned_m": _rms(off[np.isfinite(off)]),
+    }
+
+
+def contacts(log: RunLog, robot: Robot) -> Figures:
+    """Switches of contact modes, the largest change of a torque from one tick to the next around them [N m], and how
+    far feet that should stand slipped or tilted."""
+    feet = Points.of(robot, log.q, robot.feet)
+    slips, tilts = [0.0], [0.0]
+    for index, foot in enumerate(robot.feet):
+        mode, position = log.foot_mode[:, index], feet.positions[foot]
+        for state, rows in stretches(mode):
+            if state == FOOT_FIXED:
+                slips.append(float(np.linalg.norm(position[rows, :2] - position[rows.start, :2], axis=1).max()))
+        upward = feet.rotations[foot][mode != FOOT_OFF][:, :, 2]
+        tilts.extend(np.arctan2(np.linalg.norm(upward[:, :2], axis=1), upward[:, 2]).tolist())
+    switches = np.diff(log.foot_mode, axis=0) != 0
+    steps, around = np.abs(np.diff(log.torque, axis=0)), round(AROUND / log.period) if log.ticks > 1 else 0
+    return {
+        "switches": int(np.count_nonzero(switches)),
+        "torque_step_max_nm": max(
+            (
+                float(steps[max(tick - around, 0) : tick + around + 1].max())
+                for tick in np.flatnonzero(switches.any(axis=1))
+            ),
+            default=None,
+        ),
+        "slip_max_m": max(slips),
+        "sole_tilt_max_deg": float(np.rad2deg(max(tilts))),
+    }
+
+
+def limits(log: RunLog, robot: Robot) -> Figures:
+    """Largest amount beyond each kind of limit, 0 when none; velocity and torque relative to it."""
+    angle, speed, torque = log.q[:, 7:], np.abs(log.v[:, 6:]), np.abs(log.torque)
+    distance = log.self_distance[np.isfinite(log.self_distance)]
+    return {
+        "position_max_excess_rad": _excess(np.maximum(angle - robot.upper, robot.lower - angle)),
+        "velocity_max_excess": _excess(speed / robot.velocity - 1.0),
+        "torque_max_excess": _excess(torque / robot.effort - 1.0),
+        "self_collision_min_m": float(distance.min()) if len(distance) else None,
+    }
+
+
+def solver(log: RunLog) -> Figures:
+    """Ticks whose hard level had to give way or found no answer, ticks that another answer than the solver's own
+    served (the second solver's, that of the levels above, or a held torque), and the largest residual of what had to
+    hold."""
+    return {
+        "infeasible_ticks": int(np.count_nonzero(log.hard_status >= Status.RELAXED)),
+        "fallback_ticks": int(np.count_nonzero((log.status == Status.SECOND_SOLVER) | (log.status == Status.FAILED))),
+        "max_residual": _percentile(log.residual, 100),
+    }
+
+
+def pushes(info: RunInfo, duration: float) -> Figures:
+    """How many pushes a run of this duration [s] met, and survived; the strongest impulse survived [N s].
+
+    A push counts as survived if the robot does not fall while it acts or within `RECOVERY` of its end.
+    """
+    given = [push for push in info.pushes if push.t < duration]
+    fell = np.inf if info.fell_at_s is None else info.fell_at_s
+    survived = [push.impulse for push in given if not push.t <= fell <= push.end + RECOVERY]
+    return {"given": len(given), "survived": len(survived), "survived_max_ns": max(survived, default=None)}
+
+
+def effort(log: RunLog, robot: Robot) -> Figures:
+    """Torque over time and joints [N m], fraction of ticks near a torque limit, mean absolute joint power [W]."""
+    near = (np.abs(log.torque) >= SATURATED * robot.effort).any(axis=1)
+    return {
+        "torque_rms_nm": _rms(log.torque),
+        "torque_saturated": _mean(near),
+        "power_w": _mean(np.abs(log.torque * log.v[:, 6:]).sum(axis=1)),
+    }
+
+
+def _rms(values: np.ndarray) -> float | None:
+    return float(np.sqrt(np.mean(np.square(values)))) if values.size else None
+
+
+def _mean(values: np.ndarray) -> float | None:
+    return float(np.mean(values)) if values.size else None
+
+
+def _percentile(values: np.ndarray, share: float) -> float | None:
+    return float(np.nanpercentile(values, share)) if np.isfinite(values).any() else None
+
+
+def _excess(beyond: np.ndarray) -> float:
+    return max(float(beyond.max(initial=0.0)), 0.0)

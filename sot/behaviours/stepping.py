@@ -1,0 +1,125 @@
+"""Feet that step: contacts are made and broken as the plan says, and as the feet feel the floor."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from sot.control.contact import Contact
+from sot.control.schedule import Schedule
+from sot.control.stack import Stack
+from sot.control.tick import GRAVITY
+from sot.motion.feet.contacts import Phase
+from sot.motion.feet.footfalls import Footfalls
+from sot.robots.robot import Robot
+
+TOUCH = 0.05  # of the weight: a foot that feels this much is on the floor
+CARRIES = 0.3  # of the weight: what the other feet must feel before one is released
+EARLY = 0.6  # of a swing: a foot that feels the floor later than this has landed
+LATEST = 0.15  # s after the planned touchdown, until when a foot looks for the floor
+
+
+@dataclass(slots=True)
+class _Foot:
+    """A foot on its way through its stances.
+
+    `next` counts the stances begun; `made` is when the present contact was, `lifts` when it ends, once that is settled.
+    """
+
+    name: str
+    stances: Footfalls
+    next: int
+    made: float
+    lifts: float | None = None
+
+
+class Stepping(Schedule):
+    """A schedule that leads the contacts of the feet through the phases of a motion.
+
+    - A foot gives its load away within `ramp` before it leaves the floor, and takes it within `ramp` after it is back.
+    - It is not released before another foot stands with all its load and feels some of the weight. If that comes too
+      late the step is left out.
+    - A swinging foot that feels the floor in the last part of its swing has landed. One that does not feel it in time
+      is given a little longer, in which `tasks.SwingFoot` lowers it.
+
+    Args:
+        robot: The robot.
+        phases: Of the motion, `Motion.phases`.
+        ramp: How long a contact takes to give its load away, or to take it [s].
+    """
+
+    def __init__(self, robot: Robot, phases: Sequence[Phase], ramp: float = 0.04) -> None:
+        super().__init__()
+        self.ramp = ramp
+        self._weight = robot.mass * GRAVITY
+        falls = {foot: Footfalls(phases, foot) for foot in robot.feet}
+        self._feet = [_Foot(name, stances, stances.begun(0.0), -ramp) for name, stances in falls.items()]
+
+    def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:
+        """Carry out what has become due; returns what it was. Without loads all happens as planned."""
+        done = super().apply(t, stack, loads)
+        for foot in self._feet:
+            contact = stack.contact(foot.name)
+            mode = contact.mode
+            if mode == "fixed":
+                self._stand(t, foot, contact, stack, loads)
+            elif mode == "off":
+                self._swing(t, foot, contact, loads.get(foot.name, 0.0) if loads else None)
+            if contact.mode != mode:
+                done.append(f"{foot.name} {contact.mode}")
+        return done
+
+    def others_carry(self, foot: str, stack: Stack, loads: Mapping[str, float] | None) -> bool:
+        """Whether another foot stands with all its load and, as far as that is felt, bears enough of the weight."""
+        standing = [
+            other.name
+            for other in self._feet
+            if other.name != foot
+            and stack.contact(other.name).mode == "fixed"
+            and stack.contact(other.name).load >= 1.0
+        ]
+        if not standing or not loads:
+            return bool(standing)
+        return sum(loads.get(name, 0.0) for name in standing) >= CARRIES * self._weight
+
+    def begun(self, foot: str) -> int:
+        """How many stances of a foot have begun."""
+        return self._of(foot).next
+
+    def due(self, foot: str) -> int:
+        """How many are still to come."""
+        return len(self._of(foot).stances) - self.begun(foot)
+
+    def interrupt(self, foot: str, lift: float, land: float) -> None:
+        """Have a foot that stands step in between, from a time to another [s]."""
+        own = self._of(foot)
+        own.stances = own.stances.interrupted(lift, land, own.stances[own.next - 1].pose)
+
+    def _of(self, name: str) -> _Foot:
+        return next(foot for foot in self._feet if foot.name == name)
+
+    def _stand(self, t: float, foot: _Foot, contact: Contact, stack: Stack, loads: Mapping[str, float] | None) -> None:
+        """Take the load, and give it away in time for the next swing."""
+        contact.load = min(max((t - foot.made) / self.ramp, 0.0), 1.0) if self.ramp else 1.0
+        if foot.next == 0 or foot.next >= len(foot.stances):
+            return
+        leaves, lands = foot.stances[foot.next - 1].end, foot.stances[foot.next].start
+        if foot.lifts is None and t >= leaves - self.ramp - 1e-9:
+            if contact.load >= 1.0 and self.others_carry(foot.name, stack, loads):
+                foot.lifts = max(leaves, t + self.ramp)
+            elif t > leaves + EARLY * (lands - leaves):
+                foot.next += 1  # too late for this step
+        if foot.lifts is not None:
+            contact.load = min(max((foot.lifts - t) / self.ramp, 0.0), 1.0) if self.ramp else 0.0
+            if t >= foot.lifts - 1e-9:
+                contact.mode, contact.load, foot.lifts = "off", 0.0, None
+
+    def _swing(self, t: float, foot: _Foot, contact: Contact, felt: float | None) -> None:
+        """Land when the floor is felt, or when it is time."""
+        if foot.next >= len(foot.stances):
+            return
+        leaves = foot.stances[foot.next - 1].end if foot.next else 0.0
+        lands = foot.stances[foot.next].start
+        touches = felt is not None and felt > TOUCH * self._weight and t > leaves + EARLY * (lands - leaves)
+        due = t >= lands + (0.0 if felt is None else LATEST) - 1e-9
+        if touches or due:
+            contact.mode, contact.load = "fixed", 0.0
+            foot.made, foot.next = t, foot.next + 1

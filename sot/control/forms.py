@@ -1,0 +1,139 @@
+"""The variables x of a tick, and the rows of tasks and limits in them.
+
+The *full* form is the paper's, x = (v̇, φ, τ): the equation of motion ``M v̇ + h = Sᵀ τ + Jᵀ φ``, Ramos (10) with
+forces on the robot, is level 0's business altogether.
+
+The *condensed* form drops the torques, which the joints' rows of that equation give: x = (v̇, φ). The base's six rows
+are left as equalities.
+
+Either way they come after the contacts' ``J_c v̇ = a_c`` and can be answered by the variables that come after v̇: the
+structure that `solvers.reduction` asks for.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.compiled import compiled
+from solvers.rows import Block, Rows
+from sot.control.task import On
+from sot.control.tick import GRAVITY
+from sot.robots.robot import Robot
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """What forces and torques are counted in, so that one tolerance fits all rows.
+
+    Args:
+        weight: Of the robot [N].
+        force: A share of the weight [N].
+        torque: The robot's median torque limit [N m].
+    """
+
+    weight: float
+    force: float
+    torque: float
+
+    @classmethod
+    def of(cls, robot: Robot) -> "Units":
+        """Those that fit a robot."""
+        weight = robot.mass * GRAVITY
+        return cls(weight, weight / 8.0, float(np.median(robot.effort)))
+
+
+class Form(ABC):
+    """The variables of a tick.
+
+    Args:
+        robot: The robot.
+        units: Of forces and torques in x.
+        forces: Number of force variables φ.
+
+    Attributes:
+        size: Number of variables.
+        variables: What tasks are about that is among the variables: where it begins, and its unit there.
+        share: Scale of the equation of motion's rows [1/N].
+        motion: ``M v̇ − Jᵀ φ`` as a matrix on (v̇, φ), φ in `Units.force`, shape (nv, nv + forces); to be filled in.
+        bias: h, shape (nv,) [N, N m].
+    """
+
+    def __init__(self, robot: Robot, units: Units, forces: int) -> None:
+        self.units, self.nv, self.na, self.forces = units, robot.nv, robot.na, forces
+        self.size, self.share = self._size(), 1.0 / units.weight
+        self.variables: dict[On, tuple[int, float]] = {"acceleration": (0, 1.0), "force": (robot.nv, units.force)}
+        self.motion = np.empty((robot.nv, robot.nv + forces))
+        self.bias = np.empty(robot.nv)
+
+    def joints(self, rows: Rows) -> tuple[Array, Array]:
+        """A task's rows ``A τ`` as ``B (v̇, φ) + c``, by the joints' rows of the equation of motion: B and c."""
+        if rows.selects is None:
+            return rows.A @ self.motion[6:], rows.A @ self.bias[6:]
+        joints = slice(6 + rows.selects.start, 6 + rows.selects.stop)
+        return self.motion[joints], self.bias[joints]
+
+    def block(self) -> Block:
+        """Whose the rows of `equation` are."""
+        return Block("Dynamics", "N", self.share, True, slice(0), labels=_OF_BASE)
+
+    @abstractmethod
+    def equation(self) -> tuple[Array, Array]:
+        """What the equation of motion leaves to level 0, ``share A x = b``: A and b."""
+
+    @abstractmethod
+    def torque(self, x: Array) -> Array:
+        """τ of a solution, shape (na,) [N m]."""
+
+    @abstractmethod
+    def _size(self) -> int: ...
+
+
+class Condensed(Form):
+    """x = (v̇, φ)."""
+
+    def _size(self) -> int:
+        return self.nv + self.forces
+
+    def equation(self) -> tuple[Array, Array]:
+        """The base's rows."""
+        return self.motion[:6], -self.share * self.bias[:6]
+
+    def torque(self, x: Array) -> Array:
+        """From the joints' rows."""
+        return _driven(self.motion, self.bias, x)
+
+
+class Full(Form):
+    """x = (v̇, φ, τ), τ in `Units.torque`."""
+
+    def __init__(self, robot: Robot, units: Units, forces: int) -> None:
+        super().__init__(robot, units, forces)
+        self.variables["torque"] = (self.nv + forces, units.torque)
+
+    def _size(self) -> int:
+        return self.nv + self.forces + self.na
+
+    def equation(self) -> tuple[Array, Array]:
+        """All rows."""
+        driven = np.zeros((self.nv, self.na))
+        driven[6:] = -self.units.torque * np.eye(self.na)
+        return np.hstack([self.motion, driven]), -self.share * self.bias
+
+    def torque(self, x: Array) -> Array:
+        """As they stand there."""
+        return self.units.torque * x[self.nv + self.forces :]
+
+
+@compiled
+def _driven(motion: Array, bias: Array, x: Array) -> Array:
+    torque = bias[6:].copy()
+    for k in range(len(torque)):
+        for i in range(len(x)):
+            torque[k] += motion[6 + k, i] * x[i]
+    return torque
+
+
+_OF_BASE = ("force x", "force y", "force z", "moment x", "moment y", "moment z")

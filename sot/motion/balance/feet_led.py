@@ -1,0 +1,80 @@
+"""A motion that its feet lead: their ways are given, the centre of mass keeps in balance, the rest stays near rest."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from sot.control.tick import Tick
+from sot.motion.balance.balance import plan_balance
+from sot.motion.balance.centroidal import Centroidal
+from sot.motion.body.coordinates import from_configuration, to_pinocchio
+from sot.motion.body.spline import Spline
+from sot.motion.feet.contacts import Phase
+from sot.motion.feet.support import supports
+from sot.motion.feet.swing import FootPath
+from sot.motion.trajectory import Motion
+from sot.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+NEWTON_STEPS = 4  # of inverse kinematics a knot, from the knot before
+HOMEWARD = 0.1  # of the way to the rest posture, as far as feet and centre of mass leave it open
+
+
+def feet_led(
+    robot: Robot, phases: Sequence[Phase], paths: Mapping[str, FootPath], period: float, rate: float
+) -> Motion:
+    """The robot with its feet on the way, its waist upright, and its centre of mass at the height of rest.
+
+    Args:
+        robot: who moves.
+        phases: which feet carry when, from time zero on.
+        paths: foot -> where it is to be at T knots; legs have to reach.
+        period: time between knots [s].
+        rate: samples per second of the motion [Hz].
+    """
+    rest = Tick(robot)
+    middle = np.mean([path.position[:, :2] for path in paths.values()], axis=0)
+    wanted = rest.com[:2] + middle - middle[0]
+    count = len(middle)
+    still = Centroidal(np.tile(rest.com, (count, 1)), np.zeros((count, 6)), np.zeros((count, 6)), robot.mass)
+    com = plan_balance(still, wanted, supports(robot, phases), period).com.knots
+    q = _follow(robot, np.column_stack([com, still.com[:, 2]]), paths)
+    spline = Spline.through(from_configuration(q), period)
+    times = np.arange(round(spline.duration * rate) + 1) / rate
+    sampled = to_pinocchio(*(spline(times, order) for order in range(3)))
+    state = Centroidal.along(robot, *sampled)
+    return Motion(
+        robot,
+        rate,
+        *sampled,
+        com=state.com,
+        com_velocity=state.velocity,
+        com_acceleration=state.acceleration,
+        zmp=state.zmp(),
+        momentum=state.momentum[:, 3:],
+        phases=tuple(phases),
+    )
+
+
+def _follow(robot: Robot, com: Array, paths: Mapping[str, FootPath]) -> Array:
+    """Configurations (T, nq): Newton steps on CoM, waist and feet; the joints go home in their null space."""
+    tick, q, nothing = Tick(robot), robot.rest.copy(), np.zeros(robot.nv)
+    out = np.empty((len(com), robot.nq))
+    for k, centre in enumerate(com):
+        for _ in range(NEWTON_STEPS):
+            tick.update(0.0, q, nothing)
+            waist = tick.frame("waist")
+            jacobians, errors = [tick.com_jacobian, waist.jacobian[3:]], [centre - tick.com, pin.log3(waist.rotation.T)]
+            for foot, path in paths.items():
+                frame = tick.frame(foot)
+                jacobians.append(frame.jacobian)
+                errors += [path.position[k] - frame.position, pin.log3(path.rotation[k] @ frame.rotation.T)]
+            J, error = np.vstack(jacobians), np.concatenate(errors)
+            inverse = np.linalg.pinv(J, rcond=1e-6)
+            home = np.concatenate([np.zeros(6), HOMEWARD * (robot.rest[7:] - q[7:])])
+            q = pin.integrate(robot.model, q, inverse @ (error - J @ home) + home)
+        out[k] = q
+    return out

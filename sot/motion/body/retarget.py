@@ -1,0 +1,117 @@
+"""Bounded least squares on key bodies, Ramos (20)-(28), along a clip: knot by knot, then as one limited programme."""
+
+import numpy as np
+import quadprog
+from numpy.typing import NDArray
+
+from sot.motion.body.limits import Limits
+from sot.motion.body.parts import Indices, Part
+from sot.motion.body.spline import LimitedFit, Spline
+
+Array = NDArray[np.float64]
+
+DAMPING = 1e-2  # of a Gauss-Newton step, in the units of squared residuals
+STEPS = 10  # most Gauss-Newton steps at one knot
+SMALL = 0.05  # rad or m, a step that ends them: they converge quadratically, and the fit goes on from there
+ROUNDS = 8  # most changes of the joints held at their ends, in one step
+LARGEST = 0.5  # rad or m, of a coordinate in one step
+JERK = 500.0  # rad/s³ (m/s³), the jerk that costs as much as an error one is ready to accept
+
+
+def solve(part: Part, knots: Indices, y: Array, limits: Limits) -> tuple[Array, Array]:
+    """Minimise a part's residuals at some knots within the joint range, each by itself from its row of y (n, nv).
+
+    Returns:
+        The part's coordinates (n, s), and the costs ‖e‖² (n,) before the last step.
+    """
+    columns = part.columns
+    lower, upper = limits.lower[columns], limits.upper[columns]
+    y, cost = y.copy(), np.empty(len(y))
+    left = np.arange(len(y))  # rows that still move
+    for _ in range(STEPS):
+        e, J = part.evaluate(knots[left], y[left])
+        Jt = J.transpose(0, 2, 1)
+        g, H = (Jt @ e[..., None])[..., 0], Jt @ J + DAMPING * np.eye(len(columns))
+        x = y[left[:, None], columns]
+        step = _bounded_step(H, g, lower - x, upper - x)
+        largest = np.abs(step).max(axis=1)
+        step *= np.minimum(1.0, LARGEST / np.maximum(largest, LARGEST))[:, None]
+        y[left[:, None], columns] = x + step
+        cost[left] = np.sum(e**2, axis=1)
+        left = left[largest >= SMALL]
+        if not len(left):
+            break
+    return y[:, columns], cost
+
+
+def _bounded_step(H: Array, g: Array, lower: Array, upper: Array) -> Array:
+    """Minimise ½ xᵀH x + gᵀx over lower <= x <= upper for each of n problems, g and bounds (n, s), H (n, s, s).
+
+    Primal-dual active sets (Hintermüller, Ito and Kunisch 2002), all problems at once: at a bound are the coordinates
+    that would pass it and those already there that gain by staying. The few for which this goes round in circles are
+    solved one by one.
+    """
+    x = np.linalg.solve(H, -g[..., None])[..., 0]
+    low, high = x < lower, x > upper
+    left = np.flatnonzero((low | high).any(axis=1))
+    for _ in range(ROUNDS):
+        if not len(left):
+            break
+        below, above, own = low[left], high[left], H[left]
+        fixed = np.where(below, lower[left], np.where(above, upper[left], 0.0))
+        free = ~(below | above)
+        reduced = own * (free[:, :, None] & free[:, None, :])
+        reduced[:, np.arange(g.shape[1]), np.arange(g.shape[1])] += ~free
+        right = -(g[left] + (own @ fixed[..., None])[..., 0])
+        x[left] = now = np.linalg.solve(reduced, np.where(free, right, 0.0)[..., None])[..., 0] + fixed
+        pull = -(g[left] + (own @ now[..., None])[..., 0])
+        low[left] = np.where(below, pull < 0.0, now < lower[left])
+        high[left] = np.where(above, pull > 0.0, now > upper[left])
+        left = left[((low[left] != below) | (high[left] != above)).any(axis=1)]
+    bounded = np.isfinite(lower[0])
+    C = np.eye(g.shape[1])[:, bounded]
+    for i in left:
+        ends = np.concatenate([lower[i, bounded], -upper[i, bounded]])
+        x[i] = quadprog.solve_qp(H[i], -g[i], np.hstack([C, -C]), ends)[0]
+    return np.clip(x, lower, upper)
+
+
+class PartFit:
+    """Fits a part over a whole clip under range, velocity and acceleration limits."""
+
+    def __init__(self, columns: Indices, length: int, period: float, limits: Limits, resting: bool = True):
+        """resting: at the end of its knots, see `LimitedFit`."""
+        self._columns = columns
+        self._fit = LimitedFit(
+            length,
+            period,
+            limits.lower[columns],
+            limits.upper[columns],
+            limits.velocity[columns],
+            limits.acceleration[columns],
+            smoothness=np.full(len(columns), JERK),
+            damping=DAMPING,
+            resting=resting,
+        )
+
+    def improve(
+        self,
+        part: Part,
+        spline: Spline,
+        others: Array,
+        steps: int,
+        bends: tuple[Array, Array] | None = None,
+        first: int = 0,
+    ) -> Spline:
+        """Gauss-Newton steps from a spline of the part's columns, the other coordinates being those of (T, nv).
+
+        bends: residuals (T, r) and Jacobians (T, r, nv) with respect to the coordinates' second derivatives.
+        first: the part's knot with which they all begin.
+        """
+        bends = None if bends is None else (bends[0], bends[1][:, :, self._columns])
+        y, knots = others.copy(), first + np.arange(len(others))
+        for _ in range(steps):
+            y[:, self._columns] = spline.knots
+            e, J = part.evaluate(knots, y)
+            spline, _ = self._fit.step(spline, J, e, bends)
+        return spline

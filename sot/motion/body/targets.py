@@ -1,0 +1,101 @@
+"""What the robot's body is asked to do at every knot: a human's directions and frames, led in from the rest posture."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from sot.motion.feet.stance import LEAD, Build
+from sot.motion.human.human import SEGMENTS, SIDES, Human
+from sot.robots.robot import Robot
+from sot.smooth import ease
+
+Array = NDArray[np.float64]
+
+UPPER = ("trunk", "head", *(f"{side}_{part}" for side in SIDES for part in ("upper_arm", "forearm")))
+
+
+@dataclass(frozen=True)
+class Targets:
+    """Targets at T knots, in the robot's world.
+
+    Attributes:
+        hips: (T, 3) middle of the hips [m].
+        frames: pelvis, chest, head -> (T, 3, 3).
+        directions: segment -> (T, 3) unit vectors.
+        height: error of the hips' height that is accepted [m]; None for what goes with the feet, and hips that are
+            lowered smoothly to where both legs reach.
+    """
+
+    hips: Array
+    frames: dict[str, Array]
+    directions: dict[str, Array]
+    height: float | None = None
+
+    @property
+    def length(self) -> int:
+        return len(self.hips)
+
+
+def targets(human: Human, robot: Robot, build: Build, facing: Array) -> Targets:
+    """Targets from a human that stands over the robot's feet, on the motion's time line, LEAD at its start.
+
+    facing: (T,) heading of the feet, from which the chest is turned [rad].
+    """
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.rest)
+    lead = ease(np.arange(human.count) / human.rate / LEAD)[:, None]
+
+    def at_rest(point: str) -> Array:
+        return data.oMf[robot.point(point)].translation
+
+    directions = {}
+    for segment in UPPER:
+        near, far = SEGMENTS[segment]
+        rest = at_rest(far) - at_rest(near)
+        mixed = (1.0 - lead) * rest / np.linalg.norm(rest) + lead * human.segment_direction(segment)
+        directions[segment] = mixed / np.linalg.norm(mixed, axis=1, keepdims=True)
+
+    hips = (1.0 - lead) * data.oMf[robot.point("waist")].act(build.hips) + lead * human.points["waist"]
+    human_breadth = np.median(np.linalg.norm(human.points["left_shoulder"] - human.points["right_shoulder"], axis=1))
+    swing = min(1.0, (human_breadth / human.arm) / (build.breadth / build.arm))
+    frames = {}
+    for body, rotation in (human.frames | {"chest": _untwisted(human.frames["chest"], swing, facing)}).items():
+        turn = Rotation.from_matrix(rotation).as_rotvec()
+        frames[body] = Rotation.from_rotvec(lead * turn).as_matrix()
+    return Targets(hips, frames, directions)
+
+
+def key_points(wanted: Targets, robot: Robot) -> dict[str, Array]:
+    """Where neck, top of the head, elbows and wrists are when every target is met: point -> (T, 3) from the waist [m].
+
+    This is the human in the robot's size, limb by limb: each segment has the robot's length and the human's direction,
+    and shoulders and head sit on the chest as the robot's do at rest.
+    """
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.rest)
+
+    def between(near: str, far: str) -> Array:
+        return data.oMf[robot.point(far)].translation - data.oMf[robot.point(near)].translation
+
+    def on_chest(near: str, far: str) -> Array:
+        return wanted.frames["chest"] @ data.oMf[robot.point("chest")].rotation.T @ between(near, far)
+
+    def along(segment: str) -> Array:
+        return np.linalg.norm(between(*SEGMENTS[segment])) * wanted.directions[segment]
+
+    neck = along("trunk")
+    points = {"neck": neck, "head_top": neck + on_chest("neck", "head") + along("head")}
+    for side in SIDES:
+        elbow = neck + on_chest("neck", f"{side}_shoulder") + along(f"{side}_upper_arm")
+        points |= {f"{side}_elbow": elbow, f"{side}_wrist": elbow + along(f"{side}_forearm")}
+    return points
+
+
+def _untwisted(rotations: Array, share: float, facing: Array) -> Array:
+    """Orientations (T, 3, 3) with a share of their turn from a heading (T,): Z(share · yaw) in place of Z(yaw)."""
+    yaw = np.unwrap(np.arctan2(rotations[:, 1, 0], rotations[:, 0, 0]) - facing)
+    yaw -= 2.0 * np.pi * np.round(np.median(yaw) / (2.0 * np.pi))
+    return Rotation.from_euler("Z", (share - 1.0) * yaw[:, None]).as_matrix() @ rotations

@@ -1,0 +1,48 @@
+"""Which foot stands where, and when; the polygon that they support."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from sot.polygon import Polygon
+from sot.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A stretch of time in which the same feet stand at the same place.
+
+    Attributes:
+        start, end: in motion time [s].
+        feet: foot -> pose of its frame, the sole flat on the floor; a foot that is in the air, or slides, is absent.
+        sliding: feet that slide on the floor.
+    """
+
+    start: float
+    end: float
+    feet: Mapping[str, pin.SE3]
+    sliding: tuple[str, ...] = ()
+
+
+def planted(robot: Robot, duration: float) -> tuple[Phase, ...]:
+    """One phase in which every foot stays where the rest posture puts it."""
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.rest)
+    feet = {foot: data.oMf[robot.point(foot)].copy() for foot in robot.feet}
+    return (Phase(0.0, duration, feet),)
+
+
+def support(robot: Robot, phase: Phase) -> Polygon:
+    """The convex hull of the soles that stand in a phase."""
+    corners = np.vstack([[pose.act(corner)[:2] for corner in robot.sole(foot)] for foot, pose in phase.feet.items()])
+    return Polygon.hull(corners)
+
+
+def phase_at(phases: Sequence[Phase], times: np.ndarray) -> np.ndarray:
+    """Index (T,) of the phase at each time; the last one from its start on."""
+    return np.clip(np.searchsorted([phase.start for phase in phases], times, side="right") - 1, 0, len(phases) - 1)

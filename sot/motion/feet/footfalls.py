@@ -1,0 +1,83 @@
+"""Contact phases seen from one foot: when and where it stands, one stance after the other."""
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+
+import pinocchio as pin
+
+from sot.motion.feet.contacts import Phase
+
+
+@dataclass(frozen=True)
+class Stance:
+    """A stance of one foot.
+
+    Attributes:
+        start, end: in motion time [s].
+        pose: of the foot's frame.
+    """
+
+    start: float
+    end: float
+    pose: pin.SE3
+
+
+class Footfalls:
+    """The stances of a foot over a motion, in order of time, each at a place of its own.
+
+    Args:
+        phases: of the motion.
+        foot: whose.
+    """
+
+    def __init__(self, phases: Sequence[Phase], foot: str) -> None:
+        stances: list[Stance] = []
+        for phase in phases:
+            if foot not in phase.feet:
+                continue
+            pose = phase.feet[foot]
+            if stances and stances[-1].end >= phase.start - 1e-9:
+                stances[-1] = Stance(stances[-1].start, phase.end, pose)
+            else:
+                stances.append(Stance(phase.start, phase.end, pose))
+        self._take(stances)
+
+    def _take(self, stances: Sequence[Stance]) -> None:
+        self.stances = tuple(stances)
+        self._starts = [stance.start for stance in stances]
+
+    def interrupted(self, lift: float, land: float, pose: pin.SE3) -> "Footfalls":
+        """With the stance at `lift` in two: between, until `land`, the foot is in the air, and then at another pose."""
+        at = self.begun(lift) - 1
+        stance = self.stances[at]
+        parts = replace(stance, end=lift), Stance(land, max(stance.end, land), pose)
+        changed = copy(self)
+        changed._take((*self.stances[:at], *parts, *self.stances[at + 1 :]))
+        return changed
+
+    def __len__(self) -> int:
+        return len(self.stances)
+
+    def __getitem__(self, index: int) -> Stance:
+        return self.stances[index]
+
+    def begun(self, t: float) -> int:
+        """How many stances have begun by a time [s]."""
+        return bisect_right(self._starts, t + 1e-9)
+
+    def around(self, t: float) -> tuple[Stance | None, Stance | None]:
+        """The stances before and after the swing that a time [s] is in or follows, none where there is none."""
+        index = self.begun(t)
+        swings = index < len(self) and (not index or t >= self.stances[index - 1].end - 1e-9)
+        after = index if swings else index - 1
+        return (self.stances[after - 1] if after > 0 else None), (self.stances[after] if after >= 0 else None)
+
+    def nearest(self, t: float) -> Stance | None:
+        """The stance at a time [s], or the one nearest in time to it; none if the foot never stands."""
+        if not self.stances:
+            return None
+        index = self.begun(t)
+        before, after = self.stances[max(index - 1, 0)], self.stances[min(index, len(self) - 1)]
+        return after if after.start - t < t - before.end else before

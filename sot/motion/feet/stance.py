@@ -1,0 +1,117 @@
+"""A human put where the robot stands: in its size, over its feet, on the motion's time line."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from sot.motion.human.human import SIDES, Human
+from sot.robots.robot import Robot
+from sot.smooth import slow_part
+
+Array = NDArray[np.float64]
+
+DRIFT_HZ = 0.3  # slower than this, where the feet stand and face is a drift to take out
+STANDING = 10.0  # percentile of the lower ankle's height that is taken for standing
+TURN = 0.9  # of the hips' range that a turned pelvis may use up
+LEAD = 1.0  # s, from rest to the first pose
+TAIL = 1.0  # s, rest in the last pose
+
+
+@dataclass(frozen=True)
+class Build:
+    """Sizes of a robot that a human is fitted to, from its rest posture.
+
+    Attributes:
+        leg, arm: lengths of both segments [m].
+        breadth: distance of the shoulders [m].
+        hips: middle of the hips in the waist frame (3,) [m].
+        ankles: middle of the ankles in the world (3,) [m].
+        turn: how far the pelvis can turn either way over planted feet [rad].
+    """
+
+    leg: float
+    arm: float
+    breadth: float
+    hips: Array
+    ankles: Array
+    turn: float
+
+    @staticmethod
+    def of(robot: Robot) -> "Build":
+        data = robot.model.createData()
+        pin.framesForwardKinematics(robot.model, data, robot.rest)
+
+        def place(point: str) -> Array:
+            return data.oMf[robot.point(point)].translation
+
+        def length(*points: str) -> float:
+            chain = [place(point) for point in points]
+            return float(sum(np.linalg.norm(b - a) for a, b in itertools.pairwise(chain)))
+
+        hips = np.mean([place(f"{side}_hip") for side in SIDES], axis=0)
+        return Build(
+            leg=float(np.mean([length(*(f"{side}_{p}" for p in ("hip", "knee", "ankle"))) for side in SIDES])),
+            arm=float(np.mean([length(*(f"{side}_{p}" for p in ("shoulder", "elbow", "wrist"))) for side in SIDES])),
+            breadth=length("left_shoulder", "right_shoulder"),
+            hips=data.oMf[robot.point("waist")].actInv(hips),
+            ankles=np.mean([place(f"{side}_ankle") for side in SIDES], axis=0),
+            turn=min(_turn(robot, robot.groups[f"{side}_leg"]) for side in SIDES),
+        )
+
+
+def over_feet(human: Human, build: Build) -> Human:
+    """The human in the robot's size, turned and moved so that its feet stay, on average, about the robot's.
+
+    Drift and turning slower than DRIFT_HZ are taken out, and what the pelvis turns beyond the robot's hips: a robot
+    with planted feet can follow none of them. Heights are above the ankles, which differ in height from robot to human.
+    """
+    ankles = np.mean([human.points[f"{side}_ankle"] for side in SIDES], axis=0)
+    forward = np.sum([human.points[f"{side}_toe"] - human.points[f"{side}_ankle"] for side in SIDES], axis=0)
+    feet = slow_part(np.unwrap(np.arctan2(forward[:, 1], forward[:, 0])), human.rate, DRIFT_HZ)
+    pelvis = np.arctan2(human.frames["pelvis"][:, 1, 0], human.frames["pelvis"][:, 0, 0])
+    twist = np.unwrap(np.angle(np.exp(1j * (pelvis - feet))))
+    heading = feet + twist - np.clip(twist, -build.turn, build.turn)
+    origin = slow_part(ankles[:, :2], human.rate, DRIFT_HZ)
+    height = np.percentile(np.min([human.points[f"{side}_ankle"][:, 2] for side in SIDES], axis=0), STANDING)
+
+    cosine, sine, nought = np.cos(heading), np.sin(heading), np.zeros_like(heading)
+    turn = np.array([[cosine, sine, nought], [-sine, cosine, nought], [nought, nought, nought + 1.0]]).transpose(
+        2, 0, 1
+    )
+    centre = np.column_stack([origin, np.full(human.count, height)])
+    scale = build.leg / human.leg
+    return replace(
+        human,
+        points={
+            name: build.ankles + scale * np.einsum("tij,tj->ti", turn, place - centre)
+            for name, place in human.points.items()
+        },
+        frames={body: turn @ rotation for body, rotation in human.frames.items()},
+    )
+
+
+def on_time_line(human: Human, rate: float) -> Human:
+    """Resampled, with the first pose held for LEAD before and the last for TAIL after."""
+    human = human.resampled(rate)
+    index = np.concatenate(
+        [np.zeros(round(LEAD * rate), int), np.arange(human.count), np.full(round(TAIL * rate), human.count - 1)]
+    )
+    return replace(
+        human,
+        points={name: place[index] for name, place in human.points.items()},
+        frames={body: rotation[index] for body, rotation in human.frames.items()},
+    )
+
+
+def _turn(robot: Robot, leg: Sequence[int]) -> float:
+    """Range [rad] to either side of rest of a leg's joint with the most vertical axis, at rest."""
+    data = robot.model.createData()
+    pin.computeJointJacobians(robot.model, data, robot.rest)
+    upright = [abs(data.J[5, 6 + joint]) for joint in leg]
+    joint = leg[int(np.argmax(upright))]
+    rest = robot.rest[7 + joint]
+    return TURN * float(min(rest - robot.lower[joint], robot.upper[joint] - rest))

@@ -1,0 +1,1 @@
+"""The human: from a file of joint angles to a skeleton with known names."""

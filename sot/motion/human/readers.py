@@ -1,0 +1,28 @@
+"""Reading a recorded human from a file of any supported format."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from sot.errors import InputError
+from sot.motion.human.acclaim import read_acclaim
+from sot.motion.human.bvh import read_bvh
+from sot.motion.human.capture import Capture, to_world
+
+READERS: dict[str, Callable[[Path], Capture]] = {
+    ".amc": read_acclaim,
+    ".asf": read_acclaim,
+    ".bvh": read_bvh,
+}
+
+
+def read(path: str | Path) -> Capture:
+    """Read a motion file, chosen by its ending, into metres, Z up, first heading +X; see `capture.to_world`.
+
+    Raises:
+        InputError: no such file, an ending without a reader, or contents that are not a human motion.
+    """
+    path = Path(path)
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise InputError(f"{path}: cannot read a motion from '{path.suffix}'; supported: {', '.join(sorted(READERS))}")
+    return to_world(reader(path))

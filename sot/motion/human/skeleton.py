@@ -1,0 +1,252 @@
+"""Who is who in a capture: any skeleton's joints under canonical names, and where its bodies face."""
+
+import tomllib
+from collections.abc import Mapping
+from importlib.resources import files
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from sot.errors import InputError
+from sot.motion.human.capture import Capture
+from sot.motion.human.human import SEGMENTS, SIDES, Human, nearest_rotations
+
+LIMBS = {"leg": ("hip", "knee", "ankle"), "arm": ("shoulder", "elbow", "wrist")}
+TIPS = {"wrist": "elbow", "toe": "ankle"}  # where a file does not name it, the farthest joint below
+JOINTS = ("head", *(f"{s}_{j}" for s in SIDES for limb in LIMBS.values() for j in limb), *(f"{s}_toe" for s in SIDES))
+HEAD_HEIGHT = (0.08, 0.30)  # m, from the head joint to its top, of a human
+AVERAGE_HEAD_HEIGHT = 0.2  # of the leg's length
+SNAP = np.cos(np.radians(30.0))  # a head joint's lateral axis is one of its own axes if that is this close
+
+Names = Mapping[str, list[str]]
+
+
+def recognise(capture: Capture, mapping: str | Path | Mapping[str, str] | None = None) -> Human:
+    """Name a capture's joints and calibrate its pelvis, chest and head.
+
+    Joint names are looked up in `skeletons/*.toml`, one file a naming convention, without regard to case, punctuation
+    and a prefix that they share; the hierarchy must bear them out. `mapping` replaces the lookup: a TOML file, or its
+    contents, with lines `canonical = "Their name"`.
+
+    The rest follows from the hierarchy: the pelvis carries the hips, the chest carries the shoulders, the neck is the
+    first joint from the chest to the head. Each of these bodies turns with its joint. The constant rotation from joint
+    to body, Ramos (29), comes from the clip itself, since a file's zero pose often is no posture at all and a T-pose
+    holds the head as nobody does: in that half of the frames that has the trunk most upright, Y of pelvis and chest
+    lies along hips and shoulders and Z along the trunk, and the head is level and looks where the chest does, all on
+    average.
+
+    Raises:
+        InputError: unknown names, or names that contradict the hierarchy or the way the body faces.
+    """
+    joints = _from_mapping(capture, mapping) if mapping is not None else _from_conventions(capture)
+    return _calibrated(capture, joints)
+
+
+def conventions() -> dict[str, Names]:
+    """Known naming conventions: name -> canonical joint -> the names it may have."""
+    folder = files("sot.motion.human") / "skeletons"
+    found = sorted((entry for entry in folder.iterdir() if entry.name.endswith(".toml")), key=lambda e: e.name)
+    return {entry.name.removesuffix(".toml"): _parse(entry.read_text("utf-8"), entry.name) for entry in found}
+
+
+def _parse(text: str, where: str) -> Names:
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{where}: not a mapping of joints: {error}") from error
+    return _checked(table, where)
+
+
+def _checked(table: Mapping[str, object], where: str) -> Names:
+    names: dict[str, list[str]] = {}
+    for joint, value in table.items():
+        if joint not in JOINTS:
+            raise InputError(f"{where}: '{joint}' is no canonical joint; known are {', '.join(JOINTS)}")
+        aliases = value if isinstance(value, list) else [value]
+        names[joint] = [alias for alias in aliases if isinstance(alias, str)]
+        if not aliases or len(names[joint]) < len(aliases):
+            raise InputError(f"{where}: '{joint}' needs a joint's name in quotes")
+    return names
+
+
+def _from_mapping(capture: Capture, mapping: str | Path | Mapping[str, str]) -> dict[str, int]:
+    if isinstance(mapping, str | Path):
+        try:
+            names = _parse(Path(mapping).read_text("utf-8"), str(mapping))
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"{mapping}: cannot be read as a mapping of joints: {error}") from error
+        where = str(mapping)
+    else:
+        names, where = _checked(mapping, "mapping"), "mapping"
+    table = {name.lower(): index for index, name in enumerate(capture.joints)}
+    joints: dict[str, int] = {}
+    for joint, aliases in names.items():
+        known = [table[alias.lower()] for alias in aliases if alias.lower() in table]
+        if not known:
+            has = ", ".join(capture.joints)
+            raise InputError(f'{where}: {joint} = "{aliases[0]}" is no joint of {capture.name}, which has {has}')
+        joints[joint] = known[0]
+    joints = _complete(capture, joints)
+    if missing := [joint for joint in JOINTS if joint not in joints]:
+        raise InputError(f"{where}: leaves out {', '.join(missing)}")
+    if wrong := _contradiction(capture, joints):
+        raise InputError(f"{where}: {wrong}")
+    return joints
+
+
+def _from_conventions(capture: Capture) -> dict[str, int]:
+    table: dict[str, int] = {}
+    for index, name in enumerate(capture.joints):
+        table.setdefault(_plain(name), index)
+    closest, reason = list(JOINTS), ""
+    for names in conventions().values():
+        for prefix in _prefixes(table, names):
+            joints = {
+                joint: table[prefix + _plain(alias)]
+                for joint, aliases in names.items()
+                for alias in reversed(aliases)
+                if prefix + _plain(alias) in table
+            }
+            joints = _complete(capture, joints)
+            missing = [joint for joint in JOINTS if joint not in joints]
+            wrong = "" if missing else _contradiction(capture, joints)
+            if not missing and not wrong:
+                return joints
+            if len(missing) < len(closest):
+                closest, reason = missing, wrong
+    lacking = f"not found: {', '.join(closest)}" if closest else reason
+    raise InputError(
+        f"{capture.name}: unknown skeleton ({lacking}); write a mapping file with lines like"
+        f' left_knee = "Their name" for {", ".join(JOINTS)}; its joints are {", ".join(capture.joints)}'
+    )
+
+
+def _plain(name: str) -> str:
+    return "".join(c for c in name.lower() if c.isalnum())
+
+
+def _prefixes(table: Mapping[str, int], names: Names) -> list[str]:
+    """What may stand before every name of a convention, read off the joints that end like its head."""
+    heads = [_plain(alias) for alias in names["head"]]
+    found = {name.removesuffix(head) for name in table for head in heads if name.endswith(head)}
+    return sorted(found | {""}, key=len)
+
+
+def _complete(capture: Capture, joints: dict[str, int]) -> dict[str, int]:
+    """Wrists and toes that have no name, from the farthest joint or end site below the joint before."""
+    for side in SIDES:
+        for tip, base in TIPS.items():
+            if f"{side}_{tip}" not in joints and f"{side}_{base}" in joints:
+                farthest = _farthest_below(capture, joints[f"{side}_{base}"])
+                if farthest is not None:
+                    joints[f"{side}_{tip}"] = farthest
+    return joints
+
+
+def _farthest_below(capture: Capture, joint: int) -> int | None:
+    below = [j for j in range(len(capture.joints)) if j != joint and joint in _ancestry(capture, j)]
+    first = capture.positions[0]
+    return max(below, key=lambda j: float(np.linalg.norm(first[j] - first[joint])), default=None)
+
+
+def _ancestry(capture: Capture, joint: int) -> list[int]:
+    """The joint itself, its parent, and so on to the root."""
+    line = []
+    while joint >= 0:
+        line.append(joint)
+        joint = capture.parents[joint]
+    return line
+
+
+def _common_ancestor(capture: Capture, one: int, other: int) -> int:
+    above = set(_ancestry(capture, other))
+    return next(joint for joint in _ancestry(capture, one) if joint in above)
+
+
+def _contradiction(capture: Capture, joints: dict[str, int]) -> str:
+    """What in the hierarchy speaks against these names; empty if nothing does."""
+    for side in SIDES:
+        for limb in (*LIMBS.values(), ("ankle", "toe")):
+            for upper, lower in pairwise(limb):
+                one, other = joints[f"{side}_{upper}"], joints[f"{side}_{lower}"]
+                if one == other or one not in _ancestry(capture, other):
+                    names = capture.joints[other], capture.joints[one]
+                    return f"{side}_{lower} ({names[0]}) is not below {side}_{upper} ({names[1]})"
+    for name in ("hip", "shoulder"):
+        pair = [joints[f"{side}_{name}"] for side in SIDES]
+        if _common_ancestor(capture, *pair) in pair:
+            return f"{capture.joints[pair[0]]} and {capture.joints[pair[1]]} cannot be the two {name}s"
+    return ""
+
+
+def _calibrated(capture: Capture, joints: dict[str, int]) -> Human:
+    pelvis = _common_ancestor(capture, joints["left_hip"], joints["right_hip"])
+    chest = _common_ancestor(capture, joints["left_shoulder"], joints["right_shoulder"])
+    points = _points(capture, joints, chest)
+    _check_apart(capture, points)
+    trunk = points["neck"] - points["waist"]
+    tilt = np.arctan2(np.linalg.norm(trunk[:, :2], axis=1), trunk[:, 2])
+    upright = tilt <= np.median(tilt)
+    level = np.broadcast_to([0.0, 0.0, 1.0], trunk.shape)
+    target = {"pelvis": _frame(points["left_hip"] - points["right_hip"], trunk)}
+    target["chest"] = _frame(points["left_shoulder"] - points["right_shoulder"], trunk)
+    target["head"] = _frame(np.cross(level, target["chest"][:, :, 0]), level)
+    frames = {}
+    for body, joint in (("pelvis", pelvis), ("chest", chest), ("head", joints["head"])):
+        turns = capture.rotations[:, joint]
+        to_body = nearest_rotations((turns.swapaxes(1, 2) @ target[body])[upright].mean(axis=0))
+        frames[body] = turns @ (_snap_lateral(to_body) if body == "head" else to_body)
+    ahead = sum(points[f"{side}_toe"] - points[f"{side}_ankle"] for side in SIDES)
+    if np.sum(ahead * frames["pelvis"][:, :, 0]) < 0:
+        raise InputError(f"{capture.name}: its toes point backwards; are left and right swapped in the joints' names?")
+
+    human = Human(capture.name, capture.rate, points, frames)
+    points["head_top"] = points["head"] + _head_height(capture, joints["head"], human.leg) * frames["head"][:, :, 2]
+    return human
+
+
+def _points(capture: Capture, joints: dict[str, int], chest: int) -> dict[str, np.ndarray]:
+    """Canonical points (T, 3), but for the top of the head."""
+    positions = capture.positions
+    points = {name: positions[:, joint] for name, joint in joints.items()}
+    points["waist"] = 0.5 * (points["left_hip"] + points["right_hip"])
+    points["chest"] = positions[:, chest]
+    between = _ancestry(capture, joints["head"])[1:]
+    between = between[: between.index(chest)] if chest in between else []
+    # Some conversions drop a bone and leave the neck on the chest: take the next joint up. Others have no neck at all.
+    bones = [np.linalg.norm(positions[0, j] - positions[0, chest]) for j in between]
+    neck = next((j for j, bone in reversed(list(zip(between, bones, strict=True))) if bone > 0.03), None)
+    points["neck"] = 0.5 * (points["left_shoulder"] + points["right_shoulder"]) if neck is None else positions[:, neck]
+    return points
+
+
+def _check_apart(capture: Capture, points: dict[str, np.ndarray]) -> None:
+    segments = [ends for ends in SEGMENTS.values() if "head_top" not in ends]
+    for one, other in (*segments, ("left_hip", "right_hip"), ("left_shoulder", "right_shoulder")):
+        distance = np.linalg.norm(points[one] - points[other], axis=1)
+        if distance.min() < 1e-3:
+            raise InputError(f"{capture.name}: {one} and {other} coincide in frame {int(distance.argmin())}")
+
+
+def _frame(lateral: np.ndarray, up: np.ndarray) -> np.ndarray:
+    """(T, 3, 3) rotations with Y along `lateral` and Z as near as it can be to `up`."""
+    y = lateral / np.linalg.norm(lateral, axis=1, keepdims=True)
+    x = np.cross(y, up)
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    return np.stack([x, y, np.cross(x, y)], axis=2)
+
+
+def _snap_lateral(to_head: np.ndarray) -> np.ndarray:
+    """Animators align a head joint with the head's plane of symmetry: where that shows, yaw and roll become exact."""
+    y, z = to_head[:, 1], to_head[:, 2]
+    axis = np.zeros(3)
+    axis[np.argmax(np.abs(y))] = np.sign(y[np.argmax(np.abs(y))])
+    return _frame(axis[None], z[None])[0] if axis @ y > SNAP else to_head
+
+
+def _head_height(capture: Capture, head: int, leg: float) -> float:
+    """From the head joint to its top [m]: the file's, where that is a human's."""
+    top = _farthest_below(capture, head)
+    height = 0.0 if top is None else float(np.linalg.norm(capture.positions[0, top] - capture.positions[0, head]))
+    return height if HEAD_HEIGHT[0] <= height <= HEAD_HEIGHT[1] else AVERAGE_HEAD_HEIGHT * leg

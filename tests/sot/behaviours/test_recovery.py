@@ -1,0 +1,123 @@
+"""Steps are made when balance needs them, to where they help, and never otherwise."""
+
+import numpy as np
+import pytest
+
+from sot.behaviours.recovery import Recovery
+from sot.control.contact import Contact
+from sot.control.stack import Stack
+from sot.control.tick import GRAVITY, Tick
+from sot.motion.feet.footholds import CLEARANCE, Reach
+from sot.polygon import Polygon
+from sot.robots.robot import Robot
+from tests.sim.runs import still_motion
+from tests.sot.behaviours.stepping import stepping_motion
+
+PERIOD = 0.005
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return Robot.load("hrp2")
+
+
+@pytest.fixture(scope="module")
+def motion(robot):
+    return still_motion(robot, 2.0)
+
+
+def standing(robot) -> Stack:
+    return Stack([Contact(foot, robot.sole(foot)) for foot in robot.feet], [], {})
+
+
+def moving(robot, stack, velocity, t: float = 0.0) -> Tick:
+    """A robot at rest posture that moves as a whole at a velocity (2,) [m/s]."""
+    tick, v = Tick(robot), np.zeros(robot.nv)
+    v[:2] = velocity
+    tick.contacts = stack.contacts
+    return tick.update(t, robot.rest, v)
+
+
+def reacts(robot, motion, velocity, left: float = 0.5) -> tuple[Stack, list[str]]:
+    """What happens to a stack of a robot that moves, and stands with that share of its weight on its left foot."""
+    recovery, stack = Recovery(robot, motion), standing(robot)
+    loads = dict(zip(robot.feet, robot.mass * GRAVITY * np.array([left, 1.0 - left]), strict=True))
+    done = recovery.apply(0.0, stack, loads)
+    recovery.heed(moving(robot, stack, velocity))
+    return stack, done + recovery.apply(PERIOD, stack, loads)
+
+
+def ways(stack) -> dict:
+    return {contact.point: contact.way for contact in stack.contacts if contact.way is not None}
+
+
+@pytest.mark.parametrize("velocity", [(0.0, 0.0), (0.2, 0.0), (0.0, 0.3), (-0.1, -0.1)])
+def test_what_the_feet_can_hold_makes_no_step(robot, motion, velocity):
+    stack, done = reacts(robot, motion, velocity)
+    assert done == [] and not ways(stack)
+
+
+@pytest.mark.parametrize("heading", np.deg2rad([-20.0, 0.0, 15.0, 165.0, 190.0]))
+def test_a_step_leaves_what_diverges_inside_the_new_support(robot, motion, heading):
+    velocity = 0.65 * np.array([np.cos(heading), np.sin(heading)])
+    stack, done = reacts(robot, motion, velocity)
+    ((foot, way),) = ways(stack).items()
+    assert done == [f"{foot} steps"]
+    tick = moving(robot, stack, velocity)
+    soles = {
+        name: (tick.frame(name).position + robot.sole(name) @ tick.frame(name).rotation.T)[:, :2] for name in robot.feet
+    }
+    moved = way.place - tick.frame(foot).position[:2]
+    assert moved @ velocity > 0.0
+    rate = np.sqrt(GRAVITY / tick.com[2])
+    xi = tick.com[:2] + tick.com_velocity[:2] / rate
+    assert Polygon.hull(np.vstack(list(soles.values()))).margin(xi) < 0.0
+    alone = Polygon.hull(next(sole for name, sole in soles.items() if name != foot))
+    z = alone.inset(0.01).nearest(xi)
+    xi = z + np.exp(rate * (way.land - PERIOD + 0.04)) * (xi - z)  # when the foot carries
+    soles[foot] += moved
+    assert Polygon.hull(np.vstack(list(soles.values()))).margin(xi) > 0.02
+
+
+def test_the_foot_that_steps_is_one_that_the_other_lets_go(robot, motion):
+    for left, foot in ((0.9, "right_foot"), (0.1, "left_foot")):
+        stack, _ = reacts(robot, motion, (0.6, 0.0), left)
+        assert set(ways(stack)) == {foot}
+
+
+def test_legs_neither_cross_nor_reach_too_far(robot, motion):
+    reach, steps = Reach.of(robot), 0
+    width = robot.sole("right_foot")[:, 1].max() - robot.sole("left_foot")[:, 1].min()  # of the inner halves
+    for heading in np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False):
+        for speed in (0.6, 0.9):
+            stack, _ = reacts(robot, motion, speed * np.array([np.cos(heading), np.sin(heading)]))
+            for foot, way in ways(stack).items():
+                beside, side = ("right_foot", 1.0) if foot == "left_foot" else ("left_foot", -1.0)
+                off = way.place - moving(robot, stack, (0.0, 0.0)).frame(beside).position[:2]
+                assert side * off[1] > width + CLEARANCE - 1e-6
+                assert np.linalg.norm(off - (0.0, side * max(reach.hips, width + CLEARANCE))) < reach.stride + 1e-6
+                steps += 1
+    assert steps > 10
+
+
+def test_the_place_follows_until_shortly_before_the_foot_lands(robot, motion):
+    recovery, stack = Recovery(robot, motion), standing(robot)
+    loads = dict.fromkeys(robot.feet, 0.5 * robot.mass * GRAVITY)
+    recovery.apply(0.0, stack, loads)
+    recovery.heed(moving(robot, stack, (0.6, 0.0)))
+    recovery.apply(PERIOD, stack, loads)
+    ((foot, way),) = ways(stack).items()
+    first = way.place[0]
+    recovery.heed(moving(robot, stack, (0.75, 0.0), t=0.1))
+    assert way.place[0] > first + 0.02
+    second = way.place[0]
+    recovery.heed(moving(robot, stack, (0.9, 0.0), t=way.land - 0.05))
+    assert way.place[0] == second
+    for t in np.arange(2 * PERIOD, way.land + 0.2, PERIOD):
+        recovery.apply(t, stack, loads if stack.contact(foot).mode == "fixed" else loads | {foot: 0.0})
+    assert stack.contact(foot).mode == "fixed" and not ways(stack)
+
+
+def test_not_before_the_last_step_of_the_plan(robot):
+    stack, done = reacts(robot, stepping_motion(robot, rate=200.0), (0.65, 0.0))
+    assert done == [] and not ways(stack)
