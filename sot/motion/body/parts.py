@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 FOOT = 1.0 / 0.0001  # 1/m and 1/rad
+TILT = 0.05  # rad, of a foot that swings
 COM = {False: 1.0 / 0.0003, True: 1.0 / 0.00005}  # 1/m, on feet that stand or step: stepping, support is scarce
 PLACE = 1.0 / 0.05  # 1/m, of the hips where no CoM is asked for
 HEIGHT = {False: 1.0 / 0.05, True: 1.0 / 0.01}  # 1/m, of the hips
@@ -70,14 +71,14 @@ class Body:
             com, J_com = kinematics.com()
             place = COM[self._steps], com[:, :2] - self._com[knots], J_com[:, :2]
         tilt, J_tilt = kinematics.orientation(self._waist, wanted.frames["pelvis"][knots])
-        feet = [
-            (FOOT, *residual)
-            for foot, path in self._feet
-            for residual in (
-                kinematics.position(foot, path.position[knots]),
-                kinematics.orientation(foot, path.rotation[knots]),
-            )
-        ]
+        feet = []
+        for foot, path in self._feet:
+            level = FOOT / (1.0 + FOOT * TILT * path.free[knots, None])
+            turn, J_turn = kinematics.orientation(foot, path.rotation[knots])
+            feet += [
+                (FOOT, *kinematics.position(foot, path.position[knots])),
+                (1.0, level * turn, level[:, None] * J_turn),
+            ]
         return _weighted(
             *feet,
             place,
