@@ -28,7 +28,7 @@ from scenarios.suite import SUITES, bench_suite, pieces
 from scenarios.suite import show as show_suite
 from sim.reporting.report import show
 from sot.errors import InputError
-from sot.robots.robot import Robot, robots
+from sot.robots.robot import Robot, robot_names
 
 DONE, FELL, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 TRACEBACK = "SOT_TRACEBACK"
@@ -331,7 +331,7 @@ def _listed(kind: Kind) -> Iterator[tuple[str, ...]]:
             for clip in clips.clips():
                 yield clip.name, f"{clip.seconds:.1f} s", clip.what, f"{clip.source}, {clip.licence}"
         case Kind.ROBOTS:
-            for name in robots():
+            for name in robot_names():
                 robot = Robot.load(name)
                 yield name, robot.label, f"{robot.na} joints, {robot.mass:.1f} kg"
         case Kind.SCENARIOS:

@@ -10,7 +10,7 @@ import numpy as np
 from sim.convert import joint_order, state_from_mujoco, state_to_mujoco
 from sim.mismatch import AS_MODELLED, Mismatch
 from sim.push import Push, Pusher
-from sim.scene import build
+from sim.scene import build_model
 from sim.sensors import FloorSensors, SelfDistance
 from sot.robots.robot import Robot
 
@@ -50,7 +50,7 @@ class World:
         self.mismatch = mismatch
         self.pushes = tuple(pushes)
         self._substeps = max(1, ceil(timestep / PHYSICS_TIMESTEP - 1e-9))
-        self.model = build(robot, timestep / self._substeps, self.mismatch.friction)
+        self.model = build_model(robot, timestep / self._substeps, self.mismatch.friction)
         self.mismatch.apply(self.model)
         self.data = mujoco.MjData(self.model)
         # Live views: to ask MuJoCo for its arrays anew takes longer than to read them.

