@@ -83,7 +83,7 @@ class SelfCollision(Task):
             self._make_room(count, len(tick.v))
         if not near:
             self.error, self.labels = _NONE, ()
-            return self._rows(self._empty, self._free, self._upper)
+            return self.make_rows(self._empty, self._free, self._upper)
         A, lower = self._empty.copy(), self._free.copy()
         distances, rates, J, drift = self.observe(tick, near)
         # What the joints give at the accelerations that are relied upon.
@@ -95,7 +95,7 @@ class SelfCollision(Task):
         A[:count], lower[:count] = J, np.minimum(wanted, most)
         self.error = np.maximum(self._least - distances, 0.0)
         self.labels = [" and ".join(self.pairs[k]) for k in near]
-        return self._rows(A, lower, self._upper)
+        return self.make_rows(A, lower, self._upper)
 
     def _make_room(self, pairs: int, nv: int) -> None:
         """For the rows of some pairs; those of none are read-only, so that nobody writes them twice."""
