@@ -215,8 +215,8 @@ def posture_only(kept: float, edits: Sequence[Edit] = ()) -> Composer:
             },
         )
         for foot in sorted({foot for phase in motion.phases for foot in phase.sliding}):
-            stack.contact(foot).way = way = motion.pose(foot)
-            stack.add(FootSliding(robot, foot, way), level="feet", before="posture")
+            stack.contact(foot).path = path = motion.pose(foot)
+            stack.add(FootSliding(robot, foot, path), level="feet", before="posture")
         return Composition(stack, Sliding(motion.phases), tuple(edits))
 
     return compose
