@@ -109,7 +109,7 @@ def test_no_pressure_is_asked_for_outside_what_the_feet_carry(robot, standing):
         )
         pressure = commanded_pressure(tick, rows, reference)
         assert polygon.margin(pressure) > -1e-9
-        np.testing.assert_allclose(pressure, polygon.nearest(free), atol=1e-9)
+        np.testing.assert_allclose(pressure, polygon.nearest_point(free), atol=1e-9)
         inside += polygon.margin(free) > 0.0
     assert inside < 20
 
