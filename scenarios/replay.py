@@ -48,7 +48,7 @@ class Replay:
         robot: name of a robot, or its file.
         stack: file of the user's own stack; None for the one that fits the feet.
         solver: one of `SOLVERS`.
-        feet: one of `sot.motion.plan.FEET`.
+        feet: one of `sot.motion.plan.FEET_MODES`.
         start, duration: part of the clip [s], to its end by default.
         rate: of the control [Hz].
         mapping: file that names the joints of an unknown skeleton.
@@ -168,7 +168,7 @@ def perform(request: Replay, compose: Composer, motion: Motion, planned: Plan | 
         rate_hz=request.rate,
         fell_at_s=done.fell_at_s,
         speed_min=planned.speed_min if planned else 1.0,
-        stretched_s=planned.stretched if planned else 0.0,
+        stretched_s=planned.added_time if planned else 0.0,
         reason=done.reason,
         mismatch=request.mismatch,
         pushes=request.pushes,

@@ -72,7 +72,7 @@ class SwingFoot(OperationalPoint):
 
     def _lowered_path(self, t: float) -> Pose:
         pose = self._planned_path(t)
-        before, after = self._stances.around(t)
+        before, after = self._stances.stances_around(t)
         if before is None or after is None:
             return pose
         late, span = t - after.start, after.start - before.end

@@ -44,10 +44,10 @@ from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.motion import Human, plan, read, recognise
 from sot.motion.edit import Edit
-from sot.motion.feet.slides import AHEAD
+from sot.motion.feet.slides import SLIDE_FORWARD
 from sot.motion.human.human import SIDES
 from sot.motion.human.oscillation import find_oscillations
-from sot.motion.plan import NOISE_HZ, Plan, sampled
+from sot.motion.plan import CAPTURE_NOISE_HZ, Plan, sampled_motion
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from tasks import Balance, FootSliding, JointBounds, LeastForces, Posture, SelfCollision, TorqueBounds
@@ -90,8 +90,8 @@ def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
     tell("planning", None)
     human = human.slice(start, duration)
     planned = plan(human, robot, "planted", request.rate, height=HEIGHT)
-    sliding = plan(human, robot, "planted", request.rate, slide=AHEAD, height=HEIGHT)
-    geometric = sampled(robot, planned.imitation, planned.motion.phases, request.rate)
+    sliding = plan(human, robot, "planted", request.rate, slide=SLIDE_FORWARD, height=HEIGHT)
+    geometric = sampled_motion(robot, planned.imitation, planned.motion.phases, request.rate)
     posture = _danced(request, posture_only(KEPT), planned, tell)
     slides = slid(sliding)
     knees = oscillating_knees(planned, slides)
@@ -178,7 +178,7 @@ def part(human: Human, start: float, duration: float | None) -> tuple[float, flo
     """
     if start or duration is not None or human.duration <= SECONDS:
         return start, human.duration - start if duration is None else duration
-    smooth = human.low_passed(NOISE_HZ)
+    smooth = human.low_passed(CAPTURE_NOISE_HZ)
     found = [swing for side in SIDES for swing in find_oscillations(smooth.times, knee_angle(smooth, side))]
     starts = np.arange(0.0, human.duration - SECONDS, 1.0)
     swung = [

@@ -11,7 +11,7 @@ from sot.behaviours.stepping import Stepping
 from sot.behaviours.stride import Stride
 from sot.control.stack import Stack
 from sot.control.tick import GRAVITY, Tick
-from sot.motion.feet.footholds import CLEARANCE, Reach
+from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
@@ -83,7 +83,7 @@ class Recovery(Stepping):
     def __init__(self, robot: Robot, motion: Motion, ramp: float = 0.04) -> None:
         super().__init__(robot, motion.phases, ramp)
         self._robot, self._motion, self._places = robot, motion, motion.feet
-        self._reach = Reach.of(robot)
+        self._reach = LegReach.of(robot)
         data = robot.model.createData()
         pin.framesForwardKinematics(robot.model, data, robot.rest)
         # What points to the robot's left, seen from its feet.
@@ -137,7 +137,7 @@ class Recovery(Stepping):
         best, step = GAIN + float(support.margin(_ahead(tick, xi, support, QUICK + 2.0 * self.ramp))), None
         for foot, beside in self._free:
             place, depth = self._foothold(tick, xi, foot, beside, self.ramp + QUICK)
-            span = max(QUICK, float(np.linalg.norm(place - tick.frame(foot).position[:2])) / self._reach.speed)
+            span = max(QUICK, float(np.linalg.norm(place - tick.frame(foot).position[:2])) / self._reach.swing_speed)
             if span > QUICK:
                 place, depth = self._foothold(tick, xi, foot, beside, self.ramp + span)
             if depth > best:
@@ -195,9 +195,9 @@ class Recovery(Stepping):
         outward = (frame.rotation @ self._left[beside])[:2] * (1.0 if foot == self._robot.feet[0] else -1.0)
         inner = max((self._sole(tick, beside) - frame.position[:2]) @ outward)
         inner -= min((self._sole(tick, foot) - swings.position[:2]) @ outward)
-        reach, least, off = self._reach.stride, inner + CLEARANCE, place - frame.position[:2]
+        reach, least, off = self._reach.max_stride, inner + SOLE_CLEARANCE, place - frame.position[:2]
         off = off + max(0.0, least - off @ outward) * outward
-        hip = max(least, self._reach.hips) * outward
+        hip = max(least, self._reach.hip_width) * outward
         return frame.position[:2] + hip + (off - hip) * (reach / max(reach, float(np.linalg.norm(off - hip))))
 
     def _sole(self, tick: Tick, foot: str) -> Array:

@@ -16,8 +16,8 @@ from sot.control.controller import Controller
 from sot.control.schedule import Schedule
 from sot.control.stack import Stack
 from sot.errors import InputError
-from sot.motion.balance.balance import plan_balance
 from sot.motion.balance.centroidal import Centroidal
+from sot.motion.balance.programme import plan_balance
 from sot.motion.feet.support import supports
 from sot.motion.trajectory import Motion
 

@@ -51,7 +51,7 @@ class Stepping(Schedule):
         self.ramp = ramp
         self._weight = robot.mass * GRAVITY
         falls = {foot: Footfalls(phases, foot) for foot in robot.feet}
-        self._feet = [_Foot(name, stances, stances.begun(0.0), -ramp) for name, stances in falls.items()]
+        self._feet = [_Foot(name, stances, stances.count_begun(0.0), -ramp) for name, stances in falls.items()]
 
     def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:
         """Carry out what has become due; returns what it was. Without loads all happens as planned."""
@@ -91,7 +91,7 @@ class Stepping(Schedule):
     def interrupt(self, foot: str, lift: float, land: float) -> None:
         """Have a foot that stands step in between, from a time to another [s]."""
         own = self._of(foot)
-        own.stances = own.stances.interrupted(lift, land, own.stances[own.next - 1].pose)
+        own.stances = own.stances.with_step(lift, land, own.stances[own.next - 1].pose)
 
     def _of(self, name: str) -> _Foot:
         return next(foot for foot in self._feet if foot.name == name)

@@ -11,7 +11,7 @@ from sim.world import World
 from solvers import Cascade
 from sot.control.controller import Controller
 from sot.motion import plan, read, recognise
-from sot.motion.feet.slides import AHEAD, SPEED, slide_time
+from sot.motion.feet.slides import SLIDE_FORWARD, SLIDE_SPEED, slide_duration
 from sot.robots.robot import Robot, robot_names
 
 
@@ -28,7 +28,7 @@ def test_each_foot_slides_ahead_in_its_turn(name):
         assert abs(foot.position[rows, 2]).max() < 1e-3
         (standing,) = phase.feet
         assert abs(motion.track(standing).velocity[rows]).max() < 5e-3
-    assert slide_time(sliding.WAY, robot) > sliding.WAY[0] / SPEED
+    assert slide_duration(sliding.WAY, robot) > sliding.WAY[0] / SLIDE_SPEED
 
 
 @pytest.mark.slow
@@ -55,7 +55,7 @@ def test_slides_lightly_loaded_where_it_should(rate, monkeypatch):
 @pytest.mark.slow
 def test_a_dance_slides_where_its_dancer_stands_on_one_foot_most():
     robot = Robot.load("hrp2")
-    motion = plan(recognise(read(clips.find_clip("groove"))), robot, rate=500.0, slide=AHEAD).motion
+    motion = plan(recognise(read(clips.find_clip("groove"))), robot, rate=500.0, slide=SLIDE_FORWARD).motion
     stack, schedule = stacks.slides(robot, motion), stacks.sliding(robot, motion)
     done = run(Controller(robot, stack, Cascade(), 0.002, schedule), World(robot, 0.002), motion)
     assert done.fell_at_s is None, done.reason

@@ -7,7 +7,7 @@ from sot.behaviours.recovery import Recovery
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.control.tick import GRAVITY, Tick
-from sot.motion.feet.footholds import CLEARANCE, Reach
+from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
 from tests.sim.runs import still_motion
@@ -86,7 +86,7 @@ def test_the_foot_that_steps_is_one_that_the_other_lets_go(robot, motion):
 
 
 def test_legs_neither_cross_nor_reach_too_far(robot, motion):
-    reach, steps = Reach.of(robot), 0
+    reach, steps = LegReach.of(robot), 0
     width = robot.sole("right_foot")[:, 1].max() - robot.sole("left_foot")[:, 1].min()  # of the inner halves
     for heading in np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False):
         for speed in (0.6, 0.9):
@@ -94,8 +94,11 @@ def test_legs_neither_cross_nor_reach_too_far(robot, motion):
             for foot, way in ways(stack).items():
                 beside, side = ("right_foot", 1.0) if foot == "left_foot" else ("left_foot", -1.0)
                 off = way.place - moving(robot, stack, (0.0, 0.0)).frame(beside).position[:2]
-                assert side * off[1] > width + CLEARANCE - 1e-6
-                assert np.linalg.norm(off - (0.0, side * max(reach.hips, width + CLEARANCE))) < reach.stride + 1e-6
+                assert side * off[1] > width + SOLE_CLEARANCE - 1e-6
+                assert (
+                    np.linalg.norm(off - (0.0, side * max(reach.hip_width, width + SOLE_CLEARANCE)))
+                    < reach.max_stride + 1e-6
+                )
                 steps += 1
     assert steps > 10
 
