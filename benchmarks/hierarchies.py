@@ -30,7 +30,7 @@ from scenarios.replay import Replay, retarget
 from sim.reference import hot_reference_us
 from sim.world import World
 from solvers import Cascade, Level
-from solvers.reduction import Reduction, leading_of
+from solvers.reduction import Reduction, leading_count
 from sot.control.controller import Controller
 from sot.robots.robot import Robot
 
@@ -76,9 +76,9 @@ def by_daqp(levels: Sequence[Level]) -> Array:
 
 def by_daqp_reduced(levels: Sequence[Level]) -> Array:
     """The same without level 0's equalities."""
-    reduction = Reduction.of(levels[0], leading_of(levels), 1e-7)
+    reduction = Reduction.of(levels[0], leading_count(levels), 1e-7)
     assert reduction is not None
-    return reduction.back(by_daqp(reduction.levels(levels)))
+    return reduction.full_solution(by_daqp(reduction.reduced_levels(levels)))
 
 
 def by_chain(back_end: str) -> Callable[[Sequence[Level]], Array]:

@@ -16,9 +16,12 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 Array = NDArray[np.float64]
 
 TO_THE_BOUNDARY = 0.995
-PRICE = 100.0  # usual of a limit, in half the room
-VIOLATION = 1e-5  # of half the room, what a limit may be missed by
-STATIONARY, ROUNDING = 1e-9, 1e-13  # what may be left of the gradient, of its largest part and of the largest curvature
+TYPICAL_MULTIPLIER = 100.0  # usual of a limit, in half the room
+VIOLATION_TOLERANCE = 1e-5  # of half the room, what a limit may be missed by
+GRADIENT_TOLERANCE, CURVATURE_ROUNDING = (
+    1e-9,
+    1e-13,
+)  # what may be left of the gradient, of its largest part and of the largest curvature
 
 
 @dataclass(frozen=True)
@@ -57,20 +60,20 @@ class BandedQP:
         room = 0.5 * (upper - lower)
         unit = np.where(np.isfinite(room), room, np.maximum(1.0, np.abs(np.where(above, upper, lower))))
         A = sp.diags_array(1.0 / unit) @ A  # slacks of the order of one, whatever the units of the rows
-        self._unit = np.concatenate([unit[above], unit[below]])
+        self._row_units = np.concatenate([unit[above], unit[below]])
         self._G = sp.vstack([A[above], -A[below]], format="csr")  # every limit as a row of G x <= h
         self._G.sum_duplicates()  # and sorts the columns of each row
-        self._h = np.concatenate([upper[above], -lower[below]]) / self._unit
+        self._h = np.concatenate([upper[above], -lower[below]]) / self._row_units
         self._Gt = self._G.T.tocsr()
-        self._cells, self._fold = _folding(self._G, band)
+        self._normal_cells, self._weights_to_normal = _normal_matrix_map(self._G, band)
 
     def solve(
         self,
         H: Array,
         g: Array,
-        around: Array | None = None,
-        price: float = PRICE,
-        iterations: int = 60,
+        expansion_point: Array | None = None,
+        first_multiplier: float = TYPICAL_MULTIPLIER,
+        max_iterations: int = 60,
         tolerance: float = 1e-3,
     ) -> BandedSolution:
         """The minimum, for a Hessian and a gradient of one's own.
@@ -83,29 +86,29 @@ class BandedQP:
             iterations: most Newton steps.
             tolerance: of complementarity: what a limit costs, times what is left to it in half the room, on average.
         """
-        G, Gt, cells = self._G, self._Gt, self._cells
-        origin = np.zeros(self.n) if around is None else around
+        G, Gt, normal_cells = self._G, self._Gt, self._normal_cells
+        origin = np.zeros(self.n) if expansion_point is None else expansion_point
         h = self._h - G @ origin
-        x = _solve(_factor(H.copy()), -g)
+        x = _cholesky_solve(_banded_cholesky(H.copy()), -g)
         slack = h - G @ x
         if slack.size == 0 or slack.min() >= 0.0:
             return BandedSolution(origin + x, True, 0, 0.0)
-        rounding = ROUNDING * _largest(H)
-        s, z = np.maximum(slack, 1.0), np.full(slack.size, price)
+        curvature_rounding = CURVATURE_ROUNDING * _max_abs(H)
+        s, z = np.maximum(slack, 1.0), np.full(slack.size, first_multiplier)
         solved, iteration, normal = False, 0, np.empty_like(H)
-        while iteration < iterations:
-            curve = dsbmv(self.band, 1.0, H.T, x, lower=1)
-            dual = curve + g + Gt @ z
-            stationary = STATIONARY * (1.0 + max(_largest(g), _largest(curve))) + rounding
+        while iteration < max_iterations:
+            curvature = dsbmv(self.band, 1.0, H.T, x, lower=1)
+            dual = curvature + g + Gt @ z
+            gradient_tolerance = GRADIENT_TOLERANCE * (1.0 + max(_max_abs(g), _max_abs(curvature))) + curvature_rounding
             primal = h - G @ x - s
             gap = float(s @ z) / s.size
-            solved = gap < tolerance and _largest(dual) < stationary and _largest(primal) < VIOLATION
+            solved = gap < tolerance and _max_abs(dual) < gradient_tolerance and _max_abs(primal) < VIOLATION_TOLERANCE
             if solved:
                 break
             iteration += 1
             np.copyto(normal, H)
-            normal.ravel()[cells] += self._fold @ (z / s)
-            factor = _factor(normal)
+            normal.ravel()[normal_cells] += self._weights_to_normal @ (z / s)
+            factor = _banded_cholesky(normal)
 
             def newton(
                 target: Array,
@@ -115,16 +118,16 @@ class BandedQP:
                 s: Array = s,
                 z: Array = z,
             ) -> tuple[Array, Array, Array]:
-                dx = _solve(factor, Gt @ ((target + z * primal) / s) - dual)
+                dx = _cholesky_solve(factor, Gt @ ((target + z * primal) / s) - dual)
                 ds = primal - G @ dx
                 return dx, ds, -(target + z * ds) / s
 
             _, ds, dz = newton(s * z)
-            ahead = float((s + _longest(s, ds) * ds) @ (z + _longest(z, dz) * dz)) / s.size
-            dx, ds, dz = newton(s * z + ds * dz - (ahead / gap) ** 3 * gap)
-            step = min(1.0, TO_THE_BOUNDARY * min(_longest(s, ds), _longest(z, dz)))
+            predicted_gap = float((s + _max_step(s, ds) * ds) @ (z + _max_step(z, dz) * dz)) / s.size
+            dx, ds, dz = newton(s * z + ds * dz - (predicted_gap / gap) ** 3 * gap)
+            step = min(1.0, TO_THE_BOUNDARY * min(_max_step(s, ds), _max_step(z, dz)))
             x, s, z = x + step * dx, s + step * ds, z + step * dz
-        violation = float(max(0.0, (self._unit * (G @ x - h)).max()))
+        violation = float(max(0.0, (self._row_units * (G @ x - h)).max()))
         return BandedSolution(origin + x, solved, iteration, violation)
 
 
@@ -154,7 +157,7 @@ def sparse_qp(H: sp.sparray, A: sp.sparray, lower: Array, upper: Array, toleranc
     return replace(solution, x=solution.x[place])
 
 
-def _folding(G: sp.csr_array, band: int) -> tuple[NDArray[np.int64], sp.csr_array]:
+def _normal_matrix_map(G: sp.csr_array, band: int) -> tuple[NDArray[np.int64], sp.csr_array]:
     """Where the lower diagonals of GᵀWG are not zero, flattened as `H` is, and the linear map from row weights w to
     what they are there."""
     products, cells, rows = [], [], []
@@ -180,7 +183,7 @@ def _folding(G: sp.csr_array, band: int) -> tuple[NDArray[np.int64], sp.csr_arra
     return np.flatnonzero(used), sp.csr_array(entries, shape=(int(used.sum()), G.shape[0]))
 
 
-def _factor(H: Array) -> Array:
+def _banded_cholesky(H: Array) -> Array:
     """Banded Cholesky factor; overwrites H."""
     factor, info = dpbtrf(H.T, lower=1, overwrite_ab=1)
     if info:
@@ -188,14 +191,14 @@ def _factor(H: Array) -> Array:
     return factor
 
 
-def _solve(factor: Array, b: Array) -> Array:
+def _cholesky_solve(factor: Array, b: Array) -> Array:
     return dpbtrs(factor, b, lower=1)[0]
 
 
-def _longest(value: Array, step: Array) -> float:
+def _max_step(value: Array, step: Array) -> float:
     """Largest multiple of the step, at most 1, that keeps the positive value non-negative."""
     return 1.0 / max(1.0, -float((step / value).min()))
 
 
-def _largest(value: Array) -> float:
+def _max_abs(value: Array) -> float:
     return float(np.abs(value).max())

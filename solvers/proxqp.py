@@ -8,16 +8,16 @@ from proxsuite import proxqp
 
 from solvers.rows import Array, Status
 
-SECOND_SOLVER = "quadprog"
-ROUNDING = 1e-13
+SECOND_SOLVER_NAME = "quadprog"
+ZERO_BELOW = 1e-13
 """Entries of the inequalities that are smaller than this, relative to the largest, are zero but for rounding."""
 
-THIN = 1e-7, 1e-12
+INFEASIBILITY_TOLERANCES = 1e-7, 1e-12
 """ProxQP's `eps_primal_inf`, below which it takes a thin feasible set for none: as a rule, and where there is one."""
-WIDER = 3.0, 100.0
+BOUND_WIDENINGS = 3.0, 100.0
 """Where a set has no width, solvers stumble over rounding. The levels above are known no better than to the accuracy of
 their QPs: bounds are widened by this many times as much, where ProxQP has failed, and where the second solver has."""
-DEFINITE = 1e-10, 1e-8
+ADDED_CURVATURES = 1e-10, 1e-8
 """How much more curvature, relative to its mean, the objective is given for the second solver, which wants all of it to
 be positive: as a rule far less than shows in the answer, and where the solver has failed."""
 
@@ -37,7 +37,7 @@ class QP:
     C: Array
     lower: Array
     upper: Array
-    feasible: bool = False
+    known_feasible: bool = False
 
     def violation(self, y: Array) -> float:
         """Largest violation of an inequality."""
@@ -84,7 +84,7 @@ class PersistentQPs:
         self.max_iterations = max_iterations
         self._solvers: dict[tuple[object, int, int], proxqp.dense.QP] = {}
 
-    def solve(self, key: object, problem: QP, second: bool = True) -> QPResult:
+    def solve(self, key: object, problem: QP, use_second_solver: bool = True) -> QPResult:
         """Solve a QP.
 
         Args:
@@ -95,32 +95,32 @@ class PersistentQPs:
         H, g, C, lower, upper = problem.H, problem.g, problem.C, problem.lower, problem.upper
         n, m = len(g), len(lower)
         # Scaled up by the preconditioner, rows of mere rounding would keep ProxQP busy for seconds.
-        C = np.where(np.abs(C) > ROUNDING * np.abs(C).max(initial=0.0), C, 0.0)
+        C = np.where(np.abs(C) > ZERO_BELOW * np.abs(C).max(initial=0.0), C, 0.0)
         problem = replace(problem, C=C)
         place = (key, n, m)
         qp = self._solvers.get(place)
         if qp is not None:
-            qp.settings.eps_primal_inf = THIN[problem.feasible]
+            qp.settings.eps_primal_inf = INFEASIBILITY_TOLERANCES[problem.known_feasible]
             qp.update(H=H, g=g, C=C, l=lower, u=upper, update_preconditioner=False)
             qp.solve()
-            if (answer := self._accepted(qp, problem)) is not None:
+            if (answer := self._accepted_result(qp, problem)) is not None:
                 return answer
         # Anew: there was no previous result, or it was no good place to start from.
-        for wider in (0.0, WIDER[0] * self.accuracy)[: 1 + problem.feasible]:
-            qp = self._create(n, m)
-            qp.settings.eps_primal_inf = THIN[problem.feasible]
+        for wider in (0.0, BOUND_WIDENINGS[0] * self.accuracy)[: 1 + problem.known_feasible]:
+            qp = self._new_solver(n, m)
+            qp.settings.eps_primal_inf = INFEASIBILITY_TOLERANCES[problem.known_feasible]
             qp.init(H, g, None, None, C, lower - wider, upper + wider)
             qp.solve()
-            if (answer := self._accepted(qp, problem)) is not None:
+            if (answer := self._accepted_result(qp, problem)) is not None:
                 # Only now: ProxQP has no previous result to start from before its first solve.
                 qp.settings.initial_guess = proxqp.WARM_START_WITH_PREVIOUS_RESULT
                 self._solvers[place] = qp
                 return answer
         self._solvers.pop(place, None)
-        reason = self._why(qp)
-        return self._second(problem, reason) if second else _failure(problem, reason)
+        reason = self._failure_reason(qp)
+        return self._solve_with_second_solver(problem, reason) if use_second_solver else _failed_result(problem, reason)
 
-    def _accepted(self, qp: proxqp.dense.QP, problem: QP) -> QPResult | None:
+    def _accepted_result(self, qp: proxqp.dense.QP, problem: QP) -> QPResult | None:
         """The answer of a solved QP, None where it is no answer."""
         if qp.results.info.status != proxqp.PROXQP_SOLVED:
             return None
@@ -128,7 +128,7 @@ class PersistentQPs:
         residual = problem.violation(y)
         return QPResult(y, qp.results.z.copy(), Status.SOLVED, residual) if residual <= self.tolerance else None
 
-    def _why(self, qp: proxqp.dense.QP) -> str:
+    def _failure_reason(self, qp: proxqp.dense.QP) -> str:
         """Why ProxQP has no answer."""
         most = self.max_iterations
         return {
@@ -137,7 +137,7 @@ class PersistentQPs:
             proxqp.PROXQP_PRIMAL_INFEASIBLE: "ProxQP took it for infeasible",
         }.get(qp.results.info.status, "ProxQP took it for unbounded")
 
-    def _create(self, n: int, m: int) -> proxqp.dense.QP:
+    def _new_solver(self, n: int, m: int) -> proxqp.dense.QP:
         qp = proxqp.dense.QP(n, 0, m, False, proxqp.dense.HessianType.Dense, proxqp.dense.DenseBackend.PrimalDualLDLT)
         qp.settings.eps_abs = self.accuracy
         qp.settings.eps_rel = 0.0
@@ -149,18 +149,19 @@ class PersistentQPs:
         qp.settings.initial_guess = proxqp.NO_INITIAL_GUESS
         return qp
 
-    def _second(self, problem: QP, reason: str) -> QPResult:
+    def _solve_with_second_solver(self, problem: QP, reason: str) -> QPResult:
         H, C, lower, upper = problem.H, problem.C, problem.lower, problem.upper
         n, m = len(H), len(lower)
         curvature = max(1.0, float(np.trace(H)) / n) * np.eye(n)
-        wide = WIDER[1] * self.accuracy
-        attempts = [(DEFINITE[0], 0.0), (DEFINITE[0], wide), (DEFINITE[1], wide)]
+        wide = BOUND_WIDENINGS[1] * self.accuracy
+        attempts = [(ADDED_CURVATURES[0], 0.0), (ADDED_CURVATURES[0], wide), (ADDED_CURVATURES[1], wide)]
         above, below = np.isfinite(upper), np.isfinite(lower)
         rows, bounds = np.vstack([C[above], -C[below]]), np.concatenate([upper[above], -lower[below]])
-        for definite, wider in attempts if problem.feasible else attempts[:1]:
+        for definite, wider in attempts if problem.known_feasible else attempts[:1]:
             try:
                 solution = qpsolvers.solve_problem(
-                    qpsolvers.Problem(H + definite * curvature, problem.g, rows, bounds + wider), solver=SECOND_SOLVER
+                    qpsolvers.Problem(H + definite * curvature, problem.g, rows, bounds + wider),
+                    solver=SECOND_SOLVER_NAME,
                 )
             except (qpsolvers.SolverError, ValueError):
                 continue
@@ -171,10 +172,10 @@ class PersistentQPs:
                 multipliers = np.zeros(m)
                 multipliers[above] += solution.z[: above.sum()]
                 multipliers[below] -= solution.z[above.sum() :]
-                words = f"{reason}, {SECOND_SOLVER} solved it"
+                words = f"{reason}, {SECOND_SOLVER_NAME} solved it"
                 return QPResult(solution.x, multipliers, Status.SECOND_SOLVER, residual, words)
-        return _failure(problem, f"{reason}, {SECOND_SOLVER} found no answer")
+        return _failed_result(problem, f"{reason}, {SECOND_SOLVER_NAME} found no answer")
 
 
-def _failure(problem: QP, reason: str) -> QPResult:
+def _failed_result(problem: QP, reason: str) -> QPResult:
     return QPResult(np.zeros(len(problem.g)), np.zeros(len(problem.lower)), Status.FAILED, np.inf, reason)

@@ -17,7 +17,7 @@ from solvers.compiled import compiled
 Array = np.ndarray
 
 
-TIGHT = 1e-6
+ACTIVE_TOLERANCE = 1e-6
 """Inequalities closer to their bound than this are told as active."""
 
 
@@ -93,7 +93,7 @@ class Equality:
     start: int = 0
     selects: slice | None = None
 
-    def times(self, Z: Array) -> Array:
+    def product(self, Z: Array) -> Array:
         """``scale A Z`` for the rows Z of the variables it involves, shape (k, any)."""
         out = Z[self.selects] if self.selects is not None else self.A @ Z
         return out if self.scale == 1.0 else self.scale * out
@@ -101,16 +101,16 @@ class Equality:
     def seen(self, X: Array) -> Array:
         """``scale A x`` of all variables x in each row of X, shape (any, m)."""
         if self.selects is not None:
-            return _columns(X, self.start + self.selects.start, self.start + self.selects.stop, self.scale)
+            return _scaled_columns(X, self.start + self.selects.start, self.start + self.selects.stop, self.scale)
         return self.scale * (X[:, self.start : self.start + self.A.shape[1]] @ self.A.T)
 
     def residual(self, x: Array) -> Array:
         """``scale A x - b`` of all variables x, shape (m,)."""
-        return self.times(x[self.start : self.start + self.A.shape[1]]) - self.b
+        return self.product(x[self.start : self.start + self.A.shape[1]]) - self.b
 
 
 @compiled
-def _columns(X: Array, start: int, stop: int, scale: float) -> Array:
+def _scaled_columns(X: Array, start: int, stop: int, scale: float) -> Array:
     out = np.empty((len(X), stop - start))
     for i in range(len(X)):
         for k in range(stop - start):
@@ -140,7 +140,7 @@ class Level:
     lower: Array
     upper: Array
     blocks: list[Block] = field(default_factory=list)
-    kind: object | None = None
+    structure_key: object | None = None
     _A: Array | None = None
     _b: Array | None = None
 
@@ -167,12 +167,12 @@ class Level:
             self._b = parts[0] if len(parts) == 1 else np.concatenate(parts) if parts else np.zeros(0)
         return self._b
 
-    def renew(self) -> None:
+    def clear_cache(self) -> None:
         """To be called when its numbers have been replaced."""
         self._A = self._b = None
 
     @property
-    def columns(self) -> int:
+    def leading_columns(self) -> int:
         """Number of leading variables that the equalities involve; all of them if there are none."""
         return max((e.start + e.A.shape[1] for e in self.equalities), default=self.size)
 
@@ -229,9 +229,9 @@ class Level:
 
     def violation(self, x: Array) -> Array:
         """Signed violation of every row at ``x``, equalities first, shape (m + p,); 0 where a row holds."""
-        return np.concatenate([np.zeros(0), *self.violations(x)])
+        return np.concatenate([np.zeros(0), *self.violation_parts(x)])
 
-    def violations(self, x: Array) -> list[Array]:
+    def violation_parts(self, x: Array) -> list[Array]:
         """The same in parts: one an equality, and one for all inequalities if there are any."""
         parts = [e.residual(x) for e in self.equalities]
         if len(self.lower):
@@ -259,7 +259,7 @@ class LevelResult:
     needed_qp: bool
     residual: float
     status: Status
-    met: bool = False
+    all_rows_met: bool = False
     reason: str = ""
 
     @property
@@ -276,15 +276,15 @@ class LevelResult:
     def active(self) -> Array:
         """Which of its inequalities hold with equality or are violated, shape (p,)."""
         value = self.level.C @ self.x
-        return (value >= self.level.upper - TIGHT) | (value <= self.level.lower + TIGHT)
+        return (value >= self.level.upper - ACTIVE_TOLERANCE) | (value <= self.level.lower + ACTIVE_TOLERANCE)
 
     @property
     def error(self) -> float:
         """Norm of the level's weighted violation, the quantity that the level minimises."""
-        if self.met:
+        if self.all_rows_met:
             return 0.0
         squares = 0.0
-        for part in self.level.violations(self.x):
+        for part in self.level.violation_parts(self.x):
             squares += float(part @ part)
         return sqrt(squares)
 

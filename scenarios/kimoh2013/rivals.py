@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from solvers import Cascade, Level, LevelResult, Solution, Status
-from solvers.nullspace import project
+from solvers.nullspace import factorize_rows
 from solvers.proxqp import QP, PersistentQPs
 
 RANK = 1e-7
@@ -34,7 +34,7 @@ class LevelByLevel:
                     low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
                 qp = self._qps.solve(k, QP(B.T @ B, -(B.T @ r), hard.C @ Z, low, high))
                 x = x + Z @ qp.y
-                Z = project(B, RANK).remaining(Z)
+                Z = factorize_rows(B, RANK).remaining_basis(Z)
                 results.append((qp.status, qp.residual, True))
             else:
                 results.append((Status.SOLVED, 0.0, False))

@@ -72,7 +72,7 @@ class Layout:
                     bounds = _Bounds(block, slice(start, start + width), len(own.lower), own.selects is not None)
                     self._bounds.append((k, unit, task, pile.inequality(bounds)))
             self.levels.append(pile.level(name, form.size))
-        self.levels[0].kind = self
+        self.levels[0].structure_key = self
 
     def write(self, tick: Tick, rows: Sequence[Rows]) -> list[Level]:
         """The levels of a tick; its mass matrix and bias are in the form already."""
@@ -97,7 +97,7 @@ class Layout:
                 bounds.joints(*form.joints(own), own.lower, own.upper, own.weight)
             bounds.block.labels = task.labels
         for level in self.levels:
-            level.renew()
+            level.clear_cache()
         return self.levels
 
     def _stand(self, contacts: Sequence[Contact], pile: "_Pile") -> None:

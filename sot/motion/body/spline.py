@@ -138,7 +138,7 @@ class LimitedFit:
         if bends is not None:
             parts.append((CURVE / self.period**2, *_normal(*bends)))
         H, g = self._assemble(spline.control, parts)
-        solution = self._qp.solve(H, g, around=spline.control.ravel())
+        solution = self._qp.solve(H, g, expansion_point=spline.control.ravel())
         control = solution.x.reshape(self._count, self._size)
         control[:3] = spline.control[:3]
         control[-3:] = control[-3] if self._resting else spline.control[-3:]
