@@ -27,7 +27,7 @@ from solvers import Cascade
 from sot.control.controller import Controller
 from sot.motion import read, recognise
 from sot.motion.plan import plan
-from sot.motion.trajectory import FIELDS, Motion
+from sot.motion.trajectory import SAVED_FIELDS, Motion
 from sot.robots.robot import Robot
 
 BEFORE, AFTER = 0.4, 2.6  # s of the dance around the beginning of a push
@@ -45,7 +45,7 @@ MISMATCHES = {
 def around(motion: Motion, t: float) -> Motion:
     """The part of a motion on planted feet around a time."""
     rows = slice(round((t - BEFORE) * motion.rate), round((t + AFTER) * motion.rate) + 1)
-    parts = {name: getattr(motion, name)[rows] for name in FIELDS}
+    parts = {name: getattr(motion, name)[rows] for name in SAVED_FIELDS}
     phase = replace(motion.phases[0], start=0.0, end=BEFORE + AFTER)
     return Motion(motion.robot, motion.rate, **parts, phases=(phase,))
 

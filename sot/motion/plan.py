@@ -11,11 +11,11 @@ from sot.errors import InputError
 from sot.motion.balance.centroidal import Centroidal
 from sot.motion.balance.rounds import Rounds
 from sot.motion.body.coordinates import to_pinocchio
-from sot.motion.body.kinematics import Chains, Kinematics
+from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
-from sot.motion.body.targets import Targets, key_points, targets
-from sot.motion.body.whole_body import limbs_fitted, retarget
+from sot.motion.body.targets import Targets, key_points, targets_of_human
+from sot.motion.body.whole_body import fit_limbs, retarget
 from sot.motion.feet.contacts import Phase, planted
 from sot.motion.feet.course import Course, go, slid, slowed_down, stay
 from sot.motion.feet.flight import Flight, flights, remark
@@ -136,7 +136,7 @@ def plan(
         wanted, imitation = fit.looks(course)
     retargeted = time.perf_counter()
     course, whole = fit.feasible(course, wanted, imitation, MENDS, rough=True)
-    whole = limbs_fitted(robot, fit.targets(course), fit.limits, whole, REFIT_STEPS)  # the chest has moved
+    whole = fit_limbs(robot, fit.targets(course), fit.limits, whole, REFIT_STEPS)  # the chest has moved
     course, whole = fit.feasible(course, fit.targets(course), whole, LAST_MENDS)
     wanted = fit.targets(course)
     motion = sampled(robot, whole, course.phases, rate)
@@ -175,7 +175,7 @@ class _Fit:
         return go(on_time_line(human, PLAN_RATE), self.robot, self.build, contacts)
 
     def targets(self, course: Course) -> Targets:
-        wanted = targets(course.human, self.robot, self.build, facing(course.feet))
+        wanted = targets_of_human(course.human, self.robot, self.build, facing(course.feet))
         if self.height is None:
             return wanted
         return replace(wanted, hips=calmed(wanted.hips, course.phases), height=self.height)
@@ -271,10 +271,10 @@ def sampled(robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate: float
 def _key_point_rms(robot: Robot, wanted: Targets, reference: Spline, clip: slice) -> float:
     """Root mean square distance, over the clip, from the reference's key points to those of the human in the robot's
     size (see `key_points`), both relative to the waist [m]."""
-    kinematics = Kinematics(Chains(robot), reference.knots[clip])
-    _, waist = kinematics.frame(robot.point("waist"))
+    kinematics = Kinematics(JointTree(robot), reference.knots[clip])
+    _, waist = kinematics.frame_pose(robot.point("waist"))
     offsets = [
-        kinematics.frame(robot.point(name))[1] - waist - place[clip]
+        kinematics.frame_pose(robot.point(name))[1] - waist - place[clip]
         for name, place in key_points(wanted, robot).items()
     ]
     return float(np.sqrt(np.mean(np.sum(np.square(offsets), axis=2))))

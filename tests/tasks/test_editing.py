@@ -82,7 +82,7 @@ def test_edits_of_one_point_share_a_level_and_a_reference(motion):
 
 def test_two_edits_of_the_same_thing_at_the_same_time_are_refused(motion):
     first = Edit("right_hand", "z", by=0.1, start=1.0, end=2.0)
-    target = Edit("right_hand", target=(0.4, -0.3, 1.0), start=1.5, end=3.0, place="mine.toml: edit 2")
+    target = Edit("right_hand", target=(0.4, -0.3, 1.0), start=1.5, end=3.0, source="mine.toml: edit 2")
     with pytest.raises(InputError, match=r"mine.toml: edit 2: changes right_hand .* from 1.5 to 2 s, as edit 1"):
         edit(stacks.planted(motion.robot, motion), Schedule(), motion, [first, target])
     later = Edit("right_hand", target=(0.4, -0.3, 1.0), start=2.0, end=3.0)
