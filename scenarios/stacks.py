@@ -1,7 +1,7 @@
 """The stacks that come with the project. Copy one into a file of your own, change it, and give it to ``--stack``."""
 
-from sot.behaviours.recovery import Recovery
-from sot.behaviours.sliding import Sliding
+from sot.behaviours.recovery import RecoverySchedule
+from sot.behaviours.sliding import SlidingSchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.motion.trajectory import Motion
@@ -41,9 +41,9 @@ def steps(robot: Robot, motion: Motion) -> Stack:
     return stack
 
 
-def stepping(robot: Robot, motion: Motion) -> Recovery:
+def stepping(robot: Robot, motion: Motion) -> RecoverySchedule:
     """The schedule that goes with `steps`: the motion's contact phases, what the feet feel, steps that a push needs."""
-    return Recovery(robot, motion)
+    return RecoverySchedule(robot, motion)
 
 
 def slides(robot: Robot, motion: Motion) -> Stack:
@@ -56,6 +56,6 @@ def slides(robot: Robot, motion: Motion) -> Stack:
     return stack
 
 
-def sliding(robot: Robot, motion: Motion) -> Sliding:
+def sliding(robot: Robot, motion: Motion) -> SlidingSchedule:
     """The schedule that goes with `slides`."""
-    return Sliding(motion.phases)
+    return SlidingSchedule(motion.phases)

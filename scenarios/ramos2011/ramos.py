@@ -38,8 +38,8 @@ from scenarios.replay import (
 )
 from sim.reporting import report, timeline
 from sim.reporting.slides import LIGHT, SMOOTHED
-from sot.behaviours.rehearsal import rebalanced, rehearsed
-from sot.behaviours.sliding import Sliding
+from sot.behaviours.rehearsal import rebalance, rehearse
+from sot.behaviours.sliding import SlidingSchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.motion import Human, plan, read, recognise
@@ -166,7 +166,7 @@ def _danced(request: Replay, compose: Composer, planned: Plan, tell: Tell) -> Da
     """A plan danced with a stack, its balance planned for what the stack makes of it."""
     tell("rehearsing", None)
     stack, schedule, _ = composed(request, compose, planned.motion)
-    motion = rebalanced(planned.motion, rehearsed(planned.motion, stack, make_solver(request.solver), schedule))
+    motion = rebalance(planned.motion, rehearse(planned.motion, stack, make_solver(request.solver), schedule))
     return perform(request, compose, motion, planned, tell)
 
 
@@ -217,7 +217,7 @@ def posture_only(kept: float, edits: Sequence[Edit] = ()) -> Composer:
         for foot in sorted({foot for phase in motion.phases for foot in phase.sliding}):
             stack.contact(foot).way = way = motion.pose(foot)
             stack.add(FootSliding(robot, foot, way), level="feet", before="posture")
-        return Composition(stack, Sliding(motion.phases), tuple(edits))
+        return Composition(stack, SlidingSchedule(motion.phases), tuple(edits))
 
     return compose
 

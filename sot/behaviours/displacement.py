@@ -7,9 +7,9 @@ import numpy as np
 
 Array = np.ndarray
 
-NOTHING = np.zeros(2)
-NONE = np.zeros((2, 2))
-APART = 0.02
+ZERO_SHIFT = np.zeros(2)
+ZERO_TILT = np.zeros((2, 2))
+COINCIDENT_DISTANCE = 0.02
 """Distance below which planned places are one [m]."""
 
 
@@ -36,10 +36,10 @@ class Displacement(NamedTuple):
                 other counts by its share, so that nothing jumps when it begins to.
         """
         if not feet:
-            return cls(NOTHING, NONE)
+            return cls(ZERO_SHIFT, ZERO_TILT)
         if len(feet) == 1:
             ((planned, place, _),) = feet
-            return cls(place - planned, NONE)
+            return cls(place - planned, ZERO_TILT)
         (first, first_at, first_load), (second, second_at, second_load) = feet
         most = max(first_load, second_load)
         off, other = first_at - first, second_at - second
@@ -47,15 +47,15 @@ class Displacement(NamedTuple):
         off, other = other + first_share * (off - other), off + second_share * (other - off)
         between = second - first
         squared = between @ between
-        if squared < APART**2:
-            return cls(0.5 * (off + other), NONE)
+        if squared < COINCIDENT_DISTANCE**2:
+            return cls(0.5 * (off + other), ZERO_TILT)
         tilt = np.outer(other - off, between / squared)
         return cls(off - tilt @ first, tilt)
 
-    def place(self, x: Array) -> Array:
+    def displaced_place(self, x: Array) -> Array:
         """Where a place (2,) of the plan is [m]."""
         return x + self.shift + self.tilt @ x
 
-    def rate(self, v: Array) -> Array:
+    def displaced_rate(self, v: Array) -> Array:
         """What a velocity or acceleration (2,) of the plan is there."""
         return v + self.tilt @ v

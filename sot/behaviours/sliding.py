@@ -6,7 +6,7 @@ from sot.control.schedule import Schedule
 from sot.motion.feet.contacts import Phase
 
 
-class Sliding(Schedule):
+class SlidingSchedule(Schedule):
     """A schedule that lets the contacts of the feet slide, and stand again, as the phases of a motion say.
 
     Args:

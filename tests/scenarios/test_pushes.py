@@ -9,7 +9,7 @@ from sim.push import Push
 from sim.reporting import figures
 from sim.world import World
 from solvers import Cascade
-from sot.behaviours.stepping import Stepping
+from sot.behaviours.stepping import SteppingSchedule
 from sot.control.controller import Controller
 from sot.control.schedule import Schedule
 from sot.motion.trajectory import Motion
@@ -34,7 +34,7 @@ def pushed(motion: Motion, impulse: tuple[float, float], schedule: Schedule) -> 
 @pytest.mark.parametrize("impulse", [(26.0, 4.0), (-18.0, 3.0)])
 def test_a_push_beyond_what_the_feet_can_hold_is_caught_by_a_step(motion, impulse):
     robot = motion.robot
-    assert pushed(motion, impulse, Stepping(robot, motion.phases)).fell_at_s is not None
+    assert pushed(motion, impulse, SteppingSchedule(robot, motion.phases)).fell_at_s is not None
     caught = pushed(motion, impulse, stacks.stepping(robot, motion))
     assert caught.fell_at_s is None, caught.reason
     log = caught.log.trimmed()

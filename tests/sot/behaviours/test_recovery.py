@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sot.behaviours.recovery import Recovery
+from sot.behaviours.recovery import RecoverySchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.control.tick import GRAVITY, Tick
@@ -40,7 +40,7 @@ def moving(robot, stack, velocity, t: float = 0.0) -> Tick:
 
 def reacts(robot, motion, velocity, left: float = 0.5) -> tuple[Stack, list[str]]:
     """What happens to a stack of a robot that moves, and stands with that share of its weight on its left foot."""
-    recovery, stack = Recovery(robot, motion), standing(robot)
+    recovery, stack = RecoverySchedule(robot, motion), standing(robot)
     loads = dict(zip(robot.feet, robot.mass * GRAVITY * np.array([left, 1.0 - left]), strict=True))
     done = recovery.apply(0.0, stack, loads)
     recovery.heed(moving(robot, stack, velocity))
@@ -101,7 +101,7 @@ def test_legs_neither_cross_nor_reach_too_far(robot, motion):
 
 
 def test_the_place_follows_until_shortly_before_the_foot_lands(robot, motion):
-    recovery, stack = Recovery(robot, motion), standing(robot)
+    recovery, stack = RecoverySchedule(robot, motion), standing(robot)
     loads = dict.fromkeys(robot.feet, 0.5 * robot.mass * GRAVITY)
     recovery.apply(0.0, stack, loads)
     recovery.heed(moving(robot, stack, (0.6, 0.0)))
