@@ -94,7 +94,7 @@ class Dance:
     def record(self, path: Path) -> float:
         """Write the recording; returns how long that took [s]."""
         begun = perf_counter()
-        recorder.record(path, self.run.log, self.info, self.motion, self.plan)
+        recorder.write_recording(path, self.run.log, self.info, self.motion, self.plan)
         return perf_counter() - begun
 
 

@@ -9,8 +9,8 @@ import rerun.blueprint as rrb
 
 from scenarios.kimoh2013 import planar_arm as arm
 from scenarios.kimoh2013.planar_arm import Track
-from sim.recording.columns import TIMELINE, Columns, css
-from sim.recording.recorder import recording
+from sim.recording.columns import TIMELINE, Columns, css_color
+from sim.recording.recorder import open_recording
 from sim.reporting.chart import Curve, Panel, limits, write
 
 Array = np.ndarray
@@ -34,7 +34,7 @@ def draw(path: Path, tracks: Mapping[str, Track], rate: float) -> None:
     for joint in range(3):
         for words, column, ends in kinds:
             curves = [
-                Curve(track.time, getattr(track, column)[:, joint] / degree, css(COLORS[name]), name)
+                Curve(track.time, getattr(track, column)[:, joint] / degree, css_color(COLORS[name]), name)
                 for name, track in tracks.items()
             ]
             curves += limits([e[joint] / degree for e in ends], end)
@@ -44,14 +44,14 @@ def draw(path: Path, tracks: Mapping[str, Track], rate: float) -> None:
         for name, track in tracks.items():
             with np.errstate(divide="ignore"):
                 size = np.log10(np.abs(ERROR_FACTORS[k] * track.error[:, k]))
-            curves.append(Curve(track.time, size, css(COLORS[name]), name))
+            curves.append(Curve(track.time, size, css_color(COLORS[name]), name))
         panels.append(Panel(f"error of {task}", "s", f"log10 |error / {ERROR_UNITS[k]}|", curves))
     write(path, f"Three tasks of a planar arm under joint limits (Kim & Oh 3.3), {rate:g} Hz", panels, 3)
 
 
 def record(path: Path, tracks: Mapping[str, Track], rate: float) -> None:
     """The arms beside each other with their tips' paths, and curves of joints and errors."""
-    with recording(path, f"planar3r, {rate:g} Hz", ABOUT, _layout()) as columns:
+    with open_recording(path, f"planar3r, {rate:g} Hz", ABOUT, _layout()) as columns:
         for index, (name, track) in enumerate(tracks.items()):
             _record(columns, name, track, np.array([SIDE * index, 0.0]))
 

@@ -10,8 +10,8 @@ from scenarios.ramos2011 import ramos_view
 from scenarios.ramos2011.ramos_edits import HAND, KNEES, knee_joint
 from scenarios.ramos2011.ramos_view import Three
 from sim.log import nearest_frames
-from sim.recording.columns import css
-from sim.recording.panels import MM
+from sim.recording.columns import css_color
+from sim.recording.panels import MM_PER_M
 from sim.recording.visuals import BONES
 from sim.reporting.chart import Curve, Field, Panel, write
 from sim.reporting.figures import Points
@@ -25,7 +25,7 @@ MOMENTS = 7
 """Thumbnails a dancer."""
 APART = 1.1
 """Between two of them [m]."""
-SHADES = {name: css(shade) for name, shade in ramos_view.SHADES.items()}
+SHADES = {name: css_color(shade) for name, shade in ramos_view.SHADES.items()}
 DRAWN_RATE = 50.0
 MARGIN = 1.5
 """Of time around what a picture is about [s]."""
@@ -81,9 +81,9 @@ def draw_curves(path: Path, three: Three, title: str) -> None:
 
     angles = {name: np.rad2deg(q[:, column]) for name, (_, q, _) in signals.items()}
     knee = point.replace("_", " ")
-    x = {name: MM * place[point][:, 0] for name, place in places.items()}
-    z = {name: MM * place[HAND][:, 2] for name, place in places.items() if name != "demonstrated"}
-    dancer = _within(np.arange(len(wanted)) / PLAN_RATE, MM * wanted, raised, SHADES["dancer"], "dancer")
+    x = {name: MM_PER_M * place[point][:, 0] for name, place in places.items()}
+    z = {name: MM_PER_M * place[HAND][:, 2] for name, place in places.items() if name != "demonstrated"}
+    dancer = _within(np.arange(len(wanted)) / PLAN_RATE, MM_PER_M * wanted, raised, SHADES["dancer"], "dancer")
     hand = [_within(signals[name][0], z[name], raised, SHADES[name], name) for name in z]
     panels = [
         Panel(f"6a: {knee}, joint", "s", "deg", shown(angles, around)),
@@ -104,10 +104,10 @@ def _zmp(three: Three) -> list[Curve]:
         edges = np.array([pose.act(corner)[1] for corner in motion.robot.sole(foot)])
         for edge in (edges.min(), edges.max()):
             label = "soles" if not curves else ""
-            curves.append(Curve(np.array(span), np.full(2, MM * edge), "#c33", label, dashed=True, width=1.0))
+            curves.append(Curve(np.array(span), np.full(2, MM_PER_M * edge), "#c33", label, dashed=True, width=1.0))
     for name, log in (("posture", three.posture), ("final", three.final)):
-        curves.append(_within(log.time, MM * log.zmp_measured[:, 1], span, SHADES[name], name))
-    curves += [Curve(np.full(2, t), MM * np.array([-0.2, 0.2]), "#222", "", width=1.0) for t in (start, end)]
+        curves.append(_within(log.time, MM_PER_M * log.zmp_measured[:, 1], span, SHADES[name], name))
+    curves += [Curve(np.full(2, t), MM_PER_M * np.array([-0.2, 0.2]), "#222", "", width=1.0) for t in (start, end)]
     return curves
 
 

@@ -13,9 +13,9 @@ from sim.log import RunLog, nearest_frames
 from sim.recording.blueprint import layout
 from sim.recording.bodies import send_robot
 from sim.recording.columns import COLORS, Color
-from sim.recording.panels import FRAME_RATE, MM, MODES, Tab, changes
+from sim.recording.panels import FOOT_MODE_NAMES, FRAME_RATE, MM_PER_M, Tab, schedule_tabs
 from sim.recording.plots import Curves, Plot, States
-from sim.recording.recorder import recording
+from sim.recording.recorder import open_recording
 from sim.recording.shapes import read_shapes
 from sim.recording.visuals import send_floor, send_human, send_name
 from sim.reporting.figures import Points
@@ -73,7 +73,7 @@ def record(path: Path, three: Three, title: str) -> None:
     """The dancer, the geometric copy, the posture task and the final dance side by side, with their curves."""
     motion, robot, shapes = three.planned.motion, three.geometric.robot, read_shapes(three.geometric.robot)
     panels = _tabs(three)
-    with recording(path, title, ABOUT.format(title=title), layout(motion, panels, aside=SIDE)) as columns:
+    with open_recording(path, title, ABOUT.format(title=title), layout(motion, panels, extra_width=SIDE)) as columns:
         columns.static("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
         send_floor(columns, motion, 1.5 * SIDE)
         human, times = three.planned.human, three.dances["final"][0]
@@ -83,7 +83,7 @@ def record(path: Path, three: Three, title: str) -> None:
         columns.static("world/human", rr.Transform3D(translation=[0.0, -1.5 * SIDE, 0.0]))
         for k, (name, (times, q)) in enumerate(three.dances.items()):
             ghost = COLORS["ghost"] if name == "geometric" else None
-            send_robot(columns, f"world/{name}", robot, shapes, times, q, ghost=ghost)
+            send_robot(columns, f"world/{name}", robot, shapes, times, q, ghost_color=ghost)
             send_name(columns, f"world/{name}", name, times, q[:, :2])
             columns.static(f"world/{name}", rr.Transform3D(translation=[0.0, (k - 0.5) * SIDE, 0.0]))
         for tab in panels:
@@ -115,9 +115,11 @@ def _tabs(three: Three) -> list[Tab]:
         for knee, joint in zip(KNEES, joints, strict=True)
     ]
     wanted = three.wanted
-    heights = [Curves("dancer", np.arange(len(wanted)) / PLAN_RATE, MM * wanted, ("dancer",), (SHADES["dancer"],))]
+    heights = [
+        Curves("dancer", np.arange(len(wanted)) / PLAN_RATE, MM_PER_M * wanted, ("dancer",), (SHADES["dancer"],))
+    ]
     heights += [
-        Curves(name, times, MM * Points.of(robot, q, (HAND,)).positions[HAND][:, 2], (name,), (SHADES[name],))
+        Curves(name, times, MM_PER_M * Points.of(robot, q, (HAND,)).positions[HAND][:, 2], (name,), (SHADES[name],))
         for name, (times, q) in three.dances.items()
     ]
     zmps = [
@@ -125,17 +127,24 @@ def _tabs(three: Three) -> list[Tab]:
             f"ZMP {axis} [mm]",
             ("zmp", axis),
             tuple(
-                Curves(name, log.time, MM * log.zmp_measured[:, k], (name,), (SHADES[name],))
+                Curves(name, log.time, MM_PER_M * log.zmp_measured[:, k], (name,), (SHADES[name],))
                 for name, log in logs.items()
             ),
         )
         for k, axis in enumerate("xy")
     ]
     modes = {foot: three.final.foot_mode[:, k] for k, foot in enumerate(robot.feet)}
-    feet = States("Planned contacts", ("contacts",), three.final.time, modes, MODES, [COLORS[name] for name in MODES])
+    feet = States(
+        "Planned contacts",
+        ("contacts",),
+        three.final.time,
+        modes,
+        FOOT_MODE_NAMES,
+        [COLORS[name] for name in FOOT_MODE_NAMES],
+    )
     hand = Plot("Right hand, height [mm]", ("hand",), tuple(heights))
     return [
         Tab("Knees and hand", (*knees, hand)),
         Tab("Balance", (*zmps, feet)),
-        *changes(three.final),
+        *schedule_tabs(three.final),
     ]

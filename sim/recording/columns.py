@@ -27,7 +27,7 @@ COLORS: dict[str, Color] = {
     "grid": (80, 85, 95),
     "text": (225, 225, 225),
 }
-SERIES: tuple[Color, ...] = (
+SERIES_COLORS: tuple[Color, ...] = (
     *((235, 90, 90), (80, 180, 95), (80, 140, 245), (225, 165, 40)),
     *((175, 105, 225), (60, 185, 195), (150, 150, 150)),
 )
@@ -42,15 +42,15 @@ class Columns:
 
     def __init__(self, stream: rr.RecordingStream) -> None:
         self._stream = stream
-        self._waiting: list[tuple[str, np.ndarray, list[rr.ComponentColumn]]] = []
+        self._unsent: list[tuple[str, np.ndarray, list[rr.ComponentColumn]]] = []
 
     def static(self, entity: Entity, *archetypes: rr.AsComponents) -> None:
         """What holds for the whole recording."""
-        self._stream.log(path(entity), *archetypes, static=True)
+        self._stream.log(entity_path(entity), *archetypes, static=True)
 
     def over_time(self, entity: Entity, times: np.ndarray, *columns: rr.ComponentColumnList) -> None:
         """Component columns with one row per time [s]."""
-        self._waiting.append((path(entity), times, [column for part in columns for column in part]))
+        self._unsent.append((entity_path(entity), times, [column for part in columns for column in part]))
 
     def points(self, entity: Entity, times: np.ndarray, positions: np.ndarray, color: str, radius: float) -> None:
         """A point (T, 3) that moves, not shown where it is nan."""
@@ -62,17 +62,17 @@ class Columns:
     def send(self) -> None:
         """Write what is still waiting."""
         self._stream.flush()
-        for entity, times, columns in self._waiting:
+        for entity, times, columns in self._unsent:
             self._stream.send_columns(entity, [rr.TimeColumn(TIMELINE, duration=times)], columns)
-        self._waiting.clear()
+        self._unsent.clear()
         self._stream.flush()
 
 
-def css(color: Color) -> str:
+def css_color(color: Color) -> str:
     """A colour as pictures for browsers have it, without its opacity."""
     return "#{:02x}{:02x}{:02x}".format(*color[:3])
 
 
-def path(entity: Entity) -> str:
+def entity_path(entity: Entity) -> str:
     """The path of an entity, its parts escaped."""
     return entity if isinstance(entity, str) else rr.new_entity_path(list(entity))
