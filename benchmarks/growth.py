@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.table import Table
 
 from scenarios.inputs.clips import locate
-from scenarios.stacks import planted
+from scenarios.stacks import planted_stack
 from sim.log import RunLog
 from sim.loop import run
 from sim.reference import hot_reference_us
@@ -80,7 +80,7 @@ def memory(minutes: float) -> dict[str, Any]:
     """
     robot = Robot.load("hrp2")
     motion = plan(recognise(read(locate("groove"))), robot).motion
-    controller, world = Controller(robot, planted(robot, motion), Cascade()), World(robot)
+    controller, world = Controller(robot, planted_stack(robot, motion), Cascade()), World(robot)
     readings: list[tuple[float, float]] = []
     while len(readings) * motion.duration < 60.0 * minutes:
         done = run(controller, world, motion)

@@ -144,7 +144,7 @@ def recorded(clip: str, count: int) -> list[list[Level]]:
         motion = retarget(request, Path(folder) / "motion.npz", lambda what, share: None).motion
     total = round(motion.duration * 1000.0)
     recorder = Recorded(max(2, 2 * total // count))
-    controller, world = Controller(robot, stacks.planted(robot, motion), recorder), World(robot)
+    controller, world = Controller(robot, stacks.planted_stack(robot, motion), recorder), World(robot)
     world.reset(motion.q[0], motion.v[0])
     for k in range(total):
         world.step(controller(0.001 * k, *world.state()).torque)

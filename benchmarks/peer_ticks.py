@@ -19,9 +19,9 @@ import numpy as np
 import pinocchio as pin
 from threadpoolctl import threadpool_limits
 
-from scenarios.bench import phases
+from scenarios.bench import phase_statistics
 from scenarios.replay import Replay, dance
-from scenarios.stacks import planted
+from scenarios.stacks import planted_stack
 from sim.log import RunLog
 from sim.reference import Reference
 from solvers import Cascade
@@ -85,7 +85,7 @@ def tick_arrays(motion: Motion, log: RunLog) -> dict[str, Any]:
 
 def own_figures(motion: Motion, log: RunLog) -> dict[str, Any]:
     """What a tick of our controller costs on the states of a run."""
-    controller = Controller(motion.robot, planted(motion.robot, motion), Cascade(), log.period)
+    controller = Controller(motion.robot, planted_stack(motion.robot, motion), Cascade(), log.period)
     again, reference = RunLog.allocate(motion.robot, log.ticks), Reference()
     with threadpool_limits(1):
         for k in range(log.ticks):
@@ -97,7 +97,7 @@ def own_figures(motion: Motion, log: RunLog) -> dict[str, Any]:
             if k % EVERY == 0:
                 reference()
     name = "this controller, in a tight loop"
-    return {"name": name, "ticks": log.ticks, "tick_us": phases(again), "reference_us": reference.median_us}
+    return {"name": name, "ticks": log.ticks, "tick_us": phase_statistics(again), "reference_us": reference.median_us}
 
 
 def main() -> int:
@@ -108,7 +108,7 @@ def main() -> int:
     args = parser.parse_args()
     danced = dance(Replay("groove", start=2.0, duration=args.seconds), lambda what, share: None)
     motion, log = danced.motion, danced.run.log.trimmed()
-    contacts = planted(motion.robot, motion).contacts
+    contacts = planted_stack(motion.robot, motion).contacts
     soles = {"soles": np.array([contact.vertices for contact in contacts]), "friction": contacts[0].friction}
     arrays = robot_arrays(motion.robot, log.q[0]) | soles | tick_arrays(motion, log)
     np.savez_compressed(args.file, points=np.array(POINTS), **arrays)

@@ -53,7 +53,7 @@ def around(motion: Motion, t: float) -> Motion:
 def danced(motion: Motion, mismatch: Mismatch = AS_MODELLED, pushes: tuple[Push, ...] = ()) -> Run:
     """The shipped stack on a motion."""
     robot, period = motion.robot, 1.0 / motion.rate
-    stack, schedule = stacks.steps(robot, motion), stacks.stepping(robot, motion)
+    stack, schedule = stacks.stepping_stack(robot, motion), stacks.stepping_schedule(robot, motion)
     controller = Controller(robot, stack, Cascade(), period, schedule)
     return run(controller, World(robot, period, mismatch, pushes), motion)
 

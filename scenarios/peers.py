@@ -7,10 +7,10 @@ from typing import Any
 
 from sot.errors import InputError
 
-FIGURES = ("p50", "p95", "p99", "mean")
+TICK_STATISTICS = ("p50", "p95", "p99", "mean")
 
 
-def read_peer(path: Path) -> dict[str, Any]:
+def read_peer_figures(path: Path) -> dict[str, Any]:
     """What `benchmarks/peer_tsid.py` or `benchmarks/peer_ticks.py` has printed to a file.
 
     Returns:
@@ -21,7 +21,7 @@ def read_peer(path: Path) -> dict[str, Any]:
     """
     try:
         peer = json.loads(path.read_text(encoding="utf-8"))
-        times = [times[key] for times in peer["tick_us"].values() for key in FIGURES]
+        times = [times[key] for times in peer["tick_us"].values() for key in TICK_STATISTICS]
         complete = isinstance(peer["name"], str) and bool(times)
         complete = complete and all(math.isfinite(value) and value >= 0.0 for value in (*times, peer["reference_us"]))
     except OSError as error:

@@ -19,7 +19,7 @@ from tasks import (
 )
 
 
-def planted(robot: Robot, motion: Motion) -> Stack:
+def planted_stack(robot: Robot, motion: Motion) -> Stack:
     """Both feet stand; strict for what must hold, the joints share what is left."""
     return Stack(
         contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
@@ -33,22 +33,22 @@ def planted(robot: Robot, motion: Motion) -> Stack:
     )
 
 
-def steps(robot: Robot, motion: Motion) -> Stack:
+def stepping_stack(robot: Robot, motion: Motion) -> Stack:
     """Feet stand and swing as its schedule, `stepping`, has it; a swinging foot comes next to balance."""
-    stack = planted(robot, motion)
+    stack = planted_stack(robot, motion)
     for foot in robot.feet:
         stack.add(SwingFoot(robot, foot, motion), level="feet", before="waist")
     return stack
 
 
-def stepping(robot: Robot, motion: Motion) -> RecoverySchedule:
+def stepping_schedule(robot: Robot, motion: Motion) -> RecoverySchedule:
     """The schedule that goes with `steps`: the motion's contact phases, what the feet feel, steps that a push needs."""
     return RecoverySchedule(robot, motion)
 
 
-def slides(robot: Robot, motion: Motion) -> Stack:
+def sliding_stack(robot: Robot, motion: Motion) -> Stack:
     """Feet stand and slide as its schedule, `sliding`, has it; a sliding foot's way comes next to balance."""
-    stack = planted(robot, motion)
+    stack = planted_stack(robot, motion)
     for foot in robot.feet:
         if any(foot in phase.sliding for phase in motion.phases):
             stack.contact(foot).way = way = motion.pose(foot)
@@ -56,6 +56,6 @@ def slides(robot: Robot, motion: Motion) -> Stack:
     return stack
 
 
-def sliding(robot: Robot, motion: Motion) -> SlidingSchedule:
+def sliding_schedule(robot: Robot, motion: Motion) -> SlidingSchedule:
     """The schedule that goes with `slides`."""
     return SlidingSchedule(motion.phases)

@@ -13,7 +13,7 @@ from scenarios.inputs.clips import locate
 from scenarios.kimoh2013.imitation_view import draw
 from scenarios.kimoh2013.kinematic import Course, integrate
 from scenarios.kimoh2013.rivals import LevelByLevel
-from scenarios.replay import Dance, Tell
+from scenarios.replay import Dance, ProgressCallback
 from solvers import Cascade, Solver, Status, TaskCorrection
 from sot.control.contact import Contact
 from sot.control.schedule import Schedule
@@ -74,7 +74,7 @@ def schedule(robot: Robot, motion: Motion) -> Schedule:
     return Schedule()
 
 
-def findings(danced: Dance, out: Path, tell: Tell) -> dict[str, Any]:
+def findings(danced: Dance, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Table 1 by a position-controlled robot too, all five levels of it; the picture of Figures 18–20 of both.
 
     Returns:

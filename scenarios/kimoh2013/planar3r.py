@@ -15,7 +15,7 @@ from scenarios.kimoh2013 import planar_views
 from scenarios.kimoh2013.planar_arm import Track
 from scenarios.kimoh2013.printed_bounds import PrintedBounds
 from scenarios.kimoh2013.rivals import Clamped, LevelByLevel
-from scenarios.replay import RECORDING, Tell
+from scenarios.replay import RECORDING_FILE, ProgressCallback
 from solvers import Cascade, Level, Rows, Solution, Solver, TaskCorrection
 from tasks.bounds import AccelerationBounds
 
@@ -107,7 +107,7 @@ def hierarchy(t: float, q: Array, v: Array, bounds: tuple[Array, Array]) -> list
     return levels
 
 
-def study(rate: float, out: Path, tell: Tell) -> dict[str, Any]:
+def study(rate: float, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Run all methods; write the picture of Figures 4–8 and the recording to the folder `out`.
 
     Args:
@@ -124,7 +124,7 @@ def study(rate: float, out: Path, tell: Tell) -> dict[str, Any]:
         tracks[name] = follow(solver(), bounds(), 1.0 / rate)
     shown = {name: tracks[name] for name in SHOWN}
     planar_views.draw(out / PICTURE, shown, rate)
-    planar_views.record(out / RECORDING, shown, rate)
+    planar_views.record(out / RECORDING_FILE, shown, rate)
     return {
         "scenario": "planar3r",
         "rate_hz": rate,

@@ -13,7 +13,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.replay import Tell
+from scenarios.replay import ProgressCallback
 from sim.reporting.chart import Curve, Panel, write
 from tasks.bounds import AccelerationBounds
 
@@ -51,7 +51,7 @@ class PrintedBounds:
         return np.maximum(-a, (-down - v) / period), np.minimum(a, (up - v) / period)
 
 
-def study(rate: float, out: Path, tell: Tell) -> dict[str, Any]:
+def study(rate: float, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Measure both forms, and draw one joint that is driven into the end of its range.
 
     Args:

@@ -24,17 +24,17 @@ from scenarios.ramos2011.ramos_figures import geometric_figures, hand_figures, k
 from scenarios.ramos2011.ramos_pictures import draw_curves, draw_scalogram, draw_thumbnails
 from scenarios.ramos2011.ramos_view import Three, record
 from scenarios.replay import (
-    RECORDING,
-    REPORT,
-    TIMELINE,
+    RECORDING_FILE,
+    REPORT_FILE,
+    TIMELINE_FILE,
     Dance,
+    ProgressCallback,
     Replay,
-    Tell,
     check_writable,
-    composed,
-    keep,
+    composed_stack,
     make_solver,
-    perform,
+    run_motion,
+    write_outputs,
 )
 from sim.reporting import report, timeline
 from sim.reporting.slides import LIGHT, SMOOTHED
@@ -67,7 +67,7 @@ POSTURE, FINAL = "posture", "final"
 """Folders of the runs, each with its own recording and report."""
 
 
-def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
+def run(request: Replay, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Dance a clip as a copy, with the posture task only, and edited; lay the three beside each other.
 
     Args:
@@ -103,13 +103,13 @@ def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
     three = Three(planned, geometric, *logs, wanted, knees, raised, slides)
 
     tell("recording", None)
-    runs = {name: keep(danced, out / name, tell) for name, danced in ((POSTURE, posture), (FINAL, final))}
+    runs = {name: write_outputs(danced, out / name, tell) for name, danced in ((POSTURE, posture), (FINAL, final))}
     title = f"{posture.info.clip}, {start:g} to {start + duration:g} s, by {robot.label}"
-    record(out / RECORDING, three, title)
+    record(out / RECORDING_FILE, three, title)
     draw_thumbnails(out / "thumbnails.svg", three, title)
     draw_curves(out / "curves.svg", three, title)
     draw_scalogram(out / "scalogram.svg", three, title)
-    timeline.draw(out / TIMELINE, final.run.log, final.info, robot)
+    timeline.draw(out / TIMELINE_FILE, final.run.log, final.info, robot)
     figures = {
         "scenario": "ramos",
         "clip": posture.info.clip,
@@ -127,7 +127,7 @@ def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
         "edits": list(final.edits),
     }
     figures = report.rounded(figures)
-    report.write(figures, out / REPORT)
+    report.write(figures, out / REPORT_FILE)
     return figures
 
 
@@ -162,12 +162,12 @@ def show(figures: dict[str, Any], console: Console) -> None:
         console.print(line, soft_wrap=True, highlight=False)
 
 
-def _danced(request: Replay, compose: Composer, planned: Plan, tell: Tell) -> Dance:
+def _danced(request: Replay, compose: Composer, planned: Plan, tell: ProgressCallback) -> Dance:
     """A plan danced with a stack, its balance planned for what the stack makes of it."""
     tell("rehearsing", None)
-    stack, schedule, _ = composed(request, compose, planned.motion)
+    stack, schedule, _ = composed_stack(request, compose, planned.motion)
     motion = rebalance(planned.motion, rehearse(planned.motion, stack, make_solver(request.solver), schedule))
-    return perform(request, compose, motion, planned, tell)
+    return run_motion(request, compose, motion, planned, tell)
 
 
 def part(human: Human, start: float, duration: float | None) -> tuple[float, float]:
