@@ -17,7 +17,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True)
-class Course:
+class KinematicRun:
     """What a position-controlled robot was told to do, one row a tick.
 
     Attributes:
@@ -39,14 +39,14 @@ class Course:
     solve_us: Array
 
 
-def assemble(tick: Tick, limits: Sequence[Task], levels: Sequence[tuple[str, Sequence[Task]]]) -> list[Level]:
+def assemble_levels(tick: Tick, limits: Sequence[Task], levels: Sequence[tuple[str, Sequence[Task]]]) -> list[Level]:
     """Levels in v̇: the limits as level 0, then tasks, all of them on accelerations."""
     nv = tick.robot.nv
     hard = Level.stack("hard", [limit.rows(tick) for limit in limits], nv)
     return [hard, *(Level.stack(name, [task.rows(tick) for task in tasks], nv) for name, tasks in levels)]
 
 
-def integrate(
+def follow_tasks(
     robot: Robot,
     q: Array,
     limits: Sequence[Task],
@@ -55,7 +55,7 @@ def integrate(
     period: float,
     duration: float,
     tell: Callable[[float], object] = lambda share: None,
-) -> Course:
+) -> KinematicRun:
     """Follow tasks from rest; accelerations are constant over a period.
 
     Args:
@@ -69,11 +69,11 @@ def integrate(
         tell: Told which share is done.
     """
     tick, v = Tick(robot, period), np.zeros(robot.nv)
-    columns: dict[str, list[Any]] = {name: [] for name in Course.__dataclass_fields__}
+    columns: dict[str, list[Any]] = {name: [] for name in KinematicRun.__dataclass_fields__}
     ticks = round(duration / period)
     for k in range(ticks):
         tick.update(k * period, q, v)
-        rows = assemble(tick, limits, levels)
+        rows = assemble_levels(tick, limits, levels)
         begun = perf_counter()
         solution = solver.solve(rows)
         took = 1e6 * (perf_counter() - begun)
@@ -83,4 +83,4 @@ def integrate(
             columns[name].append(value)
         q, v = pin.integrate(robot.model, q, period * v + 0.5 * period**2 * a), v + period * a
         tell((k + 1) / ticks)
-    return Course(**{name: np.array(values) for name, values in columns.items()})
+    return KinematicRun(**{name: np.array(values) for name, values in columns.items()})
