@@ -29,17 +29,17 @@ from sot.control.controller import Controller
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 
-POINTS = ("waist", "left_foot", "right_foot")
-EVERY = 20  # ticks, between two runs of the reference computation
+POINT_NAMES = ("waist", "left_foot", "right_foot")
+TICKS_PER_REFERENCE = 20  # ticks, between two runs of the reference computation
 
 
 def robot_arrays(robot: Robot, q: np.ndarray) -> dict[str, Any]:
     """What makes the robot, joint by joint after the free base, and what must come of it at a configuration (nq,)."""
     model = robot.model
     data = model.createData()
-    frames = [model.frames[robot.point(name)] for name in POINTS]
+    frames = [model.frames[robot.point(name)] for name in POINT_NAMES]
     inertias = list(model.inertias)[1:]
-    axes = [_axis(model, joint) for joint in range(2, model.njoints)]
+    axes = [_joint_axis(model, joint) for joint in range(2, model.njoints)]
     return {
         "names": np.array(list(model.names)[2:]),
         "parents": np.array(list(model.parents)[2:]),
@@ -60,7 +60,7 @@ def robot_arrays(robot: Robot, q: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _axis(model: pin.Model, joint: int) -> np.ndarray:
+def _joint_axis(model: pin.Model, joint: int) -> np.ndarray:
     """Of a joint that turns, in its own frame (3,)."""
     data = model.createData()
     pin.computeJointJacobians(model, data, pin.neutral(model))
@@ -94,7 +94,7 @@ def own_figures(motion: Motion, log: RunLog) -> dict[str, Any]:
             again.tick_us[k] = 1e6 * (perf_counter() - start)
             again.model_us[k], again.assemble_us[k] = command.model_us, command.assemble_us
             again.solve_us[k] = command.solve_us
-            if k % EVERY == 0:
+            if k % TICKS_PER_REFERENCE == 0:
                 reference()
     name = "this controller, in a tight loop"
     return {"name": name, "ticks": log.ticks, "tick_us": phase_statistics(again), "reference_us": reference.median_us}
@@ -111,7 +111,7 @@ def main() -> int:
     contacts = planted_stack(motion.robot, motion).contacts
     soles = {"soles": np.array([contact.vertices for contact in contacts]), "friction": contacts[0].friction}
     arrays = robot_arrays(motion.robot, log.q[0]) | soles | tick_arrays(motion, log)
-    np.savez_compressed(args.file, points=np.array(POINTS), **arrays)
+    np.savez_compressed(args.file, points=np.array(POINT_NAMES), **arrays)
     print(json.dumps(own_figures(motion, log), indent=2))
     return 0
 
