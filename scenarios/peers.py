@@ -14,7 +14,7 @@ def read_peer_figures(path: Path) -> dict[str, Any]:
     """What `benchmarks/peer_tsid.py` or `benchmarks/peer_ticks.py` has printed to a file.
 
     Returns:
-        "name"; "tick_us", phase -> `FIGURES` [µs]; "reference_us", of the reference computation meanwhile [µs].
+        "name"; "tick_us", phase -> `TICK_STATISTICS` [µs]; "reference_us", of the reference computation meanwhile [µs].
 
     Raises:
         InputError: no such file, or something else in it.

@@ -20,7 +20,7 @@ from tasks import (
 
 
 def planted_stack(robot: Robot, motion: Motion) -> Stack:
-    """Both feet stand; strict for what must hold, the joints share what is left."""
+    """Stack for feet that stand: strict levels for what must hold, the posture takes the null space that is left."""
     return Stack(
         contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
         hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
@@ -34,7 +34,7 @@ def planted_stack(robot: Robot, motion: Motion) -> Stack:
 
 
 def stepping_stack(robot: Robot, motion: Motion) -> Stack:
-    """Feet stand and swing as its schedule, `stepping`, has it; a swinging foot comes next to balance."""
+    """Stack for feet that stand and swing by `stepping_schedule`; a swinging foot comes next to balance."""
     stack = planted_stack(robot, motion)
     for foot in robot.feet:
         stack.add(SwingFoot(robot, foot, motion), level="feet", before="waist")
@@ -42,12 +42,12 @@ def stepping_stack(robot: Robot, motion: Motion) -> Stack:
 
 
 def stepping_schedule(robot: Robot, motion: Motion) -> RecoverySchedule:
-    """The schedule that goes with `steps`: the motion's contact phases, what the feet feel, steps that a push needs."""
+    """Schedule of `stepping_stack`: the motion's contact phases, the measured loads, and steps that a push needs."""
     return RecoverySchedule(robot, motion)
 
 
 def sliding_stack(robot: Robot, motion: Motion) -> Stack:
-    """Feet stand and slide as its schedule, `sliding`, has it; a sliding foot's way comes next to balance."""
+    """Stack for feet that stand and slide by `sliding_schedule`; a sliding foot's path comes next to balance."""
     stack = planted_stack(robot, motion)
     for foot in robot.feet:
         if any(foot in phase.sliding for phase in motion.phases):
@@ -57,5 +57,5 @@ def sliding_stack(robot: Robot, motion: Motion) -> Stack:
 
 
 def sliding_schedule(robot: Robot, motion: Motion) -> SlidingSchedule:
-    """The schedule that goes with `slides`."""
+    """Schedule of `sliding_stack`: the contacts that the motion has slide."""
     return SlidingSchedule(motion.phases)

@@ -83,8 +83,9 @@ def bench_suite(request: Replay, pieces: Sequence[Piece], out: Path | None, tell
         tell: told the piece and what is being done with it.
 
     Returns:
-        "rows", one a piece: "name", "success", "ending" in words, and `FIGURES`, None where there are none; "summary":
-        how many succeeded, and over those that could be danced the mean speed and the medians of the other figures.
+        "rows", one a piece: "name", "success", "ending" in words, and `TABLE_FIGURES`, None where there are none;
+        "summary": how many succeeded, and over those that could be danced the mean speed and the medians of the other
+        figures.
     """
     rows = []
     with tempfile.TemporaryDirectory() as folder:

@@ -15,18 +15,16 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 Array = NDArray[np.float64]
 
-TO_THE_BOUNDARY = 0.995
-TYPICAL_MULTIPLIER = 100.0  # usual of a limit, in half the room
-VIOLATION_TOLERANCE = 1e-5  # of half the room, what a limit may be missed by
-GRADIENT_TOLERANCE, CURVATURE_ROUNDING = (
-    1e-9,
-    1e-13,
-)  # what may be left of the gradient, of its largest part and of the largest curvature
+STEP_SHARE_TO_BOUNDARY = 0.995  # share of the longest step that keeps slacks and multipliers positive
+TYPICAL_MULTIPLIER = 100.0  # of a limit, for half the distance between its bounds as unit
+VIOLATION_TOLERANCE = 1e-5  # largest violation of a limit, relative to half the distance between its bounds
+GRADIENT_TOLERANCE = 1e-9  # gradient left, relative to its largest part
+CURVATURE_ROUNDING = 1e-13  # rounding of the gradient, relative to the largest entry of the Hessian
 
 
 @dataclass(frozen=True)
 class BandedSolution:
-    """x (n,), whether it is optimal, iterations (0: no limit was active) and the largest violation of a limit."""
+    """Answer x (n,), whether it is optimal, iterations (0: no limit was active) and the largest violation."""
 
     x: Array
     solved: bool
@@ -39,7 +37,8 @@ class BandedQP:
 
     The structure of the limits is analysed once; `solve` may then be called with many H and g. The method is
     Mehrotra's predictor-corrector; where no limit is active, the unconstrained minimum is returned at once. Objectives
-    are expected to count squares of errors, in errors that one is ready to accept: PRICE and `solve`'s tolerance do.
+    should sum squares of errors, each divided by the error that is acceptable: TYPICAL_MULTIPLIER and the tolerance of
+    `solve` assume it.
     """
 
     def __init__(self, A: sp.sparray, lower: Array, upper: Array, band: int):
@@ -76,15 +75,15 @@ class BandedQP:
         max_iterations: int = 60,
         tolerance: float = 1e-3,
     ) -> BandedSolution:
-        """The minimum, for a Hessian and a gradient of one's own.
+        """Minimise with the given Hessian and gradient.
 
         Args:
             H: (n, band + 1) lower diagonals of the positive definite Hessian, `H[j, i - j] = H_ij`.
-            g: (n,) gradient at `around`.
-            around: (n,) point about which the objective is expanded, zero unless given.
-            price: multipliers that are to be expected of limits, in half the room; they start there.
-            iterations: most Newton steps.
-            tolerance: of complementarity: what a limit costs, times what is left to it in half the room, on average.
+            g: (n,) gradient at `expansion_point`.
+            expansion_point: (n,) point about which the objective is expanded, zero unless given.
+            first_multiplier: the limits' multipliers at the start, counted in half the distance between the bounds.
+            max_iterations: most Newton steps.
+            tolerance: of complementarity: the mean product of multiplier and distance to the bound, in the same unit.
         """
         G, Gt, normal_cells = self._G, self._Gt, self._normal_cells
         origin = np.zeros(self.n) if expansion_point is None else expansion_point
@@ -125,14 +124,14 @@ class BandedQP:
             _, ds, dz = newton(s * z)
             predicted_gap = float((s + _max_step(s, ds) * ds) @ (z + _max_step(z, dz) * dz)) / s.size
             dx, ds, dz = newton(s * z + ds * dz - (predicted_gap / gap) ** 3 * gap)
-            step = min(1.0, TO_THE_BOUNDARY * min(_max_step(s, ds), _max_step(z, dz)))
+            step = min(1.0, STEP_SHARE_TO_BOUNDARY * min(_max_step(s, ds), _max_step(z, dz)))
             x, s, z = x + step * dx, s + step * ds, z + step * dz
         violation = float(max(0.0, (self._row_units * (G @ x - h)).max()))
         return BandedSolution(origin + x, solved, iteration, violation)
 
 
 def sparse_qp(H: sp.sparray, A: sp.sparray, lower: Array, upper: Array, tolerance: float) -> BandedSolution:
-    """min ½ xᵀH x  subject to  lower <= A x <= upper, its variables put in an order that makes it banded.
+    """Minimise ½ xᵀH x subject to lower <= A x <= upper, with the variables reordered so that the matrices are banded.
 
     Args:
         H: (n, n) sparse and positive definite.
@@ -158,8 +157,8 @@ def sparse_qp(H: sp.sparray, A: sp.sparray, lower: Array, upper: Array, toleranc
 
 
 def _normal_matrix_map(G: sp.csr_array, band: int) -> tuple[NDArray[np.int64], sp.csr_array]:
-    """Where the lower diagonals of GᵀWG are not zero, flattened as `H` is, and the linear map from row weights w to
-    what they are there."""
+    """Cells where the lower diagonals of GᵀWG are not zero, flattened as `H` is, and the linear map from row
+    weights w to the values of these cells."""
     products, cells, rows = [], [], []
     counts = np.diff(G.indptr)
     for count in np.unique(counts[counts > 0]):
@@ -196,7 +195,7 @@ def _cholesky_solve(factor: Array, b: Array) -> Array:
 
 
 def _max_step(value: Array, step: Array) -> float:
-    """Largest multiple of the step, at most 1, that keeps the positive value non-negative."""
+    """Largest multiple of the step, at most 1, for which a positive value stays non-negative."""
     return 1.0 / max(1.0, -float((step / value).min()))
 
 

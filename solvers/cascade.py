@@ -1,13 +1,14 @@
-"""The strict hierarchy of Ramos (12)-(14): each level minimises its violation without touching those above.
+"""The strict hierarchy of Ramos (12)-(14): each level minimises its violation in the null space of those above.
 
 Level 0 holds, the others are least squares of decreasing priority:
 
     min ‖w_k‖   subject to   A_k x - b_k = w_k,   lower_k <= C_k x - w_k <= upper_k,
                              levels above keep the violation w* they have reached.
 
-*The usual tick.* Where inequalities bite at the last two levels only, `Direct` needs one factorisation for all levels.
+*The usual tick.* Where inequalities are active at the last two levels only, `DirectSolver` needs one factorisation for
+all levels.
 
-*Level 0's equalities* are taken out by a change of variables, `Reduction`, before anything else is tried.
+*Level 0's equalities.* A change of variables, `Reduction`, takes them out before anything else is tried.
 
 *Null spaces.* What level k may still use is an orthonormal basis Z_k of the null space of all equalities above; they
 depend on the matrices only. Without inequalities the whole cascade is then a chain of least squares.
@@ -16,10 +17,11 @@ depend on the matrices only. Without inequalities the whole cascade is then a ch
 no level can do better with inequalities than without. The check is exact, and more: if the chain's point after level j
 satisfies them, levels up to j are done. Only what follows needs quadratic programs, each in the variables of Z_k.
 
-*Where inequalities bite.* They mostly do at the same level from tick to tick. A QP at a lower level, with the levels
-above held at the chain's optimum, is tried first: if it has a solution, they have theirs. If not, the QPs start higher.
+*Where inequalities are active.* They mostly are at the same level from tick to tick. A QP at a lower level, with the
+levels above held at the chain's optimum, is tried first: if it has a solution, the levels above have theirs. If not,
+the QPs start higher.
 
-Regularisation appears nowhere, hence not in what a later level has to preserve either.
+There is no regularisation, so that no later level has to preserve one.
 """
 
 from collections.abc import Sequence
@@ -28,14 +30,14 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.chain import ActiveSet, Chain
-from solvers.descent import QPCascade, build_solution
 from solvers.direct import DirectSolver
 from solvers.proxqp import PersistentQPs
+from solvers.qp_cascade import QPCascade, build_solution
 from solvers.reduction import Reduction, leading_count
 from solvers.rows import Array, Level, Solution, Status
 
 MAX_ACTIVE_SET_CHANGES = 4
-"""Changes of the guessed active inequalities that are tried before QPs are."""
+"""Largest number of changes to the guessed active sets before quadratic programs are solved."""
 SOLVED_IN_PARTS = "neither solver found a point that satisfies it; found in parts, of which none had to give way"
 CONTRADICTORY_EQUALITIES = "its equalities contradict each other"
 
@@ -97,11 +99,11 @@ class Cascade:
         return solution
 
     def _active_above_last_two(self) -> bool:
-        """Whether inequalities were held above the last two levels when null spaces were last needed."""
+        """Whether inequalities were active above the last two levels when null spaces were last needed."""
         return self._active_sets is not None and any(len(held.rows) for held in self._active_sets[:-2])
 
     def _solve_or_relax(self, levels: Sequence[Level]) -> Solution:
-        """Solve, and let rows of level 0 give way if there is no solution."""
+        """Solve the levels; if level 0 has no solution, relax its rows in their order."""
         solution = self._solve_levels(levels)
         order = sorted({block.gives_way for block in levels[0].blocks if block.gives_way})
         steps: list[int] = []
@@ -112,7 +114,10 @@ class Cascade:
         return solution if answer.levels[0].status == Status.FAILED else answer
 
     def _solve_relaxed(self, levels: Sequence[Level], steps: list[int]) -> Solution:
-        """Solve with the rows of level 0 that give way at `steps` as levels of their own, last to give way on top."""
+        """Solve with the relaxed rows of level 0, those whose `gives_way` is in `steps`, as levels of their own.
+
+        The rows that give way last are the highest of these levels.
+        """
         hard, gave_way = _split_relaxable(levels[0], steps)
         solution = self._solve_levels([hard, *gave_way, *levels[1:]])
         if any(result.status == Status.FAILED for result in solution.levels[: 1 + len(gave_way)]):
@@ -147,33 +152,33 @@ class Cascade:
         outside = ((values > (upper + self.tolerance)[:, None]) | (values < (lower - self.tolerance)[:, None])).T
         # A point after level j has to satisfy the inequalities of the levels up to j only.
         solved = max((j for j in range(len(levels)) if not outside[j][owner <= j].any()), default=-1)
-        descent = QPCascade(levels, chain, owner, self._qps, self.tolerance)
+        qp_cascade = QPCascade(levels, chain, owner, self._qps, self.tolerance)
         start = max(solved + 1, 1)
         if start == len(levels):
             return build_solution(levels, chain.points[-1], {}, Status.SOLVED)
         usable = max((k for k in range(len(levels)) if chain.null_spaces[k].size), default=0)
         trial = min(self._first_qp_level, usable)
         if trial > start:
-            answer = descent.run(trial, satisfied=False, optional=True)
+            answer = qp_cascade.run(trial, satisfied=False, optional=True)
             if answer is not None:
                 # Levels that were not bitten are given the chance to be skipped next time.
-                self._first_qp_level = trial if descent.first_active_level == trial else trial + 1
-                self._remember_active_sets(levels, owner, descent)
+                self._first_qp_level = trial if qp_cascade.first_active_level == trial else trial + 1
+                self._remember_active_sets(levels, owner, qp_cascade)
                 return answer
-        answer = descent.run(start, satisfied=solved >= 0)
+        answer = qp_cascade.run(start, satisfied=solved >= 0)
         assert answer is not None
-        self._first_qp_level = max(start, min(descent.first_active_level, len(levels) - 1))
-        self._remember_active_sets(levels, owner, descent)
+        self._first_qp_level = max(start, min(qp_cascade.first_active_level, len(levels) - 1))
+        self._remember_active_sets(levels, owner, qp_cascade)
         return answer
 
     def _solve_with_guessed_active_sets(self, chain: Chain, owner: Array) -> Solution | None:
-        """The answer if the inequalities held last time, or few others, are the right ones."""
+        """Solution if the active sets of the last call, or few changes to them, are the right ones; None otherwise."""
         levels = chain.levels
         shape = [(len(level.b), len(level.lower)) for level in levels]
         if shape != self._level_sizes or self._active_sets is None:
             self._level_sizes, self._active_sets = shape, [ActiveSet() for _ in levels]
         if len(owner) and owner[-1]:
-            return None  # own inequalities of lower levels are objectives too: that is the descent's business
+            return None  # own inequalities of lower levels are objectives too: the QP cascade handles them
         hard, held, first = (
             levels[0],
             [hold.with_finite_bounds(chain.lower, chain.upper) for hold in self._active_sets],
@@ -224,9 +229,9 @@ class Cascade:
             held[first] = held[first].union(ActiveSet(np.array([row]), np.array([side])))
         return None
 
-    def _remember_active_sets(self, levels: Sequence[Level], owner: Array, descent: QPCascade) -> None:
+    def _remember_active_sets(self, levels: Sequence[Level], owner: Array, qp_cascade: QPCascade) -> None:
         if not owner.any():
-            self._active_sets = [descent.active_sets.get(k, ActiveSet()) for k in range(len(levels))]
+            self._active_sets = [qp_cascade.active_sets.get(k, ActiveSet()) for k in range(len(levels))]
 
 
 def _relative_residual(residual: Array, b: Array) -> float:
@@ -234,7 +239,7 @@ def _relative_residual(residual: Array, b: Array) -> float:
 
 
 def _stacked_inequalities(levels: Sequence[Level]) -> tuple[Array, Array, Array, Array]:
-    """Inequalities of all levels together, with the level that owns each."""
+    """Inequalities C, lower and upper of all levels stacked, and the level that owns each row."""
     if all(not len(level.lower) for level in levels[1:]):
         first = levels[0]
         return first.C, first.lower, first.upper, np.zeros(len(first.lower), dtype=int)
@@ -247,7 +252,7 @@ def _stacked_inequalities(levels: Sequence[Level]) -> tuple[Array, Array, Array,
 
 
 def _split_relaxable(hard: Level, steps: list[int]) -> tuple[Level, list[Level]]:
-    """Take the inequalities that give way at `steps` out of level 0, a level for each step in the order given."""
+    """Level 0 without the rows whose `gives_way` is in `steps`, and one level for each step, in the given order."""
 
     def part(name: str, wanted: set[int]) -> Level:
         blocks, rows, start = [], [], 0

@@ -1,8 +1,8 @@
-"""The cascade with its active inequalities known: a chain of least squares in shrinking null spaces.
+"""The cascade for known active sets: a chain of least-squares problems in shrinking null spaces.
 
-An inequality that keeps level k from doing better is an equality for level k and all below it. Once it is known which
-ones these are, and at which level, the cascade is a chain: at each level first the held rows, then the level's own
-equalities, each in what is left. Whether the guess was right is checked exactly:
+An inequality that keeps level k from doing better is an equality for level k and all below it. Once these active sets
+are known, the cascade is a chain: each level meets first its held rows, then its own equalities, in the null space that
+is left. Whether the active sets were right is checked exactly:
 
 - the last point satisfies all inequalities, and
 - at each level the held rows push the right way: with g the gradient of the level's objective in its space,
@@ -22,7 +22,7 @@ from solvers.nullspace import RowFactorization, factorize_rows, least_squares_if
 from solvers.rows import Array, Level
 
 MIN_ROW_LENGTH = 1e-12
-"""Rows shorter than this are no rows."""
+"""Rows shorter than this count as zero."""
 
 
 @dataclass(slots=True)
@@ -33,23 +33,23 @@ class ActiveSet:
     side: Array = field(default_factory=lambda: np.zeros(0))
 
     def with_finite_bounds(self, lower: Array, upper: Array) -> "ActiveSet":
-        """Without those whose bound has gone."""
+        """The rows whose bound is still finite."""
         if not len(self.rows):
             return self
         left = np.isfinite(np.where(self.side > 0.0, upper[self.rows], lower[self.rows]))
         return self if left.all() else self.subset(left)
 
     def subset(self, chosen: Array) -> "ActiveSet":
-        """The chosen ones of them, a mask."""
+        """The rows that a mask selects."""
         return ActiveSet(self.rows[chosen], self.side[chosen])
 
     def union(self, others: "ActiveSet") -> "ActiveSet":
-        """These and others."""
+        """These rows and the others."""
         return ActiveSet(np.append(self.rows, others.rows), np.append(self.side, others.side))
 
 
 class NullSpace:
-    """What a level has to work in: the span of ``Z``, orthonormal columns.
+    """The null space that the levels above leave: the span of the orthonormal columns of ``Z``.
 
     As long as no rows have coupled the leading variables to the others, Z is diag(U, W), and rows that involve one of
     them only are solved in that one: half the size, an eighth of the work.
@@ -68,7 +68,7 @@ class NullSpace:
 
     @property
     def size(self) -> int:
-        """Its dimension."""
+        """Dimension of the null space."""
         return self.U.shape[1] + self.W.shape[1] if self._Z is None else self._Z.shape[1]
 
     @property
@@ -83,7 +83,7 @@ class NullSpace:
     def least_squares(
         self, A: Array, columns: int, b: Array, x: Array, tolerance: float, damping: float = 0.0
     ) -> tuple[Array, "NullSpace"]:
-        """Least squares of ``A x = b`` in this space: the new x, and the space left.
+        """Solve ``A x = b`` by least squares in this space; returns the new x and the null space that is left.
 
         Only the first `columns` columns of A are other than zero; directions shorter than `tolerance` count as none.
         """
@@ -102,7 +102,7 @@ class NullSpace:
     def hold_rows(
         self, D: Array, target: Array, x: Array, tolerance: float
     ) -> tuple[Array, "NullSpace", RowFactorization]:
-        """As `solve` with all columns, and the factorisation that its multipliers need."""
+        """As `least_squares` with all columns; also returns the factorisation that the multipliers need."""
         where, basis, rows = self._part_for_rows(D, D.shape[1])
         projection = factorize_rows(rows @ basis, tolerance)
         y = projection.least_squares(target - D @ x)
@@ -111,7 +111,7 @@ class NullSpace:
         return x, self._remaining_space(where, projection.remaining_basis(basis)), projection
 
     def _part_for_rows(self, A: Array, columns: int) -> tuple[slice, Array, Array]:
-        """Variables that are free to satisfy rows A, their basis, and the rows in them."""
+        """Variables that the rows A need, the basis of their null space, and the rows on these variables."""
         n = len(self.U)
         if self.split and columns <= n:
             return slice(0, n), self.U, A[:, :n]
@@ -125,13 +125,13 @@ class NullSpace:
         return NullSpace(self.U, basis) if where.start else NullSpace(self.U, self.W, basis)
 
     def coordinates(self, g: Array) -> Array:
-        """``Zᵀ g`` in the part of the space in which `hold` works."""
+        """``Zᵀ g`` in the part of the space in which `hold_rows` works."""
         where, basis, _ = self._part_for_rows(g[None], len(g))
         return basis.T @ g[where]
 
 
 class Chain:
-    """Runs the chain and keeps what each level leaves.
+    """Runs the chain and keeps the null space and the answer of each level.
 
     Args:
         levels: The hierarchy.
@@ -139,7 +139,7 @@ class Chain:
         rank_tolerance, damping: As for `Cascade`.
 
     Attributes:
-        spaces: What level k has to work in, before its held rows.
+        null_spaces: Null space in which level k is solved, before its held rows.
         points: The answer after each level, (n,).
     """
 
@@ -156,7 +156,7 @@ class Chain:
         self._held_factorizations: list[RowFactorization | None] = [None] * count
 
     def run(self, held: Sequence[ActiveSet] | None = None, first: int = 0) -> None:
-        """Solve from level `first` on; what the levels above left is kept."""
+        """Solve from level `first` on; the results of the levels above are kept."""
         for k in range(first, len(self.levels)):
             level, space = self.levels[k], self.null_spaces[k]
             x = self.points[k - 1] if k else np.zeros(level.size)

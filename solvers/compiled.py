@@ -1,4 +1,4 @@
-"""Compiled functions, for what a tick does a thousand times a second on small arrays."""
+"""A decorator that compiles functions on small arrays, which a tick calls a thousand times a second."""
 
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
@@ -12,5 +12,5 @@ _FASTMATH_FLAGS = {"reassoc", "contract", "nsz", "arcp"}
 
 
 def compiled(function: F) -> F:
-    """Compile a function on its first call, once an installation."""
+    """Compile a function at its first call; the result is cached on disk."""
     return cast(F, njit(cache=True, error_model="numpy", fastmath=_FASTMATH_FLAGS)(function))

@@ -1,4 +1,4 @@
-"""Which rows are to blame when a level cannot have what it asks for, and how little would have to change.
+"""Find the rows that make a level infeasible, and the least changes to their bounds that would cure it.
 
 Rows that no point satisfies together always hold a smallest such set: drop any of its rows and the rest has a solution.
 It is found by a linear programme that violates the rows by as little as can be, whose multipliers are not zero on rows
@@ -14,7 +14,7 @@ from scipy.optimize import linprog
 from solvers.rows import Array, Block, Level, Solution, Solver, Status
 
 VIOLATION_TOLERANCE = 1e-6
-"""Rows that can be met but for this, in their weighted units, are met."""
+"""Largest violation, in weighted units, of rows that count as met."""
 
 
 class ConflictError(Exception):
@@ -22,7 +22,7 @@ class ConflictError(Exception):
 
 
 def solve_or_explain(solver: Solver, levels: Sequence[Level]) -> Solution:
-    """Solve where nobody waits for a torque: all of level 0 holds, or it is said why it cannot.
+    """Solve a hierarchy off-line: all of level 0 holds, or an error names the rows that contradict each other.
 
     Raises:
         ConflictError: If level 0 has no solution.
@@ -35,7 +35,7 @@ def solve_or_explain(solver: Solver, levels: Sequence[Level]) -> Solution:
 
 @dataclass(frozen=True, slots=True)
 class ConflictRow:
-    """A row of a conflict.
+    """One row of a conflict.
 
     Args:
         owner: Who asks for it.
@@ -60,13 +60,13 @@ class ConflictRow:
 
 @dataclass(frozen=True, slots=True)
 class Conflict:
-    """A smallest set of rows that contradict each other, those that would have to change first."""
+    """A smallest set of rows that contradict each other; rows whose bounds would have to change come first."""
 
     rows: tuple[ConflictRow, ...]
 
     @property
     def owners(self) -> frozenset[str]:
-        """Whose rows they are."""
+        """Names of the tasks and limits that own the rows."""
         return frozenset(row.owner for row in self.rows)
 
     def __str__(self) -> str:
@@ -94,7 +94,8 @@ class _OneSidedRows:
 
     @classmethod
     def of(cls, levels: Sequence[Level], kept: Array | None) -> "_OneSidedRows":
-        """Of all levels; the equalities above the last level hold what `kept` reaches where they are not level 0's."""
+        """One-sided rows of all levels; equalities between level 0 and the last level ask for what the point `kept`
+        reaches."""
         matrices, bounds = [], []
         marks: list[tuple[int, int, int, float]] = []
         blocks: list[Block] = []
@@ -120,7 +121,7 @@ class _OneSidedRows:
         )
 
     def conflict_row(self, k: int, change: float) -> ConflictRow:
-        """The row in its owner's words."""
+        """Row k in the words of its owner."""
         block = self.blocks[self.owner[k]]
         number = int(self.row[k]) - block.rows.start
         alone = block.rows.stop - block.rows.start == 1
@@ -130,12 +131,12 @@ class _OneSidedRows:
 
 
 def find_conflict(levels: Sequence[Level], level_index: int = 0, x: Array | None = None) -> Conflict | None:
-    """Why a level cannot be met.
+    """Find out why a level cannot be met.
 
     Args:
         levels: The hierarchy, level 0 first.
-        last: The level in question. Levels between 0 and this one keep what `x` has reached.
-        x: A solution of the levels above `last`; not needed for level 0.
+        level_index: The level in question. Levels between 0 and this one keep what `x` has reached.
+        x: A solution of the levels above `level_index`; not needed for level 0.
 
     Returns:
         A smallest set of rows that contradict each other; None if the level can be met.
@@ -159,7 +160,7 @@ def find_conflict(levels: Sequence[Level], level_index: int = 0, x: Array | None
 
 
 def _violation_costs(sides: _OneSidedRows, rows: Array, last: int) -> Array:
-    """Price of violating each row: low for a lower level's own, and in level 0 for those that give way first."""
+    """Cost of violating each row: low for the rows of a lower level, and in level 0 for those that give way first."""
     if last:
         return np.where(sides.level[rows] == last, 1.0, 1e4)
     steps = np.array([block.gives_way for block in sides.blocks])[sides.owner[rows]]

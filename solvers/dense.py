@@ -1,4 +1,4 @@
-"""Dense linear algebra of a tick's sizes, compiled: there a call of a library takes longer than what it computes.
+"""Compiled dense linear algebra for the small matrices of a tick, where a library call costs more than its arithmetic.
 
 Loops run over whole rows, zeros included: that is what becomes vector instructions.
 """
@@ -9,21 +9,21 @@ from solvers.compiled import compiled
 from solvers.rows import Array
 
 DEPENDENT_BELOW = 1e-9
-"""A row counts as depending on those before it if it is closer to their span than this, relative to its length."""
+"""Distance from the span of the rows before it, relative to a row's length, below which it is dependent."""
 INDEPENDENT_ABOVE = 1e-5
-"""And as independent if it is farther than this; in between nobody knows."""
+"""The same distance above which a row is independent; between the two there is doubt."""
 WELL_CONDITIONED_ABOVE = 1e-3
-"""Normal equations whose shortest direction is longer than this, relative to the longest, are solved in one step."""
+"""Ratio of the shortest to the longest direction above which normal equations need no step of refinement."""
 
 
 @compiled
 def lq_factorization(J: Array) -> tuple[Array, Array, Array, Array, bool]:
-    """``J = L Q`` of m rows of n variables by Householder reflections, row after row.
+    """Factorise ``J = L Q``, m rows of n variables, by Householder reflections, row after row.
 
     Returns:
         L, shape (m, m), of which row k uses the columns up to its rank, lower triangular in the independent rows;
-        the reflections' vectors V (m, n) and factors (m,), ``Qᵀ = (1 − f_0 v_0 v_0ᵀ) (1 − f_1 v_1 v_1ᵀ) …``; the rows
-        that are independent of those before, shape (rank,); and whether there is no doubt about that.
+        the reflections' vectors V (m, n) and factors (m,), ``Qᵀ = (1 − f_0 v_0 v_0ᵀ) (1 − f_1 v_1 v_1ᵀ) …``; indices of
+        the independent rows, shape (rank,); and whether these are beyond doubt.
     """
     m, n = J.shape
     L, V, factors, rows, rank, certain = np.zeros((m, m)), np.zeros((m, n)), np.zeros(m), np.zeros(m, np.int64), 0, True
@@ -97,7 +97,7 @@ def backward_substitution(L: Array, rows: Array, b: Array) -> Array:
 
 @compiled
 def solution_space(J: Array, b: Array) -> tuple[Array, bool]:
-    """All x with ``J x = b``: the shortest one, and below it an orthonormal basis of what may be added to it.
+    """All x with ``J x = b``: the shortest one, and below it an orthonormal basis of the null space of J.
 
     Returns:
         Shape (1 + n − m, n), and whether the m rows are independent, without which it is of no use.
@@ -117,8 +117,8 @@ def solution_space(J: Array, b: Array) -> tuple[Array, bool]:
 
 @compiled
 def gram_cholesky(B: Array) -> tuple[Array, float]:
-    """L with ``L Lᵀ = B Bᵀ``, lower triangular, and its shortest direction, relative to the longest or to 1 if that is
-    more; 0 if there is no such L."""
+    """Cholesky factor L of ``B Bᵀ = L Lᵀ``, and its smallest diagonal entry relative to the largest (at least 1); 0 if
+    there is no such L."""
     m, n = B.shape
     L, shortest, longest = np.zeros((m, m)), np.inf, 1.0
     for i in range(m):
@@ -140,7 +140,7 @@ def gram_cholesky(B: Array) -> tuple[Array, float]:
 
 @compiled
 def least_squares_in_solution_space(X: Array, B: Array, b: Array) -> tuple[Array, bool]:
-    """The x of those that `solutions` gave that minimises ``‖W x − b‖²``, where ``B = X Wᵀ``.
+    """The x within `solution_space` that minimises ``‖W x − b‖²``, where ``B = X Wᵀ``.
 
     By normal equations, with a step of refinement where rounding would show.
 

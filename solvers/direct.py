@@ -1,4 +1,4 @@
-"""The cascade of a tick on which inequalities bite at its last two levels only, or not at all.
+"""The cascade of a tick whose inequalities are active at its last two levels only, or not at all.
 
 Most ticks are of that kind, and they need no null-space basis between levels. With variables (x_1, x_2) as in
 `Reduction`, and as long as each level's rows J_k can be met exactly, the lexicographic optimum of
@@ -9,8 +9,8 @@ are the solutions of all of them together: one factorisation. The first level wi
 left, ``W x_1 = b``, takes these by least squares: that determines x_1. Then x_2 has to answer what level 0 asks of it,
 ``R x_2 = r − P x_1``, and the last level, which wants ``x_2 = w``, gets the nearest point that does.
 
-Inequalities that bite are held as equalities. Rows that x_2 can answer beside R cost the last level something. Where
-they are more than x_2 can answer, combinations of them that leave x_2 out are rows on x_1, and cost the level of W.
+Active inequalities are held as equalities. Rows that x_2 can satisfy beside R cost the last level something. Where
+there are more than x_2 can satisfy, combinations of them without x_2 are rows on x_1, and cost the level of W.
 
 The result is checked exactly: all inequalities of level 0 hold, and the held ones push the right way at the level that
 they cost first. What does not fit is left to others: rows that contradict each other, a level of another kind, an
@@ -40,19 +40,19 @@ from solvers.reduction import leading_count
 from solvers.rows import Array, Equality, Level
 
 MAX_ACTIVE_SET_CHANGES = 12
-"""Changes of the held inequalities before it is given up."""
+"""Largest number of changes to the active set before the solver gives up."""
 
 
 class DirectSolver:
-    """Solves the ticks that need no null spaces.
+    """Solves a hierarchy by one factorisation where no null spaces between levels are needed.
 
     Args:
         tolerance: Violation that counts as none.
 
     Attributes:
-        held: Inequalities of level 0 that are held: +1 at their upper bound, -1 at the lower one, 0 if not.
-        excess: Largest violation of an inequality in the last answer.
-        met: How many levels, level 0 included, have all their rows met by the last answer.
+        active_sides: Inequalities of level 0 that are held: +1 at their upper bound, -1 at the lower one, 0 if not.
+        max_violation: Largest violation of an inequality in the last answer.
+        levels_met: How many levels, level 0 included, have all their rows met by the last answer.
     """
 
     def __init__(self, tolerance: float) -> None:
@@ -65,7 +65,7 @@ class DirectSolver:
         self._parts: _Structure | None = None  # and what they are made of
 
     def warm_start(self, rows: Array, side: Array) -> None:
-        """Start the next time with these rows held, at the upper bound where `side` is positive."""
+        """Start the next solve with these rows active, at the upper bound where `side` is positive."""
         known = rows < len(self.active_sides)
         self.active_sides[:] = 0.0
         self.active_sides[rows[known]] = side[known]
@@ -98,9 +98,9 @@ class DirectSolver:
 
 @dataclass(slots=True)
 class _Structure:
-    """A hierarchy's equalities by what becomes of them.
+    """A hierarchy's equalities, sorted by how they are solved.
 
-    `leading` variables make up x_1, and the first `met` levels have thin rows only.
+    `leading` variables make up x_1, and the first `levels_met` levels have exact rows only.
     """
 
     leading: int
@@ -112,7 +112,7 @@ class _Structure:
 
     @classmethod
     def of(cls, levels: Sequence[Level]) -> "_Structure | None":
-        """None for a hierarchy of another kind."""
+        """Sort the equalities of a hierarchy; None if it is of another structure."""
         leading, met = leading_count(levels), 1
         trailing = levels[0].size - leading
         thin: list[Equality] = []
@@ -149,11 +149,11 @@ class _Structure:
 
 
 def least_norm_solution(exact: Sequence[Equality], overdetermined: Sequence[Equality], count: int) -> Array | None:
-    """Least-norm x with all `thin` rows exactly, in any order, and the `wide` ones by least squares in what they leave.
+    """Least-norm x with all `exact` rows met and the `overdetermined` ones by least squares in their null space.
 
     Args:
-        thin: No more rows than there are variables.
-        wide: Rows that determine what the others leave; none if that stays 0.
+        exact: No more rows than there are variables.
+        overdetermined: Rows that determine what the others leave; none if that stays 0.
         count: Number of variables.
 
     Returns:
@@ -167,7 +167,7 @@ def least_norm_solution(exact: Sequence[Equality], overdetermined: Sequence[Equa
 
 
 def _stacked_rows(equalities: Sequence[Equality], count: int) -> tuple[Array, Array]:
-    """Rows as one matrix on a number of leading variables, and their right-hand side."""
+    """Rows stacked to one matrix on the leading variables, and their right-hand side."""
     used = 0
     for e in equalities:
         used += len(e.b)
@@ -190,10 +190,10 @@ def _copy_scaled_rows(J: Array, target: Array, row: int, start: int, A: Array, s
 def _row_products(equalities: Sequence[Equality], X: Array) -> tuple[Array, Array]:
     """Rows W and right-hand side b of the leading variables as ``X Wᵀ`` and b."""
     if len(equalities) == 1:
-        return equalities[0].seen(X), equalities[0].b
+        return equalities[0].row_products(X), equalities[0].b
     if not equalities:
         return np.empty((len(X), 0)), np.empty(0)
-    return np.hstack([e.seen(X) for e in equalities]), np.hstack([e.b for e in equalities])
+    return np.hstack([e.row_products(X) for e in equalities]), np.hstack([e.b for e in equalities])
 
 
 @compiled
@@ -210,10 +210,10 @@ def _active_set_optimum(
     held: Array,
     tolerance: float,
 ) -> tuple[bool, float]:
-    """x with the inequalities held that have to be.
+    """Find x by an active-set iteration over the inequalities.
 
     Args:
-        X: What x_1 may be, see `solutions`, shape (1 + f, n_1).
+        X: What x_1 may be, see `solution_space`, shape (1 + f, n_1).
         B, b: ``X Wᵀ`` and the right-hand side of W, shapes (1 + f, w) and (w,).
         K, r: Level 0's rows ``P x_1 + R x_2 = r`` as a matrix on x, shapes (c, n) and (c,).
         x: Ends with the wish for x_2, shape (n,); replaced by the answer.
@@ -302,7 +302,7 @@ def _active_set_optimum(
 def _leading_meeting_rows(
     X: Array, first: Array, factor: Array, rows: Array, target: Array, L: Array, kept: Array
 ) -> tuple[Array, Array, bool]:
-    """x_1 nearest to its first choice, by the level of W, for which x_2 can answer all rows.
+    """The x_1 nearest to its first choice, in the norm of the level of W, for which x_2 can satisfy all rows.
 
     Args:
         X: What x_1 may be.

@@ -1,4 +1,4 @@
-"""Whether linear inequalities have a solution at all, by the simplex method.
+"""A test by the simplex method whether linear inequalities have a solution.
 
 The general form of Dutertre and de Moura ("A fast linear-arithmetic solver for DPLL(T)", CAV 2006) fits: values
 ``s = A y`` with bounds, y free. Each s starts as a function of y; whichever is outside its bounds is moved onto the
@@ -11,9 +11,9 @@ import numpy as np
 from solvers.rows import Array
 
 MIN_RELATIVE_PIVOT = 1e-9
-"""Coefficients smaller than this, relative to the largest of A, are rounding."""
+"""Smallest pivot, relative to the largest entry of A; smaller coefficients are rounding."""
 GREEDY_PIVOTS_PER_ROW = 4
-"""Trades, a multiple of the number of values, made by the largest violation; after them by Bland's rule, which ends."""
+"""Pivots, per row of A, that are chosen by the largest violation; later ones follow Bland's rule, which terminates."""
 
 
 def is_feasible(A: Array, lower: Array, upper: Array, tolerance: float) -> bool:
@@ -59,5 +59,5 @@ def is_feasible(A: Array, lower: Array, upper: Array, tolerance: float) -> bool:
 
 
 def _smallest_variable(which: Array, variables: Array) -> int:
-    """Place of the variable of the smallest number, of those that qualify."""
+    """Index of the smallest variable number among those that qualify."""
     return int(np.argmin(np.where(which, variables, np.iinfo(int).max)))

@@ -1,4 +1,4 @@
-"""Least squares that leave the rest of the space free, straight on LAPACK.
+"""Least squares and null-space bases, straight on LAPACK.
 
 `numpy.linalg.qr(mode="complete")` takes several times as long as the pivoted `geqp3` with `ormqr` on matrices of a
 tick's size, and does not reveal the rank.
@@ -18,7 +18,7 @@ _UPPER_TRIANGLE = np.triu(np.ones((256, 256)))
 
 @dataclass(slots=True)
 class RowFactorization:
-    """Complete orthogonal factorisation of one level's rows ``B = A Z`` in what the levels above left.
+    """Complete orthogonal factorisation of one level's rows ``B = A Z`` in the null space of the levels above.
 
     ``Bᵀ P = Q [R; 0]`` with column pivoting, so that the first `rank` columns of Q span what the level uses and the
     rest is free for the levels below.
@@ -65,7 +65,7 @@ class RowFactorization:
         return lapack.dormqr("L", "N", self.qr[:, :k], self.tau[:k], y, _WORKSPACE_PER_ROW * m, overwrite_c=1)[0]
 
     def multipliers(self, g: Array) -> Array:
-        """λ with ``Bᵀ λ = g`` for a g in the range of Bᵀ, shape (m,); 0 for rows that others imply."""
+        """Multipliers λ with ``Bᵀ λ = g`` for a g in the range of Bᵀ, shape (m,); 0 for dependent rows."""
         k = self.rank
         out = np.zeros(self.qr.shape[1])
         if k:
@@ -74,7 +74,7 @@ class RowFactorization:
         return out
 
     def remaining_basis(self, Z: Array) -> Array:
-        """Orthonormal basis of what is left of the columns of Z, shape (rows of Z, n - rank)."""
+        """Orthonormal basis of the null space of the rows within the span of Z, shape (rows of Z, n - rank)."""
         if not self.rank:
             return Z
         if self.rank == Z.shape[1]:
@@ -86,7 +86,7 @@ class RowFactorization:
 
 
 def factorize_rows(B: Array, tolerance: float) -> RowFactorization:
-    """Factorise the rows B, shape (m, n); singular directions below `tolerance` count as none."""
+    """Factorise the rows B, shape (m, n); directions shorter than `tolerance` do not count."""
     m, n = B.shape
     if not m or not n:
         return RowFactorization(np.zeros((n, m), order="F"), np.zeros(0), np.zeros(0, dtype=int), 0)
@@ -100,7 +100,7 @@ def factorize_rows(B: Array, tolerance: float) -> RowFactorization:
 
 
 def least_squares_if_determined(B: Array, r: Array, tolerance: float, damping: float = 0.0) -> Array | None:
-    """Least squares of rows that leave nothing free; None if they do, or nearly.
+    """Least-squares solution of rows that leave no null space; None if they leave one, or nearly.
 
     Normal equations, with a step of refinement where rounding would show: as accurate as a factorisation of B, at a
     fraction of its cost.

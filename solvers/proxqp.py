@@ -1,4 +1,4 @@
-"""Quadratic programs that stay alive between calls, on ProxQP, with a second solver behind it."""
+"""Quadratic programs on ProxQP that are warm-started from call to call, with a second solver as fallback."""
 
 from dataclasses import dataclass, replace
 
@@ -10,16 +10,18 @@ from solvers.rows import Array, Status
 
 SECOND_SOLVER_NAME = "quadprog"
 ZERO_BELOW = 1e-13
-"""Entries of the inequalities that are smaller than this, relative to the largest, are zero but for rounding."""
+"""Size, relative to the largest entry of C, below which entries count as zero: they are rounding."""
 
 INFEASIBILITY_TOLERANCES = 1e-7, 1e-12
-"""ProxQP's `eps_primal_inf`, below which it takes a thin feasible set for none: as a rule, and where there is one."""
+"""ProxQP's `eps_primal_inf`, which decides when a thin feasible set counts as empty: as a rule, and where the QP is
+known to be feasible."""
 BOUND_WIDENINGS = 3.0, 100.0
-"""Where a set has no width, solvers stumble over rounding. The levels above are known no better than to the accuracy of
-their QPs: bounds are widened by this many times as much, where ProxQP has failed, and where the second solver has."""
+"""Where a set has no width, solvers stumble over rounding. The levels above are known to the accuracy of
+their QPs: bounds are widened by this many times that accuracy, where ProxQP has failed and where the second solver
+has."""
 ADDED_CURVATURES = 1e-10, 1e-8
-"""How much more curvature, relative to its mean, the objective is given for the second solver, which wants all of it to
-be positive: as a rule far less than shows in the answer, and where the solver has failed."""
+"""Curvature added to the objective, relative to its mean, for the second solver, which needs a positive definite one:
+as a rule far less than shows in the answer, and where the solver has failed."""
 
 
 @dataclass(slots=True)
@@ -29,7 +31,7 @@ class QP:
     Args:
         H, g: Objective, shapes (n, n) and (n,), H symmetric and positive semidefinite.
         C, lower, upper: Inequalities, shapes (m, n), (m,), (m,).
-        feasible: Whether it is known to have a solution.
+        known_feasible: Whether it is known to have a solution.
     """
 
     H: Array
@@ -40,7 +42,7 @@ class QP:
     known_feasible: bool = False
 
     def violation(self, y: Array) -> float:
-        """Largest violation of an inequality."""
+        """Largest violation of an inequality at y, 0 if there is none."""
         if not len(self.lower):
             return 0.0
         value = self.C @ y
@@ -90,7 +92,7 @@ class PersistentQPs:
         Args:
             key: Names the sequence of similar problems that it belongs to: those of one size share a warm start.
             problem: The QP.
-            second: Whether a problem that ProxQP leaves unsolved goes to the second solver.
+            use_second_solver: Whether a problem that ProxQP leaves unsolved goes to the second solver.
         """
         H, g, C, lower, upper = problem.H, problem.g, problem.C, problem.lower, problem.upper
         n, m = len(g), len(lower)
@@ -121,7 +123,7 @@ class PersistentQPs:
         return self._solve_with_second_solver(problem, reason) if use_second_solver else _failed_result(problem, reason)
 
     def _accepted_result(self, qp: proxqp.dense.QP, problem: QP) -> QPResult | None:
-        """The answer of a solved QP, None where it is no answer."""
+        """Result of a solved QP; None if ProxQP has not solved it or the answer violates a bound."""
         if qp.results.info.status != proxqp.PROXQP_SOLVED:
             return None
         y = qp.results.x.copy()
@@ -129,7 +131,7 @@ class PersistentQPs:
         return QPResult(y, qp.results.z.copy(), Status.SOLVED, residual) if residual <= self.tolerance else None
 
     def _failure_reason(self, qp: proxqp.dense.QP) -> str:
-        """Why ProxQP has no answer."""
+        """Why ProxQP has no answer, in words."""
         most = self.max_iterations
         return {
             proxqp.PROXQP_SOLVED: "ProxQP's answer breaks a bound",

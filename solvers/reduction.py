@@ -1,4 +1,4 @@
-"""Level 0's equalities solved once and for all, by a change of variables that leaves them out.
+"""A change of variables that eliminates the equalities of level 0.
 
 Rows of a controller's level 0 come as ``[J 0; P R]``: the leading variables x_1 (accelerations) have rows of their own,
 and the trailing ones x_2 (contact forces) can answer whatever the coupled rows ask for, R being of full row rank. Then
@@ -19,13 +19,13 @@ from solvers.rows import Array, Equality, Level
 
 
 def leading_count(levels: Sequence[Level]) -> int:
-    """Number of leading variables: the fewest that any level's rows are content with."""
+    """Number of leading variables: the fewest columns that the rows of any level use."""
     first = levels[0]
     return min((e.A.shape[1] for level in levels for e in level.equalities if not e.start), default=first.size)
 
 
 def stacked_equalities(equalities: Sequence[Equality], start: int, size: int) -> Array:
-    """The equalities in the variables from `start` on, one matrix, shape (rows, size - start)."""
+    """The equalities as one matrix on the variables from `start` on, shape (rows, size - start)."""
     out = np.zeros((sum(len(e.b) for e in equalities), size - start))
     row = 0
     for e in equalities:
@@ -82,11 +82,11 @@ class Reduction:
         return cls(T, origin, leading, free)
 
     def reduced_levels(self, levels: Sequence[Level]) -> list[Level]:
-        """The same levels in z; the first has no equalities any more."""
+        """The same levels in z; level 0 has no equalities any more."""
         return [self._level(level, hard=not k) for k, level in enumerate(levels)]
 
     def full_solution(self, z: Array) -> Array:
-        """x of z."""
+        """The solution x in the original variables, ``T z + origin``."""
         return self.T @ z + self.origin
 
     def _level(self, level: Level, hard: bool) -> Level:

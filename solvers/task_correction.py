@@ -49,7 +49,7 @@ class Correction:
 
     Args:
         x: q̈*, shape (n,).
-        first: The first of the tasks that were corrected; their number if none was.
+        first_corrected: The first of the tasks that were corrected; their number if none was.
         status: Of the QP, if there was one.
         residual: Largest violation of a bound.
         reason: As of a `QPResult`.
@@ -82,7 +82,7 @@ class PrioritizedTasks:
         self.x = self._recursive_solution() if x is None else x
 
     def correction_gains(self) -> list[Array]:
-        """``G = [g_1 g_2 ...]``, Algorithm 1, one block a task, shapes (n, m_i).
+        """Gains ``G = [g_1 g_2 ...]`` of Algorithm 1, from corrections to accelerations: one block (n, m_i) a task.
 
         A column of g_i is what a unit correction of its row does: ``J̄_i⁺`` of it, which each task below then makes up
         for. All columns of all tasks above are taken through a task at once. Of tasks that do not come near another
@@ -102,7 +102,7 @@ class PrioritizedTasks:
         return np.split(G, ends[:-1], axis=1)
 
     def _recursive_solution(self) -> Array:
-        """Kim (5), each task in the null space of those above; keeps what `gains` needs."""
+        """Kim (5), each task in the null space of those above; keeps what `correction_gains` needs."""
         n = self.tasks[0].J.shape[1]
         x, Z = np.zeros(n), np.eye(n, order="F")
         for task in self.tasks:
@@ -215,13 +215,13 @@ class TaskCorrection:
 
 
 def _leading_task(level: Level, leading: int) -> Task:
-    """What a level asks of the leading variables alone."""
+    """The rows of a level that concern the leading variables only, as a task."""
     own = [e for e in level.equalities if e.start + e.A.shape[1] <= leading]
     return Task(stacked_equalities(own, 0, leading), np.concatenate([np.zeros(0), *(e.b for e in own)]))
 
 
 def _with_corrected_targets(level: Level, x: Array) -> Level:
-    """The level with what it asks of the leading variables replaced by what they are to be."""
+    """The level with the targets of its rows on the leading variables replaced by what x reaches."""
 
     def corrected(e: Equality) -> Equality:
         end = e.start + e.A.shape[1]

@@ -24,7 +24,7 @@ class TaskState:
     """The three tasks at a state.
 
     Args:
-        value: Their values, in the order of `TASKS`, shape (3,).
+        value: Their values, in the order of `TASK_NAMES`, shape (3,).
         jacobian: Shape (3, 3).
         drift: J̇ q̇, shape (3,).
     """
@@ -44,7 +44,7 @@ class ArmRun:
         error: Wanted minus reached, in the order of `planar_arm.TASKS`, (T, 3) [m, m, rad].
         qps: Quadratic programs, (T,).
         solve_us: Time of the solver [µs], (T,).
-        furthest: Most beyond a position limit, between ticks too [rad].
+        max_beyond_range: Most beyond a position limit, between ticks too [rad].
     """
 
     time: Array

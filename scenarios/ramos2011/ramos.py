@@ -175,7 +175,7 @@ def _dance_rebalanced(request: Replay, compose: Composer, planned: Plan, tell: P
 def clip_part(human: Human, start: float, duration: float | None) -> tuple[float, float]:
     """Which part of a clip is danced, its start and duration [s]: as asked for, or where the knees swing most.
 
-    That is the stretch of `SECONDS` with the largest sum of amplitude times duration over the oscillations of both
+    That is the stretch of `MAX_DURATION` with the largest sum of amplitude times duration over the oscillations of both
     knees' angles; a clip that is shorter is danced whole.
     """
     if start or duration is not None or human.duration <= MAX_DURATION:
@@ -203,7 +203,7 @@ def posture_stack(clearance: float, edits: Sequence[Edit] = ()) -> Composer:
     lost that edits could bring back.
 
     Args:
-        kept: Least distance of parts of the robot [m].
+        clearance: Least distance of parts of the robot [m].
         edits: Of the motion.
     """
 

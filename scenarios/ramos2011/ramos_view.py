@@ -43,9 +43,9 @@ class ThreeDances:
         planned: the dancer, and the motion whose balance is kept.
         geometric: the copy that is not balanced.
         posture, final: the runs under physics, without and with edits.
-        wanted: height of the dancer's right hand at the knots, in the robot's size (T,) [m].
-        knees, raised, slid: what was edited: the knees' oscillations, when the hand is raised, and when a foot slides
-            [s].
+        dancer_hand_height: height of the dancer's right hand at the knots, in the robot's size (T,) [m].
+        knees, raised_spans, slide_spans: what was edited: the knees' oscillations, when the hand is raised, and
+            when a foot slides [s].
     """
 
     planned: Plan

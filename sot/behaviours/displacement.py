@@ -1,4 +1,4 @@
-"""Where a plan is to be carried out by feet that do not stand where it has them."""
+"""Displacement of a plan to feet that do not stand at their planned places."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -10,7 +10,7 @@ Array = np.ndarray
 ZERO_SHIFT = np.zeros(2)
 ZERO_TILT = np.zeros((2, 2))
 COINCIDENT_DISTANCE = 0.02
-"""Distance below which planned places are one [m]."""
+"""Distance below which two planned places count as one [m]."""
 
 
 class Displacement(NamedTuple):
@@ -29,7 +29,7 @@ class Displacement(NamedTuple):
 
     @classmethod
     def of(cls, feet: Sequence[tuple[Array, Array, float]]) -> "Displacement":
-        """That of one foot or two.
+        """The displacement for one standing foot or two.
 
         Args:
             feet: Planned place (2,), place (2,) [m], and load of each one that stands: one that may carry less than the
@@ -53,9 +53,9 @@ class Displacement(NamedTuple):
         return cls(off - tilt @ first, tilt)
 
     def displaced_place(self, x: Array) -> Array:
-        """Where a place (2,) of the plan is [m]."""
+        """Displaced place (2,) of a planned one [m]."""
         return x + self.shift + self.tilt @ x
 
     def displaced_rate(self, v: Array) -> Array:
-        """What a velocity or acceleration (2,) of the plan is there."""
+        """Displaced velocity or acceleration (2,) of a planned one."""
         return v + self.tilt @ v

@@ -1,4 +1,4 @@
-"""Steps that nobody planned: made when what disturbs the robot takes its balance out of the reach of its feet."""
+"""Unplanned steps, made when a disturbance takes the divergent component out of the support of both feet."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,32 +19,32 @@ from sot.robots.robot import Robot
 Array = np.ndarray
 
 DISTURBED_DCM_ERROR, CALM_DCM_ERROR = 0.03, 0.015
-"""Distance of the divergent component from its plan [m] beyond which it is disturbed, and within which it is not."""
+"""Distance of the divergent component from its plan beyond which it is disturbed, and within which it is calm [m]."""
 MIN_SWING_TIME, RETURN_SWING_TIME = 0.25, 0.3
-"""Shortest time that a foot is in the air, to catch the robot and to go back to its planned place [s]."""
+"""Shortest swing that catches the robot, and the swing back to the planned place [s]."""
 MIN_TIME_BETWEEN_STEPS = 0.3
-"""Time between two steps, unless the second one is needed [s]."""
+"""Least time between two steps, unless balance needs the second one [s]."""
 FOOTHOLD_FREEZE_TIME = 0.08
-"""Time before it lands from which on a foot's place is not changed any more [s]."""
+"""Time before touchdown from which on the foothold stays [s]."""
 STEP_HEIGHT = 0.05
-"""Of a step [m]."""
+"""Height of an unplanned step [m]."""
 ZMP_MARGIN = 0.01
-"""Distance from the edges of a support within which the zero-moment point can be kept [m]."""
+"""Distance from the support's edges that the zero-moment point keeps in predictions [m]."""
 DCM_MARGIN = 0.04
-"""Distance from the edges of the support after a step that the divergent component is to have [m]."""
+"""Distance from the support's edges that the divergent component should have after a step [m]."""
 CHECK_INTERVAL = 0.01
-"""Interval at which it is looked whether a step is needed [s]."""
+"""Interval between two checks whether a step is needed [s]."""
 FOOTHOLD_ITERATIONS = 5
-"""In which a foot's place is found."""
+"""Iterations that find a foothold."""
 MIN_MARGIN_GAIN = 0.01
-"""What a step has to be better than none, at least [m]."""
+"""Least gain of a step over none, in the distance of the divergent component from the support's edges [m]."""
 HOME_DISTANCE = 0.02
-"""Distance from its planned place within which a foot is left where it is [m]."""
+"""Distance from its planned place within which a foot stays where it is [m]."""
 
 
 @dataclass(slots=True)
 class _Step:
-    """A step to be made, or on its way: with which foot beside which, from where to where, how long it takes [s]."""
+    """A needed or running step: the foot and the one that stands, start and landing place [m], swing time [s]."""
 
     foot: str
     beside: str
@@ -57,7 +57,7 @@ class _Step:
 
 
 class RecoverySchedule(SteppingSchedule):
-    """Leads contacts as `Stepping` does, and lets a foot step where balance needs it; the foot goes back when it can.
+    """Leads contacts as `SteppingSchedule` does, and lets a foot step where balance needs it; it steps back later.
 
     Of the centre of mass only ξ = c + ċ/ω diverges, ξ̇ = ω (ξ − z), ω² = g / c_z. The angular momentum ΔL that the plan
     has not has to go as well, and takes as much of the support as if ξ were at
@@ -77,7 +77,7 @@ class RecoverySchedule(SteppingSchedule):
     Args:
         robot: The robot.
         motion: What it does.
-        ramp: As for `Stepping`.
+        ramp: As for `SteppingSchedule`.
     """
 
     def __init__(self, robot: Robot, motion: Motion, ramp: float = 0.04) -> None:
@@ -94,7 +94,7 @@ class RecoverySchedule(SteppingSchedule):
         self._free_feet: list[tuple[str, str]] = []  # feet that another one lets go, with that one
 
     def heed(self, tick: Tick) -> None:
-        """See whether a step is needed, or where the one that is on its way is to land."""
+        """Check whether a step is needed, or update the foothold of the running one."""
         step = self._step
         if step is None or step.trajectory is None:
             if not 0.0 < tick.t - self._checked_at < CHECK_INTERVAL:
@@ -106,7 +106,7 @@ class RecoverySchedule(SteppingSchedule):
             )
 
     def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:
-        """As `Stepping`, and let a foot begin the step that is needed."""
+        """As `SteppingSchedule`, and let a foot begin the step that is needed."""
         step, begun = self._step, []
         if step is not None and step.trajectory is None:
             lift, land = t + self.ramp, t + self.ramp + step.swing_time
@@ -129,7 +129,7 @@ class RecoverySchedule(SteppingSchedule):
         return stand and not any(self.stances_to_come(foot) for foot in self._robot.feet)
 
     def _needed_step(self, tick: Tick) -> _Step | None:
-        """The step that the robot needs now, or may make; none in an undisturbed dance."""
+        """The step that the robot needs now, or the way back that it may take; None in an undisturbed dance."""
         xi, off = self._dcm_and_error(tick)
         if off < DISTURBED_DCM_ERROR:
             return self._return_step(tick, xi) if off < CALM_DCM_ERROR and tick.t > self._rest_until else None
@@ -151,7 +151,7 @@ class RecoverySchedule(SteppingSchedule):
         return step
 
     def _return_step(self, tick: Tick, xi: Array) -> _Step | None:
-        """A step that brings a foot back to where the plan has it, if ξ lets it."""
+        """A step that brings a foot back to its planned place, if ξ allows it."""
         for foot, beside in self._free_feet:
             home = self._planned_place(tick, foot, beside)
             if np.linalg.norm(home - tick.frame(foot).position[:2]) > HOME_DISTANCE:
@@ -165,7 +165,7 @@ class RecoverySchedule(SteppingSchedule):
         return _Step(foot, beside, frame.position.copy(), frame.rotation.copy(), place, span, self.stances_begun(foot))
 
     def _dcm_and_error(self, tick: Tick) -> tuple[Array, float]:
-        """ξ with angular momentum (2,), and its distance from the plan, as the feet stand [m]."""
+        """ξ with angular momentum (2,) [m], and its distance from the plan as displaced by the feet [m]."""
         t, omega = tick.t, _divergence_rate(tick)
         com, velocity, _, _ = self._motion.balance(t)
         xi = tick.com[:2] + tick.com_velocity[:2] / omega + omega * tick.turning(self._motion.angular_momentum(t))
@@ -177,14 +177,14 @@ class RecoverySchedule(SteppingSchedule):
         )
 
     def _planned_place(self, tick: Tick, foot: str, beside: str) -> Array:
-        """The place (2,) that the plan has for a foot beside where the other one stands."""
+        """Planned place (2,) of a foot relative to where the other one stands [m]."""
         return (
             tick.frame(beside).position[:2]
             + (self._planned_places[foot](tick.t) - self._planned_places[beside](tick.t))[:2]
         )
 
     def _foothold_and_margin(self, tick: Tick, xi: Array, foot: str, beside: str, span: float) -> tuple[Array, float]:
-        """Where a foot lands some time from now [s], (2,), and how deep in the support ξ is once it carries [m]."""
+        """Foothold (2,) after a time [s], and the distance of ξ from the new support's edges once it carries [m]."""
         stands, sole = self._sole_corners(tick, beside), self._sole_corners(tick, foot) - tick.frame(foot).position[:2]
         xi = _predicted_dcm(tick, xi, Polygon.hull(stands), span + self.ramp)
         place = self._planned_place(tick, foot, beside)
@@ -197,7 +197,7 @@ class RecoverySchedule(SteppingSchedule):
         return place, float(Polygon.hull(np.vstack([stands, place + sole])).margin(xi))
 
     def _reachable_place(self, tick: Tick, place: Array, foot: str, beside: str) -> Array:
-        """The nearest place that a leg reaches without coming near the foot that stands, (2,)."""
+        """The nearest place (2,) that a leg reaches without coming near the foot that stands [m]."""
         frame, swings = tick.frame(beside), tick.frame(foot)
         outward = (frame.rotation @ self._left[beside])[:2] * (1.0 if foot == self._robot.feet[0] else -1.0)
         inner = max((self._sole_corners(tick, beside) - frame.position[:2]) @ outward)
@@ -213,11 +213,11 @@ class RecoverySchedule(SteppingSchedule):
 
 
 def _divergence_rate(tick: Tick) -> float:
-    """ω, at which ξ diverges [1/s]."""
+    """Rate ω at which ξ diverges [1/s]."""
     return float(np.sqrt(GRAVITY / max(tick.com[2], 0.1)))
 
 
 def _predicted_dcm(tick: Tick, xi: Array, support: Polygon, span: float) -> Array:
-    """Where ξ (2,) is some time from now [s] if a support does what it can."""
+    """ξ (2,) after a time [s], if the zero-moment point in the support does what it can [m]."""
     z = support.inset(ZMP_MARGIN).nearest(xi)
     return z + (xi - z) * np.exp(_divergence_rate(tick) * span)

@@ -1,4 +1,4 @@
-"""What a stack makes of a motion, and the balance planned anew for that.
+"""A rehearsal of a motion with its stack, and the balance planned anew for the momentum that it shows.
 
 A plan's balance counts on the angular momentum of the planned motion. A stack whose posture lags behind, or that
 changes the dance, has another one: where the difference is more than the soles can take, the posture has to give way.
@@ -26,11 +26,11 @@ Array = NDArray[np.float64]
 KNOT_RATE, TICKS_PER_KNOT = 50.0, 5
 """Knots of a balance plan a second, and ticks that are rehearsed from one to the next."""
 RUNAWAY_SPEED = 1e3
-"""Speed [rad/s, m/s] that says that a stack is no good."""
+"""Speed beyond which a rehearsal counts as diverged [rad/s, m/s]."""
 
 
 def rehearse(motion: Motion, stack: Stack, solver: Solver, schedule: Schedule | None = None) -> Centroidal:
-    """Centre of mass and momentum of what a stack makes of a motion, at `KNOT_RATE`, (T,) from its start to its end.
+    """Centre of mass and momentum of a motion as its stack carries it out, at `KNOT_RATE`, (T,) from start to end.
 
     The robot does what its controller commands, on feet that the floor holds whatever that takes: so the motion comes
     out as it is asked for, and with it what it would need.
@@ -66,11 +66,11 @@ def rehearse(motion: Motion, stack: Stack, solver: Solver, schedule: Schedule | 
 
 
 def rebalance(motion: Motion, rehearsal: Centroidal) -> Motion:
-    """The same motion with the centre of mass and zero-moment point that suit what a stack makes of it.
+    """The same motion with a centre of mass and zero-moment point planned for its rehearsal.
 
     Args:
         motion: Its joints are left as they are.
-        made: Of it, as `rehearsed`: height, and angular momentum.
+        rehearsal: Of the motion, see `rehearse`; gives height and angular momentum.
     """
     period, times = 1.0 / KNOT_RATE, motion.times
     knots = period * np.arange(len(rehearsal.com))

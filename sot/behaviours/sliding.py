@@ -1,4 +1,4 @@
-"""Feet that slide: their contacts slide while the motion has them do so."""
+"""A schedule for feet that slide while the motion's phases say so."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,7 @@ from sot.motion.feet.contacts import Phase
 
 
 class SlidingSchedule(Schedule):
-    """A schedule that lets the contacts of the feet slide, and stand again, as the phases of a motion say.
+    """Switches the contacts of the feet to sliding and back to standing, as the phases of a motion say.
 
     Args:
         phases: of the motion, `Motion.phases`.

@@ -1,4 +1,4 @@
-"""Feet that step: contacts are made and broken as the plan says, and as the feet feel the floor."""
+"""A schedule for feet that step: it makes and breaks contacts by the plan and by the measured loads."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,17 +11,18 @@ from sot.motion.feet.contacts import Phase
 from sot.motion.feet.footfalls import Footfalls
 from sot.robots.robot import Robot
 
-TOUCHDOWN_LOAD_SHARE = 0.05  # of the weight: a foot that feels this much is on the floor
-CARRYING_LOAD_SHARE = 0.3  # of the weight: what the other feet must feel before one is released
-EARLIEST_LANDING_SHARE = 0.6  # of a swing: a foot that feels the floor later than this has landed
-MAX_LANDING_DELAY = 0.15  # s after the planned touchdown, until when a foot looks for the floor
+TOUCHDOWN_LOAD_SHARE = 0.05  # share of the weight: a foot that measures this load has touched down
+CARRYING_LOAD_SHARE = 0.3  # share of the weight that the other feet must carry before one is released
+EARLIEST_LANDING_SHARE = 0.6  # share of a swing after which a measured load counts as touchdown
+MAX_LANDING_DELAY = 0.15  # s, after the planned touchdown, in which a foot still looks for the floor
 
 
 @dataclass(slots=True)
 class _Foot:
     """A foot on its way through its stances.
 
-    `next` counts the stances begun; `made` is when the present contact was, `lifts` when it ends, once that is settled.
+    `next_stance` counts the stances begun; `landed_at` is the time of the last touchdown, `lifts_at` that of the next
+    lift-off, once it is decided.
     """
 
     name: str
@@ -54,7 +55,7 @@ class SteppingSchedule(Schedule):
         self._feet = [_Foot(name, stances, stances.begun(0.0), -ramp) for name, stances in falls.items()]
 
     def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:
-        """Carry out what has become due; returns what it was. Without loads all happens as planned."""
+        """Carry out the changes that are due and return them in words; without loads all happens as planned."""
         done = super().apply(t, stack, loads)
         for foot in self._feet:
             contact = stack.contact(foot.name)
@@ -68,7 +69,7 @@ class SteppingSchedule(Schedule):
         return done
 
     def others_carry(self, foot: str, stack: Stack, loads: Mapping[str, float] | None) -> bool:
-        """Whether another foot stands with all its load and, as far as that is felt, bears enough of the weight."""
+        """Whether another foot stands with all its load and, as far as loads are measured, carries enough weight."""
         standing = [
             other.name
             for other in self._feet
@@ -81,15 +82,15 @@ class SteppingSchedule(Schedule):
         return sum(loads.get(name, 0.0) for name in standing) >= CARRYING_LOAD_SHARE * self._weight
 
     def stances_begun(self, foot: str) -> int:
-        """How many stances of a foot have begun."""
+        """Number of stances of a foot that have begun."""
         return self._foot(foot).next_stance
 
     def stances_to_come(self, foot: str) -> int:
-        """How many are still to come."""
+        """Number of stances of a foot that are still to come."""
         return len(self._foot(foot).stances) - self.stances_begun(foot)
 
     def add_step(self, foot: str, lift: float, land: float) -> None:
-        """Have a foot that stands step in between, from a time to another [s]."""
+        """Insert a step of a standing foot between two times [s]."""
         own = self._foot(foot)
         own.stances = own.stances.interrupted(lift, land, own.stances[own.next_stance - 1].pose)
 
@@ -99,7 +100,7 @@ class SteppingSchedule(Schedule):
     def _update_standing(
         self, t: float, foot: _Foot, contact: Contact, stack: Stack, loads: Mapping[str, float] | None
     ) -> None:
-        """Take the load, and give it away in time for the next swing."""
+        """Ramp the load of a standing foot up, and down in time for the next swing."""
         contact.load = min(max((t - foot.landed_at) / self.ramp, 0.0), 1.0) if self.ramp else 1.0
         if foot.next_stance == 0 or foot.next_stance >= len(foot.stances):
             return
@@ -115,7 +116,7 @@ class SteppingSchedule(Schedule):
                 contact.mode, contact.load, foot.lifts_at = "off", 0.0, None
 
     def _update_swinging(self, t: float, foot: _Foot, contact: Contact, felt: float | None) -> None:
-        """Land when the floor is felt, or when it is time."""
+        """Land a swinging foot when it measures the floor, or when it is time."""
         if foot.next_stance >= len(foot.stances):
             return
         leaves = foot.stances[foot.next_stance - 1].end if foot.next_stance else 0.0

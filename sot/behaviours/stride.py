@@ -1,4 +1,4 @@
-"""The way of a foot to a place that may still change while it swings."""
+"""The path of a swinging foot to a foothold that may still change."""
 
 import numpy as np
 
@@ -8,14 +8,14 @@ Array = np.ndarray
 
 DESCENT_SPEED = 0.1
 DESCENT_RAMP_TIME = 0.03
-"""Speed at which a foot looks for a floor that it should have reached [m/s], and how long it takes to get there [s]."""
+"""Speed at which a late foot is lowered [m/s], and the time in which it reaches that speed [s]."""
 LANDING_DEPTH = 0.005
-"""Depth to which a foot is led into the floor, so that it does not hover above it when it should land [m]."""
+"""Depth below the floor at which the path ends, so that the foot does not hover above it [m]."""
 UPWARD = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 
 
 class Stride:
-    """A foot leaves the floor at rest and lands at rest, without turning, at a time that is settled: ``t -> Pose``.
+    """Path of a foot that leaves the floor and lands at rest, without turning, at a fixed time: ``t -> Pose``.
 
     It is led a little into the floor, so as to land in time. Over the floor it follows quintic polynomials, from what
     it does when it is led elsewhere; above it a bump.
@@ -34,7 +34,7 @@ class Stride:
         self._coefficients[0] = self.landing_place = start[:2].copy()
 
     def redirect(self, t: float, place: Array) -> None:
-        """Change from a time on [s] where the foot is to land, shape (2,) [m]."""
+        """Change the landing place (2,) [m] from a time on [s]."""
         t = max(t, self.lift)
         if t < self.land:
             self._coefficients, self._coefficients_from, self.landing_place = (
@@ -44,7 +44,7 @@ class Stride:
             )
 
     def __call__(self, t: float) -> Pose:
-        """Where the foot is to be at a time [s]: lower and lower once it should have landed."""
+        """Pose of the foot at a time [s]; lower and lower once it should have landed."""
         at, rate, second = self._horizontal_state(min(max(t, self.lift), self.land))
         span = self.land - self.lift
         s = min(max((t - self.lift) / span, 0.0), 1.0)
@@ -58,14 +58,14 @@ class Stride:
         return lowered_pose(raised_pose(over, -self._floor - LANDING_DEPTH, t - self.lift, span), t - self.land)
 
     def _horizontal_state(self, t: float) -> tuple[Array, Array, Array]:
-        """Place, velocity and acceleration over the floor, (2,) each."""
+        """Horizontal position, velocity and acceleration at a time [s], (2,) each."""
         x, powers = t - self._coefficients_from, np.arange(6)
         rows = [x**powers, powers[1:] * x ** powers[:-1], (powers[2:] * powers[1:-1]) * x ** powers[:-2]]
         return rows[0] @ self._coefficients, rows[1] @ self._coefficients[1:], rows[2] @ self._coefficients[2:]
 
 
 def lowered_pose(pose: Pose, late: float) -> Pose:
-    """A pose on the floor for a foot that is late [s], and does not feel it yet: lower and lower, at a steady speed."""
+    """A pose on the floor, lowered at a steady speed for a foot that is late [s] and has not touched down yet."""
     if late < 0.0:
         return pose
     speed = DESCENT_SPEED * min(late / DESCENT_RAMP_TIME, 1.0)
@@ -74,7 +74,7 @@ def lowered_pose(pose: Pose, late: float) -> Pose:
 
 
 def raised_pose(pose: Pose, by: float, t: float, span: float) -> Pose:
-    """A pose some time into a step [s] that is to end higher [m], the more of it the later, with the least jerk."""
+    """A pose at a time into a step [s], raised along a minimum-jerk curve so that the step ends higher [m]."""
     s = min(max(t / span, 0.0), 1.0)
     r = s * (1.0 - s)
     return pose._replace(

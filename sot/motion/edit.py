@@ -1,4 +1,4 @@
-"""A dance edited: x_n(t) = x_o(t) + x_m(t) on an axis of a point or on a joint, Ramos IV-B."""
+"""Edits of a dance: x_n(t) = x_o(t) + x_m(t) on an axis of a point or on a joint, Ramos IV-B."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,9 +19,9 @@ Array = NDArray[np.float64]
 JointReference = Callable[[float], tuple[Array, Array, Array]]
 
 DEFAULT_EASE = 0.3
-"""Time that a change takes to come, and to go, unless it says otherwise [s]."""
+"""Time in which an edit eases in and out, unless it says otherwise [s]."""
 OFFSET_SAMPLE_RATE = 1000.0
-"""Samples of a change [Hz]."""
+"""Rate at which an edit's offset is sampled [Hz]."""
 REST_CONDITIONS = [(1, 0.0), (2, 0.0)]
 
 
@@ -80,7 +80,7 @@ class Edit:
 
     @property
     def span(self) -> tuple[float, float]:
-        """When it changes anything [s]."""
+        """Start and end of the change [s]."""
         if self.through is not None:
             return self.through[0][0] - self.ease, self.through[-1][0] + self.ease
         assert self.start is not None and self.end is not None
@@ -94,11 +94,11 @@ class Edit:
         return () if self.axis is None else (AXIS_NAMES.index(self.axis),)
 
     def error(self, what: str) -> InputError:
-        """What is wrong, with where."""
+        """Error that says where the edit was written and what is wrong with it."""
         return InputError(f"{self.source or f'edit of {self.of}'}: {what}")
 
     def check(self, robot: Robot, duration: float = np.inf) -> None:
-        """See that the robot has what is edited, and a motion of this duration [s] the time.
+        """Check that the robot has the edited point or joint, and that the edit lies within the duration [s].
 
         Raises:
             InputError: they have not.
@@ -131,11 +131,11 @@ class Offset(NamedTuple):
 
 @dataclass(frozen=True)
 class SampledOffset:
-    """x_m(t) of an edit, sampled: nothing but numbers is left to go wrong while the robot dances.
+    """Offset x_m(t) of an edit as samples, so that no function of a user is called while the robot dances.
 
     Attributes:
         start: time of the first sample [s].
-        table: (T, 3, k) value, rate and acceleration of what is added in each of k axes, at `RATE`.
+        samples: (T, 3, k) value, rate and acceleration of what is added in each of k axes, at `OFFSET_SAMPLE_RATE`.
     """
 
     start: float
@@ -163,7 +163,7 @@ class SampledOffset:
         return cls(start, np.stack([value, rate, np.gradient(rate, 1.0 / OFFSET_SAMPLE_RATE, axis=0)], axis=1))
 
     def __call__(self, t: float) -> Offset:
-        """What is added at a time [s]: nothing before and after."""
+        """Offset at a time [s]: zero before and after the edit."""
         x = (t - self.start) * OFFSET_SAMPLE_RATE
         k = int(x)
         if not 0.0 <= x < len(self.samples) - 1:
@@ -172,7 +172,7 @@ class SampledOffset:
 
 
 def _full_offset(edit: Edit, motion: Motion, times: Array) -> Array:
-    """What is added once the way in is over (T, k)."""
+    """Offset without easing in and out (T, k)."""
     if edit.target is not None:
         path = motion.pose(edit.of)
         return np.array([np.array(edit.target) - path(t).position for t in times.tolist()])

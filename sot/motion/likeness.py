@@ -1,4 +1,4 @@
-"""How much a robot's motion looks like a human's: angles of segments, and how far the hands travel."""
+"""Measures of how much a robot's motion looks like a human's: angles of segments, and the path of the hands."""
 
 from collections.abc import Mapping
 
@@ -32,7 +32,7 @@ def segment_angles(human: Points, robot: Points) -> dict[str, Array]:
 
 
 def mean_segment_angle_deg(human: Points, robot: Points, upper_body_only: bool = False) -> float:
-    """Mean of `segment_angles` over time and segments [deg], with `upper` without the legs."""
+    """Mean of `segment_angles` over time and segments [deg], with `upper_body_only` without the legs."""
     angles = segment_angles(human, robot)
     return float(
         np.degrees(np.mean([angle for name, angle in angles.items() if not (upper_body_only and name in LEG_SEGMENTS)]))
@@ -42,7 +42,7 @@ def mean_segment_angle_deg(human: Points, robot: Points, upper_body_only: bool =
 def hand_path_ratio(human: Points, robot: Points, rate: float) -> float:
     """Path length of the hands relative to the waist in arm lengths of their owner, robot over human.
 
-    Both are low-passed at HAND_HZ; 1 where the human's hands rest.
+    Both are low-passed at HAND_CUTOFF_HZ; 1 where the human's hands rest.
     """
     there = _hand_path_in_arm_lengths(human, rate)
     return _hand_path_in_arm_lengths(robot, rate) / there if there > 0.0 else 1.0

@@ -20,12 +20,12 @@ from sot.robots.robot import Robot
 Array = NDArray[np.float64]
 
 SAMPLE_TOLERANCE = 1e-6
-"""A time nearer to a sample than this share of the time between two is that sample's: times are sums of periods."""
+"""Distance from a sample, as a share of the sampling period, within which a time counts as that sample's."""
 SAVED_FIELDS = ("q", "v", "a", "com", "com_velocity", "com_acceleration", "zmp", "momentum")
 
 
 class MotionSample(NamedTuple):
-    """A motion at one time, as `Motion` names it."""
+    """A motion at one time; the fields are those of `Motion`."""
 
     q: Array
     v: Array
@@ -103,7 +103,7 @@ class Motion:
         return row + rest * (self._table[k + 1] - row) if rest else row
 
     def _sample_before(self, t: float) -> tuple[int, float]:
-        """The sample at or before a time [s], and which share of the way to the next has passed."""
+        """Index of the sample at or before a time [s], and the share of the period that has passed since."""
         x, last = t * self.rate, len(self._table) - 1.0
         x = 0.0 if x < 0.0 else last if x > last else x
         k = int(x + SAMPLE_TOLERANCE)
@@ -127,7 +127,7 @@ class Motion:
 
     @property
     def feet(self) -> dict[str, Callable[[float], Array]]:
-        """Where each foot that stands is to stand at a time [s], or was or will be if it is not to stand then: (3,)."""
+        """Function of each foot that gives its foothold (3,) [m] at a time [s]; during a swing, the nearest in time."""
         return {foot: self._foothold(foot) for foot in self.robot.feet}
 
     def _foothold(self, foot: str) -> Callable[[float], Array]:

@@ -78,7 +78,7 @@ BAD_STACKS = {
     "raises when composed": ("def stack(robot, motion):\n    return robot.tail\n", "mine.py:2: AttributeError"),
     "raises in the loop": (
         "from scenarios import stacks\nfrom tasks import CenterOfMass\n\n\ndef stack(robot, motion):\n"
-        "    made = stacks.planted(robot, motion)\n"
+        "    made = stacks.planted_stack(robot, motion)\n"
         "    made.add(CenterOfMass(lambda t: 1 / 0, name='mine'), level='balance')\n    return made\n",
         "mine.py:7: ZeroDivisionError",
     ),
@@ -89,20 +89,20 @@ BAD_STACKS = {
     ),
     "no function": ("stack = 3\n", "mine.py: defines no function stack(robot, motion)"),
     "wrong schedule": (
-        "from scenarios.stacks import planted as stack\n\n\ndef schedule(robot, motion):\n    return 3\n",
+        "from scenarios.stacks import planted_stack as stack\n\n\ndef schedule(robot, motion):\n    return 3\n",
         "schedule(robot, motion) returned int, not a Schedule",
     ),
     "wrong edits": (
-        "from scenarios.stacks import planted as stack\n\n\ndef edits(robot, motion):\n    return [3]\n",
+        "from scenarios.stacks import planted_stack as stack\n\n\ndef edits(robot, motion):\n    return [3]\n",
         "something else than Edit in it",
     ),
     "edit that does not fit": (
-        "from scenarios.stacks import planted as stack\nfrom sot.motion.edit import Edit\n\n\n"
+        "from scenarios.stacks import planted_stack as stack\nfrom sot.motion.edit import Edit\n\n\n"
         "def edits(robot, motion):\n    return [Edit('tail', 'z', by=0.1, start=0.0, end=0.5)]\n",
         "mine.py: hrp2 has no point 'tail'",
     ),
     "edit that raises": (
-        "from scenarios.stacks import planted as stack\nfrom sot.motion.edit import Edit\n\n\n"
+        "from scenarios.stacks import planted_stack as stack\nfrom sot.motion.edit import Edit\n\n\n"
         "def edits(robot, motion):\n    return [Edit('head', 'z', by=lambda t: 1 / 0, start=0.0, end=0.5)]\n",
         "mine.py:6: ZeroDivisionError",
     ),

@@ -1,4 +1,4 @@
-"""Arms have several ways to point the same way. Which one to take, when: the best path through all of them."""
+"""Choose among an arm's several postures that point the same way: the best path through all of them over time."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,14 +10,17 @@ from sot.motion.body.retarget import solve_knots
 
 Array = NDArray[np.float64]
 
-KEY_FRAME_PERIOD = 0.2  # s between key frames
-START_POSTURES = 8  # postures that every key frame is solved from
-FAST_TRAVEL_SHARE = 0.8  # of the velocity limit, from which travel costs more
-TRAVEL_COST, FAST_TRAVEL_COST = 0.02, 4.0  # costs of travel and of hurry, against (direction error / accepted error)²
+KEY_FRAME_PERIOD = 0.2  # s, between key frames
+START_POSTURES = 8  # number of postures from which every key frame is solved
+FAST_TRAVEL_SHARE = 0.8  # share of the velocity limit above which travel costs more
+TRAVEL_COST, FAST_TRAVEL_COST = (
+    0.02,
+    4.0,
+)  # costs of travel and of fast travel, relative to (direction error / accepted error)²
 
 
 def choose_arm_path(part: Part, y: Array, limits: Limits, period: float) -> Array:
-    """The path (T, nv) of least direction error and least joint travel, from the posture at the first knot.
+    """Path (T, nv) of an arm with the least direction error and joint travel, from its posture at the first knot.
 
     Every key frame is solved from the same postures, spread over the joint range; dynamic programming finds the best
     sequence of their solutions; knots between key frames are linear.
@@ -41,7 +44,7 @@ def choose_arm_path(part: Part, y: Array, limits: Limits, period: float) -> Arra
 
 
 def _best_path(candidates: Array, error: Array, reach: Array) -> Array:
-    """The sequence (K, s) of one candidate (K, n, s) a key frame with the least sum of errors and travel.
+    """Sequence (K, s) of one candidate (K, n, s) for each key frame with the least sum of errors and travel.
 
     error: (K - 1, n) cost of all candidates but the first key frame's.
     reach: (s,) farthest that a joint can travel from one key frame to the next.

@@ -1,4 +1,4 @@
-"""Limbs that keep clear of the rest of the body: arms of all that is not of them, legs of each other."""
+"""Limbs that keep their distance: arms from the rest of the body, legs from each other."""
 
 from collections.abc import Iterable, Mapping
 from itertools import product
@@ -19,12 +19,12 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-MIN_CLEARANCE = 0.02  # m, distance that limbs keep
-CLEARANCE_WEIGHTS = {"arm": 1.0 / 0.003, "legs": 1.0 / 0.001}  # 1/m, weight of what is missing of it
+MIN_CLEARANCE = 0.02  # m, distance that limbs keep from other parts
+CLEARANCE_WEIGHTS = {"arm": 1.0 / 0.003, "legs": 1.0 / 0.001}  # 1/m, weight of the distance that is missing
 
 
 class _NearestPair(NamedTuple):
-    """Where a pair is nearest: the row, the shape, the normal and the nearest points (3,)."""
+    """Nearest pair of a limb's shape: its row and shape, the normal and the two nearest points (3,)."""
 
     row: int
     shape: int
@@ -36,9 +36,9 @@ class _NearestPair(NamedTuple):
 class Clearance:
     """Signed distances from each shape of a limb to the nearest one of what it keeps clear of, at the knots of a clip.
 
-    Pairs that are less than ROOM apart at rest, neighbours in the tree mostly, do not count. A distance changes by no
-    more than the joints between two shapes turn, each times its reach: only where something may have come near since a
-    knot was last looked at is it looked at again.
+    Pairs that are less than MIN_CLEARANCE apart at rest, neighbours in the tree mostly, do not count. A distance
+    changes by no more than the joints between two shapes turn, each times its reach: distances at a knot are measured
+    again only where something may have come near since.
     """
 
     def __init__(self, robot: Robot, pairs: Iterable[tuple[int, int]], length: int):
@@ -71,21 +71,21 @@ class Clearance:
 
     @staticmethod
     def of_arm(robot: Robot, side: str, length: int) -> "Clearance":
-        """Of an arm from the rest of the body."""
+        """Clearance of an arm from the rest of the body."""
         arm, shapes = _shapes_of_group(robot, f"{side}_arm"), range(robot.shapes.ngeoms)
         return Clearance(robot, product([k for k in shapes if k not in arm], arm), length)
 
     @staticmethod
     def of_legs(robot: Robot, length: int) -> "Clearance":
-        """Of the left leg from the right one; where the feet go is given, so that these do not count together."""
+        """Clearance of the left leg from the right one; pairs of feet do not count, since their motion is given."""
         left, right = (_shapes_of_group(robot, f"{side}_leg") for side in ("left", "right"))
         soles = {robot.model.frames[robot.point(foot)].parentJoint for foot in robot.feet}
         feet = {k for k, shape in enumerate(robot.shapes.geometryObjects) if shape.parentJoint in soles}
         return Clearance(robot, (pair for pair in product(right, left) if not feet.issuperset(pair)), length)
 
     def evaluate(self, knots: Indices, y: Array, columns: Indices) -> tuple[Array, Array]:
-        """What is missing of ROOM at n knots (n, shapes) [m], 0 where nothing is, and its Jacobian (n, shapes, s) with
-        respect to some columns of the coordinates y (n, nv)."""
+        """Distance that is missing from MIN_CLEARANCE at n knots (n, shapes) [m], 0 where none is, and its Jacobian
+        (n, shapes, s) with respect to some columns of the coordinates y (n, nv)."""
         missing = np.zeros((len(y), len(self._pairs_of_shape)))
         J = np.zeros((*missing.shape, len(columns)))
         nearest: dict[int, list[_NearestPair]] = {}  # pair -> where it is the nearest
@@ -120,7 +120,7 @@ class Clearance:
 
 
 class ClearArm(Arm):
-    """An arm as it is to point, pushed off the rest of the body where it comes nearer than ROOM."""
+    """An arm that follows its directions and is pushed off the body where it comes nearer than MIN_CLEARANCE."""
 
     def __init__(self, robot: Robot, side: str, targets: Targets):
         super().__init__(robot, side, targets)
@@ -131,10 +131,10 @@ class ClearArm(Arm):
 
 
 class ClearBody(Body):
-    """Base, legs and chest as they are to be, with legs pushed off each other where they come nearer than ROOM.
+    """Base, legs and chest that follow their targets, with legs pushed off each other below MIN_CLEARANCE.
 
-    The more they overlap the less, and not at all from ROOM on: over feet that leave no way out, the push would tear at
-    all the rest.
+    The push fades with overlap and vanishes where legs overlap by MIN_CLEARANCE: over feet that leave no way out it
+    would disturb all the rest.
     """
 
     def __init__(
@@ -157,7 +157,7 @@ class ClearBody(Body):
 
 
 def _shapes_of_group(robot: Robot, group: str) -> list[int]:
-    """The shapes that a group of joints carries."""
+    """Numbers of the shapes that a group of joints carries."""
     joints = {2 + joint for joint in robot.groups[group]}
     return [k for k, shape in enumerate(robot.shapes.geometryObjects) if shape.parentJoint in joints]
 

@@ -1,4 +1,4 @@
-"""Hips low enough for both legs to reach, without bouncing: a smooth height below what the legs' lengths allow."""
+"""A smooth height of the hips from which both legs reach their feet."""
 
 from collections.abc import Mapping
 
@@ -14,16 +14,16 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-MAX_LEG_EXTENSION = 0.975  # of its length, how far a leg may reach: what is left is for the closed loop
-MAX_HIP_ACCELERATION = 2.5  # m/s², of the hips up or down
-HEIGHT_ERROR = 0.02  # m, a deviation that costs as much as JERK_ERROR
+MAX_LEG_EXTENSION = 0.975  # share of its length that a leg may reach; the closed loop needs the rest
+MAX_HIP_ACCELERATION = 2.5  # m/s², of the hips, up and down
+HEIGHT_ERROR = 0.02  # m, deviation that costs as much as a jerk of JERK_ERROR
 JERK_ERROR = 20.0  # m/s³
-HELD_END_WEIGHT = 1e9  # weight that holds both ends
-HELD_HEIGHT_ROOM = 1e-4  # m, room that is left where a height is held
+HELD_END_WEIGHT = 1e9  # weight that holds the control points at both ends
+HELD_HEIGHT_ROOM = 1e-4  # m, added to the bound where a height is held
 
 
 def reachable_hip_height(robot: Robot, y: Array, feet: Mapping[str, FootPath]) -> Array:
-    """The greatest height (T,) of the waist frame [m] from which both legs reach their feet.
+    """Greatest height (T,) of the waist frame [m] from which both legs reach their feet.
 
     Args:
         y: (T, nv) coordinates, of which the base's place and orientation count.
@@ -48,7 +48,7 @@ def reachable_hip_height(robot: Robot, y: Array, feet: Mapping[str, FootPath]) -
 
 
 def smooth_height_below(wanted: Array, highest: Array, period: float, held: Spline | None = None) -> Spline:
-    """The smooth height nearest to the wanted one (T,) that stays below the highest one (T,) [m].
+    """Smooth height nearest to the wanted one (T,) that stays below the highest one (T,) [m], as a spline.
 
     held: keep its first and last three control points; both ends are at rest without it.
     """

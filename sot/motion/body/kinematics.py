@@ -1,4 +1,4 @@
-"""Residuals of a robot's points and their Jacobians along a motion, in the coordinates that motions are fitted in.
+"""Residuals of a robot's points and their Jacobians along a motion, in the coordinates of `coordinates`.
 
 All configurations are evaluated at once, joint by joint, with arrays over time: a clip has thousands of them, and one
 call each from Python would cost more than the arithmetic. A joint is evaluated when something first asks for it.
@@ -21,7 +21,7 @@ SMALL_ANGLE = 1e-4  # rad, below which the series of the logarithm's derivative 
 
 
 class JointTree:
-    """What is fixed in a robot's tree of joints, every joint but the base turning about one axis.
+    """Constants of a robot's tree of joints; every joint but the base turns about one axis.
 
     Attributes:
         model: Pinocchio's.
@@ -47,10 +47,10 @@ class JointTree:
 
 
 class Kinematics:
-    """A robot at n configurations.
+    """Forward kinematics and Jacobians of a robot at n configurations.
 
     Args:
-        chains: of the robot.
+        tree: of the robot.
         y: (n, nv) coordinates (see coordinates).
         columns: (s,) indices into y: Jacobians (n, 3, s) are with respect to these; none where only poses are asked.
     """
@@ -103,7 +103,7 @@ class Kinematics:
         return along - wanted, J - along[:, :, None] * (along[:, None] @ J)
 
     def com(self) -> tuple[Array, Array]:
-        """CoM (n, 3) [m] and its Jacobian."""
+        """Centre of mass (n, 3) [m] and its Jacobian (n, 3, s)."""
         model, total = self._model, self._tree.mass[BASE]
         moments: dict[int, Array] = {}  # joint -> (n, 3) mass times CoM of the body and of all that hangs off it
         for j in range(BASE, model.njoints):
@@ -120,7 +120,7 @@ class Kinematics:
         return moments[BASE] / total, J
 
     def point_jacobian(self, joint: int, place: Array) -> Array:
-        """Jacobian of places (n, 3) that move with a joint."""
+        """Jacobian (n, 3, s) of points at world positions (n, 3) that move with a joint."""
         J = self._translations()
         for slot, axis, origin in self._rotation_axes(joint):
             J[:, :, slot] = _cross(axis, place - origin)
@@ -150,14 +150,14 @@ class Kinematics:
         return self._poses[joint]
 
     def _own_axes(self, joint: int) -> list[tuple[int, Array]]:
-        """Those of the columns that turn a joint, each with its axis (n, 3) in the world."""
+        """Columns that turn a joint itself, each with its axis (n, 3) in the world."""
         if joint == BASE:
             return [(3 + i, axis) for i, axis in enumerate(self._base_axes) if 3 + i in self._slot_of_column]
         column = self._model.joints[joint].idx_v
         return [(column, self._joint_pose(joint)[0] @ self._tree.axis[joint])] if column in self._slot_of_column else []
 
     def _rotation_axes(self, joint: int) -> list[tuple[int, Array, Array]]:
-        """Those of the columns that turn a joint and what hangs off it: slot, axis and origin (n, 3) of each."""
+        """Rotations that move a joint, its own and those above it: slot, axis (n, 3) and origin (n, 3) of each."""
         if joint not in self._axes_of_joint:
             self._axes_of_joint[joint] = [
                 (self._slot_of_column[column], axis, self._joint_pose(j)[1])
@@ -176,7 +176,7 @@ class Kinematics:
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """Cross products (n, 3); what numpy's own costs beyond the arithmetic would double the time of a fit."""
+    """Cross products (n, 3); numpy's own function would double the time of a fit."""
     c = np.empty_like(a)
     c[:, 0] = a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1]
     c[:, 1] = a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2]

@@ -1,4 +1,4 @@
-"""A limb's motion fitted anew, to what is edited of the point that it carries."""
+"""Refit a limb's motion to the edited path of the point that it carries."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,19 +16,19 @@ from sot.motion.trajectory import Motion
 Array = NDArray[np.float64]
 
 KNOT_RATE = 50.0  # Hz
-POINT_WEIGHT = 1.0 / 0.01  # 1/m and 1/rad, of the point
-PLANNED_WEIGHT = 1.0 / 0.5  # 1/rad, of the limb's joints
-ACCEPTED_JERK = 2000.0  # rad/s³, the jerk that costs as much as an error one is ready to accept
+POINT_WEIGHT = 1.0 / 0.01  # 1/m and 1/rad, of the point's error
+PLANNED_WEIGHT = 1.0 / 0.5  # 1/rad, of the joints' deviation from the plan
+ACCEPTED_JERK = 2000.0  # rad/s³, the jerk that costs as much as an acceptable error
 DAMPING = 20.0  # of a Gauss-Newton step, in the units of squared residuals: a stretched limb is far from linear
-GAUSS_NEWTON_STEPS = 40  # of those
+GAUSS_NEWTON_STEPS = 40  # number of Gauss-Newton steps
 
 
 def refit_limb(
     motion: Motion, joints: Sequence[str], point: str, wanted: Sequence[tuple[int, float, float]], path: PoseReference
 ) -> Motion:
-    """A motion whose limb takes its point where it is wanted, as far as its joints' limits let it.
+    """Motion whose limb takes its point to the wanted path, as far as its joint limits let it.
 
-    Before and after, and in what that leaves open, the limb does what was planned; the other joints do so throughout.
+    At other times, and in its null space, the limb does what was planned; the other joints do so throughout.
     Centre of mass, zero-moment point and momentum are left as they are.
 
     Args:

@@ -1,4 +1,4 @@
-"""Limits of the coordinates y that motions are fitted in, a little inside the robot's own."""
+"""Limits of the fitted coordinates y, a little inside the robot's own."""
 
 from dataclasses import dataclass
 
@@ -12,17 +12,15 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-RANGE_MARGIN = 0.02  # rad, kept free at either end of a joint's range for the closed loop
-USABLE_SHARE = 0.97  # of the velocity and acceleration limits that a reference may use
-LEG_VELOCITY_SHARE = (
-    0.92  # of its velocity limits, the same of the legs: feedback needs the rest, and all that is strict hangs on them
-)
-MAX_LEG_EXTENSION = 0.985  # of its length that a leg may extend to: at full length it can no longer push
+RANGE_MARGIN = 0.02  # rad, kept free at both ends of a joint's range for the closed loop
+USABLE_SHARE = 0.97  # share of the velocity and acceleration limits that a reference may use
+LEG_VELOCITY_SHARE = 0.92  # the same share of the legs' velocity limits: feedback needs the rest
+MAX_LEG_EXTENSION = 0.985  # share of its length that a leg may extend to: at full length it can no longer push
 
 
 @dataclass(frozen=True)
 class Limits:
-    """lower, upper, velocity, acceleration (nv,) of y; infinite for the base."""
+    """Limits lower, upper, velocity and acceleration (nv,) of the coordinates y; infinite for the base."""
 
     lower: Array
     upper: Array
@@ -47,7 +45,7 @@ class Limits:
 
 
 def _keep_knees_bent(robot: Robot, lower: Array, upper: Array) -> None:
-    """Bound the joint that sets each leg's length, found by trying, where the leg gets nearly straight."""
+    """Bound the joint that sets each leg's length where the leg gets nearly straight; trials find the joint."""
     chains, rest = JointTree(robot), robot.rest[7:]
 
     def extension(side: str, joint: int, angles: Array) -> Array:

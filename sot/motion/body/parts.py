@@ -1,6 +1,6 @@
-"""The parts of a body that are fitted on their own, each with what it is asked to do: Ramos (20) with weights.
+"""The parts of a body that are fitted on their own, each with its residuals: Ramos (20) with weights.
 
-A weight is the inverse of the error that one is ready to accept, so that metres and radians compare.
+A weight is the inverse of an acceptable error, so that metres and radians compare.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,20 +21,26 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 FOOT_WEIGHT = 1.0 / 0.0001  # 1/m and 1/rad
-COM_WEIGHT = {False: 1.0 / 0.0003, True: 1.0 / 0.00005}  # 1/m, on feet that stand or step: stepping, support is scarce
-HIP_PLACE_WEIGHT = 1.0 / 0.05  # 1/m, of the hips where no CoM is asked for
-HIP_HEIGHT_WEIGHT = {False: 1.0 / 0.05, True: 1.0 / 0.01}  # 1/m, of the hips
-PELVIS_WEIGHT = 1.0 / np.array([0.3, 0.3, 0.1])  # 1/rad, tilted and turned
+COM_WEIGHT = {
+    False: 1.0 / 0.0003,
+    True: 1.0 / 0.00005,
+}  # 1/m, for feet that stand and for feet that step, where support is scarce
+HIP_PLACE_WEIGHT = 1.0 / 0.05  # 1/m, of the hips' horizontal place, where there is no CoM to follow
+HIP_HEIGHT_WEIGHT = {
+    False: 1.0 / 0.05,
+    True: 1.0 / 0.01,
+}  # 1/m, of the hips, for feet that stand and for feet that step
+PELVIS_WEIGHT = 1.0 / np.array([0.3, 0.3, 0.1])  # 1/rad, about the world's x, y and z
 TRUNK_WEIGHT = 1.0 / 0.05
 CHEST_WEIGHT = 1.0 / 0.15
-SEGMENT_WEIGHT = 1.0 / 0.05  # of the head, upper arms and forearms
-HEAD_ORIENTATION_WEIGHT = 1.0 / 0.15  # the head's orientation
-POSTURE_WEIGHT = 1.0 / 2.0  # 1/rad, of what the directions leave free: the twist of a straight arm
-MIN_LEVER = 1e-6  # m, a joint whose axis passes a point this close does not move it
+SEGMENT_WEIGHT = 1.0 / 0.05  # of the directions of head, upper arms and forearms
+HEAD_ORIENTATION_WEIGHT = 1.0 / 0.15  # of the head's orientation
+POSTURE_WEIGHT = 1.0 / 2.0  # 1/rad, of an arm's joints, for what the directions leave free: the twist of a straight arm
+MIN_LEVER = 1e-6  # m, distance from its axis below which a joint does not move a point
 
 
 class Part(Protocol):
-    """Some coordinates and their residuals.
+    """Part of the coordinates, with its residuals.
 
     `evaluate` gives the weighted errors (n, rows) at n knots (indices) for coordinates y (n, nv) and their Jacobians
     (n, rows, s) with respect to the columns of y that the part moves.
@@ -46,7 +52,7 @@ class Part(Protocol):
 
 
 class Body:
-    """Base, legs and chest: the feet, then the CoM (or the hips), then the pelvis and the trunk."""
+    """Base, legs and chest, which place the feet, then the CoM (or the hips), then pelvis and trunk."""
 
     def __init__(
         self, robot: Robot, build: Build, targets: Targets, feet: Mapping[str, FootPath], com: Array | None = None
@@ -89,7 +95,7 @@ class Body:
 
 
 class Head:
-    """The neck: where the head points, and where it looks."""
+    """The neck, which points the head and turns its face."""
 
     def __init__(self, robot: Robot, targets: Targets):
         self.columns: Indices = 6 + np.sort(robot.groups["head"])
@@ -105,7 +111,7 @@ class Head:
 
 
 class Arm:
-    """Shoulder and elbow: directions of upper arm and forearm; the joints they leave free stay near rest."""
+    """Shoulder and elbow, which follow the directions of upper arm and forearm; joints left free stay near rest."""
 
     def __init__(self, robot: Robot, side: str, targets: Targets):
         self.columns: Indices = _moving_columns(robot, robot.point(f"{side}_wrist"), robot.groups[f"{side}_arm"])
@@ -129,7 +135,7 @@ class Arm:
 
 
 def _moving_columns(robot: Robot, frame: int, joints: Sequence[int]) -> Indices:
-    """Those of the joints, as columns of y, that move the origin of a frame."""
+    """Columns of y of the joints that move the origin of a frame."""
     middle = np.concatenate([robot.rest[:7], 0.5 * (robot.lower + robot.upper)])
     J = pin.computeFrameJacobian(robot.model, robot.model.createData(), middle, frame, pin.LOCAL)
     return np.array([6 + j for j in sorted(joints) if np.abs(J[:3, 6 + j]).max() > MIN_LEVER])

@@ -1,4 +1,4 @@
-"""Bounded least squares on key bodies, Ramos (20)-(28), along a clip: knot by knot, then as one limited programme."""
+"""Bounded least squares on key bodies, Ramos (20)-(28): knot by knot, then as one limited programme over the clip."""
 
 import numpy as np
 import quadprog
@@ -12,14 +12,14 @@ Array = NDArray[np.float64]
 
 DAMPING = 1e-2  # of a Gauss-Newton step, in the units of squared residuals
 MAX_GAUSS_NEWTON_STEPS = 10  # most Gauss-Newton steps at one knot
-CONVERGED_STEP = 0.05  # rad or m, a step that ends them: they converge quadratically, and the fit goes on from there
-MAX_ACTIVE_SET_ROUNDS = 8  # most changes of the joints held at their ends, in one step
-MAX_STEP = 0.5  # rad or m, of a coordinate in one step
-ACCEPTED_JERK = 500.0  # rad/s³ (m/s³), the jerk that costs as much as an error one is ready to accept
+CONVERGED_STEP = 0.05  # rad or m, a step below this ends the iteration, which converges quadratically
+MAX_ACTIVE_SET_ROUNDS = 8  # most changes of the active bounds in one step
+MAX_STEP = 0.5  # rad or m, largest change of a coordinate in one step
+ACCEPTED_JERK = 500.0  # rad/s³ (m/s³), the jerk that costs as much as an acceptable error
 
 
 def solve_knots(part: Part, knots: Indices, y: Array, limits: Limits) -> tuple[Array, Array]:
-    """Minimise a part's residuals at some knots within the joint range, each by itself from its row of y (n, nv).
+    """Minimise a part's residuals within the joint range at each of some knots, from its row of y (n, nv).
 
     Returns:
         The part's coordinates (n, s), and the costs ‖e‖² (n,) before the last step.
@@ -80,7 +80,7 @@ class PartFit:
     """Fits a part over a whole clip under range, velocity and acceleration limits."""
 
     def __init__(self, columns: Indices, length: int, period: float, limits: Limits, rest_at_end: bool = True):
-        """resting: at the end of its knots, see `LimitedFit`."""
+        """rest_at_end: whether it ends at rest, see `LimitedFit`."""
         self._columns = columns
         self._fit = LimitedFit(
             length,
@@ -105,8 +105,8 @@ class PartFit:
     ) -> Spline:
         """Gauss-Newton steps from a spline of the part's columns, the other coordinates being those of (T, nv).
 
-        bends: residuals (T, r) and Jacobians (T, r, nv) with respect to the coordinates' second derivatives.
-        first: the part's knot with which they all begin.
+        acceleration_residuals: residuals (T, r) and Jacobians (T, r, nv) for the coordinates' second derivatives.
+        first_knot: the part's knot with which they all begin.
         """
         acceleration_residuals = (
             None

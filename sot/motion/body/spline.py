@@ -18,9 +18,9 @@ from solvers.banded import BandedQP, BandedSolution
 Array = NDArray[np.float64]
 
 VALUE_STENCIL = np.array([1.0, 4.0, 1.0]) / 6.0  # a knot's value from its three control points
-ACCELERATION_STENCIL = np.array([1.0, -2.0, 1.0])  # its second derivative, times the period squared
-JERK_STENCIL = np.array([-1.0, 3.0, -3.0, 1.0])
-HELD_END_WEIGHT = 1e11  # weight that holds the spline at rest at both ends, above all that is asked of it
+ACCELERATION_STENCIL = np.array([1.0, -2.0, 1.0])  # second derivative at a knot, times the period squared
+JERK_STENCIL = np.array([-1.0, 3.0, -3.0, 1.0])  # third derivative, times the period cubed
+HELD_END_WEIGHT = 1e11  # weight that holds both ends of the spline, above all residuals
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class LimitedFit:
             lower, upper, velocity, acceleration: (s,) limits, infinite where there is none.
             smoothness: (s,) standard deviation expected of the jerk; its inverse square is the weight w.
             damping: weight d of a step.
-            resting: at the end; if not, the last three control points stay.
+            rest_at_end: whether it ends at rest; if not, the last three control points stay.
         """
         self.period, self.damping, self._rest_at_end = period, damping, rest_at_end
         self._size = size = len(lower)
@@ -132,7 +132,7 @@ class LimitedFit:
     ) -> tuple[Spline, BandedSolution]:
         """The next spline from residuals e (T, r) and their Jacobians J (T, r, s) at the knots of this one.
 
-        bends: residuals and Jacobians with respect to the second derivatives at the knots, if there are any.
+        acceleration_residuals: residuals and Jacobians for the second derivatives at the knots, if there are any.
         """
         normal, gradient = _normal_equations(e, J)
         normal[:, np.arange(self._size), np.arange(self._size)] += self.damping
@@ -175,7 +175,7 @@ class LimitedFit:
         return H.reshape(count * size, -1), g.ravel()
 
     def _hold_ends(self, H: Array, g: Array, control: Array) -> None:
-        """The first three control points keep their value, the last three as well, or are equal to one another."""
+        """Hold the first three control points; hold the last three as well, or make them equal to one another."""
         size = self._size
         H[:3, :, 0] += HELD_END_WEIGHT
         if not self._rest_at_end:

@@ -1,4 +1,4 @@
-"""What the robot's body is asked to do at every knot: a human's directions and frames, led in from the rest posture."""
+"""Targets of the robot's body at every knot: a human's directions and frames, eased in from the rest posture."""
 
 from dataclasses import dataclass
 
@@ -40,7 +40,7 @@ class Targets:
 
 
 def targets_of_human(human: Human, robot: Robot, build: Build, facing: Array) -> Targets:
-    """Targets from a human that stands over the robot's feet, on the motion's time line, LEAD at its start.
+    """Targets from a human that stands over the robot's feet, on the motion's time line, eased in within LEAD.
 
     facing: (T,) heading of the feet, from which the chest is turned [rad].
     """
@@ -69,7 +69,7 @@ def targets_of_human(human: Human, robot: Robot, build: Build, facing: Array) ->
 
 
 def key_points(wanted: Targets, robot: Robot) -> dict[str, Array]:
-    """Where neck, top of the head, elbows and wrists are when every target is met: point -> (T, 3) from the waist [m].
+    """Positions of neck, top of the head, elbows and wrists if every target is met: point -> (T, 3) from the waist [m].
 
     This is the human in the robot's size, limb by limb: each segment has the robot's length and the human's direction,
     and shoulders and head sit on the chest as the robot's do at rest.

@@ -1,4 +1,4 @@
-"""The parts of a body put together: retargeted to look like the human, then balanced."""
+"""The whole body retargeted: its parts are fitted so that the robot looks like the human."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -24,21 +24,14 @@ from sot.robots.robot import Robot
 Array = NDArray[np.float64]
 
 LIMB_GAUSS_NEWTON_STEPS = 2  # Gauss-Newton steps of head and arms over the whole clip
-ROUNDS = 6  # most rounds of balance and body, each taking the other's result
-MARGIN = 0.01  # m, least of the ZMP to the edge of what carries
-OFF = 0.002  # m, greatest of a foot off its way
-RELAXED = 0.75  # of the way from what a round was planned on to what came of it: all of it swings back and forth
-SETTLED = 0.005  # m, of the ZMP off its plan, ends the rounds
-HELPED = 0.5  # of what was strained: if two rounds leave more, more of them are no help
-NEARLY = 0.04  # m, the same where feet step and nothing is strained
 
 
 def retarget(
     robot: Robot, build: Build, wanted: Targets, feet: Mapping[str, FootPath], limits: Limits, period: float
 ) -> Spline:
-    """All nv coordinates as a spline that looks like the human: joint limits hold above the waist, feet go their way.
+    """Spline of all nv coordinates that looks like the human, with limits above the waist and feet on their paths.
 
-    The legs follow without regard to their speed, and nothing yet to balance: `balanced` sees to both.
+    The legs follow without regard to their speed, and nothing balances the robot yet: the balance room does both.
     """
     y, knots = _rest_posture_over(feet, robot, wanted.length), np.arange(wanted.length)
     if moving(feet) and wanted.height is None:
@@ -55,7 +48,7 @@ def retarget(
 
 
 def fit_limbs(robot: Robot, wanted: Targets, limits: Limits, body_motion: Spline, steps: int) -> Spline:
-    """The same motion with head and arms fitted, under their limits, to the chest as it moves."""
+    """Body motion with head and arms fitted anew, under their limits, to the chest as it moves."""
     y, control = body_motion.knots, body_motion.control.copy()
     limbs: list[Part] = [Head(robot, wanted), *(ClearArm(robot, side, wanted) for side in SIDES)]
     for limb in limbs:
@@ -68,13 +61,13 @@ def fit_limbs(robot: Robot, wanted: Targets, limits: Limits, body_motion: Spline
 def _with_reachable_hips(
     robot: Robot, wanted: Targets, feet: Mapping[str, FootPath], y: Array, period: float
 ) -> Targets:
-    """The targets with hips from which the legs reach their feet, at coordinates (T, nv) of the body."""
+    """The targets with hips low enough for both legs to reach their feet, at coordinates (T, nv) of the body."""
     height = smooth_height_below(wanted.hips[:, 2], reachable_hip_height(robot, y, feet), period).knots
     return replace(wanted, hips=np.column_stack([wanted.hips[:, :2], height]))
 
 
 def _rest_posture_over(feet: Mapping[str, FootPath], robot: Robot, length: int) -> Array:
-    """The rest posture (length, nv), moved and turned with the middle of the feet: where a fit may start from."""
+    """The rest posture (length, nv), moved and turned with the middle of the feet: a start for the fit."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
     y = np.tile(from_configuration(robot.rest[None]), (length, 1))

@@ -53,7 +53,7 @@ def test_what_is_desired_starts_where_the_arm_does_and_its_rates_are_its_derivat
 @pytest.mark.parametrize("method", ["cascade", "a QP a level", "iktc", "clamped"])
 def test_no_limit_is_exceeded(tracks, method):
     track = tracks[method]
-    assert track.furthest < 1e-9
+    assert track.max_beyond_range < 1e-9
     assert np.all(np.abs(track.v) <= arm.VELOCITY + 1e-7)
     assert np.all(np.abs(track.a) <= arm.ACCELERATION + 1e-5)
     if method != "clamped":

@@ -29,7 +29,7 @@ def test_it_leaves_and_lands_at_rest(way):
 
 
 def test_velocity_and_acceleration_are_derivatives(way):
-    way.lead(0.6, OTHER)
+    way.redirect(0.6, OTHER)
     for t in np.linspace(LIFT + 0.11, LAND - 0.01, 9):
         before, now, after = way(t - STEP), way(t), way(t + STEP)
         np.testing.assert_allclose(now.velocity[:3], (after.position - before.position) / (2 * STEP), atol=1e-6)
@@ -38,11 +38,11 @@ def test_velocity_and_acceleration_are_derivatives(way):
 
 def test_led_elsewhere_it_goes_on_without_a_kick_and_lands_there(way):
     before = way(0.62)
-    way.lead(0.62, OTHER)
+    way.redirect(0.62, OTHER)
     for old, new in zip(before, way(0.62), strict=True):
         np.testing.assert_allclose(new, old, atol=1e-9)
     np.testing.assert_allclose(way(LAND).position[:2], OTHER, atol=1e-12)
-    way.lead(LAND + 0.1, TO)  # too late
+    way.redirect(LAND + 0.1, TO)  # too late
     np.testing.assert_allclose(way(LAND).position[:2], OTHER, atol=1e-12)
 
 

@@ -1,6 +1,6 @@
-"""Quadratic programs, one a level, where the chain of least squares breaks inequalities.
+"""One quadratic program a level, for levels at which the chain of least squares violates inequalities.
 
-Each is posed in the null space of what the levels above have reached.
+Each is posed in the null space of the levels above.
 """
 
 from collections.abc import Sequence
@@ -14,8 +14,8 @@ from solvers.proxqp import QP, PersistentQPs, QPResult
 from solvers.rows import Array, Level, LevelResult, Solution, Status
 
 HOLDING_MULTIPLIER = 1e-4
-"""Multiplier from which on a bound is held as an equality for the levels below. Where there is little room, the QPs'
-accuracy lets others be as large as that; one that is smaller than need be stays a bound."""
+"""Least multiplier of a bound that is held as an equality for the levels below. Where the feasible set is thin, the
+accuracy of the QPs lets inactive bounds have nearly as large ones; a bound with a smaller one stays an inequality."""
 EQUALITIES_LEAVE_NO_ROOM = "its equalities leave no room, and break a bound"
 
 
@@ -28,17 +28,17 @@ class _Bounds:
     upper: Array
 
     def in_null_space(self, x: Array, Z: Array) -> "_Bounds":
-        """The same in y, for ``x + Z y``."""
+        """The same inequalities in y, for ``x + Z y``."""
         value = self.C @ x
         return _Bounds(self.C @ Z, self.lower - value, self.upper - value)
 
     def including_zero(self) -> "_Bounds":
-        """With 0 inside: what the level above has reached is feasible, whatever rounding says."""
+        """The same with y = 0 feasible: the point of the level above is, whatever rounding says."""
         return _Bounds(self.C, np.minimum(self.lower, 0.0), np.maximum(self.upper, 0.0))
 
 
 class QPCascade:
-    """Levels that need QPs, from a starting level to the last one.
+    """Solves one QP a level, from a starting level to the last one.
 
     Args:
         levels: The hierarchy.
@@ -48,8 +48,8 @@ class QPCascade:
         tolerance: Violation that counts as none.
 
     Attributes:
-        first_bitten: The first level that an inequality keeps from doing better; their number if there is none.
-        held: Inequalities that are tight and push, by level.
+        first_active_level: First level with an active inequality that pushes; the number of levels if there is none.
+        active_sets: Inequalities that are tight and push, by level.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class QPCascade:
         self.active_sets: dict[int, ActiveSet] = {}
 
     def run(self, start: int, satisfied: bool, optional: bool = False) -> Solution | None:
-        """QPs from level `start` on; None if the first one has no solution and was optional.
+        """Solve QPs from level `start` on; None if the first one has no solution and was optional.
 
         `satisfied` says that the chain's point above `start` satisfies the inequalities.
         """
@@ -132,7 +132,7 @@ class QPCascade:
         return build_solution(levels, x, qps, worst)
 
     def violates_hard_level(self, x: Array) -> bool:
-        """Whether x violates an inequality of level 0."""
+        """Whether x violates an inequality of level 0 by more than the tolerance."""
         hard, tolerance = self.owner == 0, self.tolerance
         value = self.C[hard] @ x
         return bool((value > self.upper[hard] + tolerance).any() or (value < self.lower[hard] - tolerance).any())
@@ -159,7 +159,7 @@ def build_solution(
     status: Status,
     failed: tuple[int, str] | None = None,
 ) -> Solution:
-    """Results of all levels; `failed` is the first that has none, and why."""
+    """Solution with the results of all levels; `failed` is the first level without an answer, and the reason."""
     results = []
     for k, level in enumerate(levels):
         qp = qps.get(k)
