@@ -74,7 +74,7 @@ def median_solve_times(repeats: int) -> dict[str, dict[int, float]]:
 
 
 def memory_growth(minutes: float) -> dict[str, Any]:
-    """Memory of a process that dances groove under physics, over and over, with one controller in one world.
+    """Memory of a process that dances groove under physics again and again, with one controller in one world.
 
     Returns:
         "readings", simulated time [s] and resident memory [MB] after each dance, its log freed; "slope_mb_min" of

@@ -34,7 +34,7 @@ TICKS_PER_REFERENCE = 20  # ticks, between two runs of the reference computation
 
 
 def robot_arrays(robot: Robot, q: np.ndarray) -> dict[str, Any]:
-    """What makes the robot, joint by joint after the free base, and what must come of it at a configuration (nq,)."""
+    """The robot as arrays, joint by joint after the free base, and its mass matrix at a configuration (nq,)."""
     model = robot.model
     data = model.createData()
     frames = [model.frames[robot.point(name)] for name in POINT_NAMES]
@@ -61,7 +61,7 @@ def robot_arrays(robot: Robot, q: np.ndarray) -> dict[str, Any]:
 
 
 def _joint_axis(model: pin.Model, joint: int) -> np.ndarray:
-    """Of a joint that turns, in its own frame (3,)."""
+    """Axis (3,) of a revolute joint in its own frame."""
     data = model.createData()
     pin.computeJointJacobians(model, data, pin.neutral(model))
     column = model.joints[joint].idx_v
@@ -69,7 +69,7 @@ def _joint_axis(model: pin.Model, joint: int) -> np.ndarray:
 
 
 def tick_arrays(motion: Motion, log: RunLog) -> dict[str, Any]:
-    """States of a run, and what the planted stack is to reach then."""
+    """States of a run, and the references of the planted stack at these times."""
     rows = np.round(log.time * motion.rate).astype(int)
     waist = motion.track("waist")
     return {
@@ -84,7 +84,7 @@ def tick_arrays(motion: Motion, log: RunLog) -> dict[str, Any]:
 
 
 def own_figures(motion: Motion, log: RunLog) -> dict[str, Any]:
-    """What a tick of our controller costs on the states of a run."""
+    """Time of a tick of our controller on the states of a run."""
     controller = Controller(motion.robot, planted_stack(motion.robot, motion), Cascade(), log.period)
     again, reference = RunLog.allocate(motion.robot, log.ticks), Reference()
     with threadpool_limits(1):

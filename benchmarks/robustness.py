@@ -30,7 +30,7 @@ from sot.motion.plan import plan
 from sot.motion.trajectory import SAVED_FIELDS, Motion
 from sot.robots.robot import Robot
 
-TIME_BEFORE_PUSH, TIME_AFTER_PUSH = 0.4, 2.6  # s of the dance around the beginning of a push
+TIME_BEFORE_PUSH, TIME_AFTER_PUSH = 0.4, 2.6  # s of the dance before and after the beginning of a push
 UNPUSHED_TIME = 2.0  # s at both ends of the clip in which nobody is pushed
 MISMATCHES = {
     "none": AS_MODELLED,
@@ -43,7 +43,7 @@ MISMATCHES = {
 
 
 def part_around(motion: Motion, t: float) -> Motion:
-    """The part of a motion on planted feet around a time."""
+    """The part of a motion on planted feet around a time [s]."""
     rows = slice(round((t - TIME_BEFORE_PUSH) * motion.rate), round((t + TIME_AFTER_PUSH) * motion.rate) + 1)
     parts = {name: getattr(motion, name)[rows] for name in SAVED_FIELDS}
     phase = replace(motion.phases[0], start=0.0, end=TIME_BEFORE_PUSH + TIME_AFTER_PUSH)
@@ -51,7 +51,7 @@ def part_around(motion: Motion, t: float) -> Motion:
 
 
 def run_with_shipped_stack(motion: Motion, mismatch: Mismatch = AS_MODELLED, pushes: tuple[Push, ...] = ()) -> Run:
-    """The shipped stack on a motion."""
+    """Run the shipped stack on a motion."""
     robot, period = motion.robot, 1.0 / motion.rate
     stack, schedule = stacks.stepping_stack(robot, motion), stacks.stepping_schedule(robot, motion)
     controller = Controller(robot, stack, Cascade(), period, schedule)

@@ -1,4 +1,4 @@
-"""What a tick costs, phase by phase, in a dance under physics rather than in a loop of its own."""
+"""Time of a control tick, phase by phase, in a dance under physics."""
 
 import json
 import math
@@ -21,7 +21,7 @@ from sot.errors import InputError
 PHASES = ("model", "assemble", "solve", "rest")
 PERCENTILES = {"p50": 50.0, "p95": 95.0, "p99": 99.0}
 
-# What a comparison says: place in the figures, words, whether it scales with the machine, digits after the point.
+# Lines of a comparison: path in the figures, words, whether it scales with the machine, digits after the point.
 COMPARISON_LINES: tuple[tuple[str, str, bool, int], ...] = (
     ("tick_us.whole.p50", "tick, median [µs]", True, 0),
     ("tick_us.whole.p95", "tick, 95th percentile [µs]", True, 0),
@@ -36,7 +36,7 @@ COMPARISON_LINES: tuple[tuple[str, str, bool, int], ...] = (
 
 
 def benchmark_figures(request: Replay, tell: ProgressCallback) -> dict[str, Any]:
-    """Dance a clip and time it; the reference computation runs between ticks now and then, on as cold a cache.
+    """Figures of the time that a dance takes; a reference computation runs between ticks, on as cold a cache.
 
     Returns:
         The figures, as `sot bench --json` prints them. The phases' means add up to that of the whole; "rest" is what a

@@ -1,4 +1,4 @@
-"""`sot report`: the folders of runs, as one page."""
+"""`sot report`: one page of one run or several."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Figures of other controllers, or of ours elsewhere, to stand in the table of a benchmark."""
+"""Figures of other controllers, or of ours elsewhere, for the table of a benchmark."""
 
 import json
 import math
@@ -11,7 +11,7 @@ TICK_STATISTICS = ("p50", "p95", "p99", "mean")
 
 
 def read_peer_figures(path: Path) -> dict[str, Any]:
-    """What `benchmarks/peer_tsid.py` or `benchmarks/peer_ticks.py` has printed to a file.
+    """Read the figures that `benchmarks/peer_tsid.py` or `benchmarks/peer_ticks.py` printed to a file.
 
     Returns:
         "name"; "tick_us", phase -> `TICK_STATISTICS` [µs]; "reference_us", of the reference computation meanwhile [µs].

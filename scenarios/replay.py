@@ -1,4 +1,4 @@
-"""A clip, danced by a robot under physics: from the file to the recording and the report."""
+"""Replay of a clip by a robot under physics: from the file to the recording and the report."""
 
 import tempfile
 from collections.abc import Callable, Mapping
@@ -33,7 +33,7 @@ from sot.whole_file import whole
 from tasks.editing import edit
 
 ProgressCallback = Callable[[str, float | None], object]
-"""Told what is being done, and which share of it is done if that is known."""
+"""Function that is told the current step in words, and the share of it that is done, if known."""
 
 SOLVERS: dict[str, Callable[[], Solver]] = {"cascade": Cascade, "weighted": Weighted, "iktc": TaskCorrection}
 RECORDING_FILE, REPORT_FILE, TIMELINE_FILE, TRACES_FILE = "run.rrd", "report.json", "schedule.svg", "traces.npz"
@@ -41,7 +41,7 @@ RECORDING_FILE, REPORT_FILE, TIMELINE_FILE, TRACES_FILE = "run.rrd", "report.jso
 
 @dataclass(frozen=True)
 class Replay:
-    """What to replay, and how.
+    """Request to replay a clip.
 
     Attributes:
         clip: file or name of a clip, or a motion that `sot retarget` wrote (`.npz`).
@@ -75,7 +75,7 @@ class Replay:
 
 @dataclass(frozen=True)
 class Dance:
-    """A clip that was danced.
+    """Result of a dance.
 
     Attributes:
         run: the rows of the log, and how it ended.
@@ -114,8 +114,7 @@ def replay(request: Replay, out: Path, tell: ProgressCallback) -> dict[str, Any]
 def write_outputs(
     danced: Dance, out: Path, tell: ProgressCallback, extra_figures: Mapping[str, Any] = MappingProxyType({})
 ) -> dict[str, Any]:
-    """Write the recording and the report of a dance, with what it is to say more, to the folder `out`; returns the
-    report."""
+    """Write the recording and the report of a dance, with extra figures, to the folder `out`; returns the report."""
     tell("recording", None)
     out.mkdir(parents=True, exist_ok=True)
     wall = danced.run.wall_s + danced.write_recording(out / RECORDING_FILE)
@@ -151,7 +150,7 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
 def run_motion(
     request: Replay, compose: Composer, motion: Motion, planned: Plan | None, tell: ProgressCallback
 ) -> Dance:
-    """Run a stack on a motion that is planned.
+    """Run a stack on a planned motion under physics.
 
     Raises:
         InputError: anything in the request that does not fit.
@@ -197,7 +196,7 @@ def composed_stack(
 
 
 def _compile_tick(motion: Motion) -> None:
-    """Have compiled what a tick calls, by one that nobody times, in a controller of its own."""
+    """Compile the functions of a tick by running one, untimed, in a controller of its own."""
     Controller(motion.robot, stacks.planted_stack(motion.robot, motion), Cascade())(0.0, motion.q[0], motion.v[0])
 
 
@@ -235,7 +234,7 @@ def make_solver(name: str) -> Solver:
 
 
 def check_writable(folder: Path) -> None:
-    """See that files can be written to a folder, which need not exist yet, without leaving anything there.
+    """Check that files can be written to a folder, which need not exist yet; leaves nothing there.
 
     Raises:
         InputError: they cannot.

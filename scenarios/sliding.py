@@ -12,12 +12,12 @@ from sot.robots.robot import Robot
 
 KNOT_PERIOD = 0.02  # s, between knots
 FEET_IN_ORDER = ("right_foot", "left_foot")
-SLIDE_WAY: Way = (0.085, 0.0, 0.05)  # of each foot: ahead, and its toes a little outward
+SLIDE_WAY: Way = (0.085, 0.0, 0.05)  # of each foot: forward [m], sideways [m], turn of the toes outward [rad]
 STANDING_TIME = 1.2  # s on both feet, before and after each slide
 
 
 def motion(robot: Robot, rate: float) -> Motion:
-    """The robot shifts its weight and slides a foot, then the other one, and stands on both again."""
+    """Motion that shifts the weight and slides one foot, then the other one, and stands on both again."""
     slides, now = [], STANDING_TIME
     for foot in FEET_IN_ORDER:
         end = now + slide_time(SLIDE_WAY, robot)

@@ -40,7 +40,7 @@ Show = Callable[[dict[str, Any], Console], None]
 
 
 def default_solver(name: str) -> str:
-    """The solver that a scenario is meant for."""
+    """Name of the solver that a scenario uses unless told otherwise."""
     return getattr(SCENARIOS.get(name), "SOLVER", "cascade")
 
 

@@ -1,4 +1,4 @@
-"""A table of dances: each clip danced under physics, a row of figures each, and what they come to."""
+"""A table of dances: many clips danced under physics, one row of figures each, and a summary."""
 
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -15,8 +15,8 @@ from scenarios.replay import ProgressCallback, Replay, dance, write_outputs
 from sim.reporting.report import figure_at
 from sot.errors import InputError
 
-MAX_SUCCESS_MPJPE_MM = 100.0  # a dance whose key bodies are farther off, on average, is no success
-PIECE_DURATION_S = 20.0  # length of the pieces that a long named clip is danced in
+MAX_SUCCESS_MPJPE_MM = 100.0  # mean error of key bodies above which a dance counts as failed
+PIECE_DURATION_S = 20.0  # length of the pieces into which the long clip is cut
 LONG_CLIP, LEAPING_CLIP = "lafan1_dance1_subject2", "cmu_01_01"
 SUITES = ("dance",)
 
@@ -49,8 +49,8 @@ class Piece:
 
 
 def suite_pieces(mocap: Path | None) -> list[Piece]:
-    """What the suite "dance" is made of: the clips (.bvh, .amc) of a folder, the long named dance in pieces, and leaps,
-    which no robot here can do and a planner has to make something of.
+    """Pieces of the suite "dance": the clips (.bvh, .amc) of a folder, the long named dance in pieces, and leaps, which
+    no robot here can do.
 
     Raises:
         InputError: no such folder, or no clip in it.
@@ -103,7 +103,7 @@ def bench_suite(request: Replay, pieces: Sequence[Piece], out: Path | None, tell
 
 
 def show(table: Mapping[str, Any], console: Console) -> None:
-    """Print the rows, and what they come to."""
+    """Print the rows and the summary."""
     shown = Table(box=None, padding=(0, 1, 0, 0))
     shown.add_column("clip", no_wrap=True)
     shown.add_column("")

@@ -1,4 +1,4 @@
-"""A captured human is imitated with a knee and a hip roll kept from bending as far as it wants, Kim & Oh 5.3."""
+"""Imitation of a captured human with the ranges of a knee and a hip roll narrowed, Kim & Oh 5.3."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -31,9 +31,9 @@ SOLVER = "iktc"
 CLIP = "groove"
 NARROWED_SIDE = "left"
 KEPT_RANGE_SHARE = 0.7
-"""Share of what the reference uses of a joint's range that is left to it."""
+"""Share of the range used by the reference that a narrowed joint keeps."""
 CONTROL_PERIOD = 0.005
-"""Of the position control: the paper's, for the legs [s]."""
+"""Period of the position control, the paper's for the legs [s]."""
 SOLVERS: dict[str, Callable[[], Solver]] = {
     "iktc": TaskCorrection,
     "cascade": Cascade,
@@ -121,7 +121,7 @@ def show(figures: dict[str, Any], console: Console) -> None:
 
 
 def narrowed_robot(robot: Robot, motion: Motion) -> Robot:
-    """The robot with less range for a knee and a hip roll than the motion uses: it cannot bend as far."""
+    """The robot with narrower ranges of a knee and a hip roll than the motion uses."""
     lower, upper = robot.lower.copy(), robot.upper.copy()
     angles = motion.q[:, 7:]
     for joint in narrowed_joints(robot):
@@ -134,7 +134,7 @@ def narrowed_robot(robot: Robot, motion: Motion) -> Robot:
 
 
 def narrowed_joints(robot: Robot) -> tuple[int, int]:
-    """The joint at the knee, and the joint of the hip that turns about the forward axis."""
+    """Numbers of the knee joint and of the hip joint that turns about the forward axis."""
     tick = Tick(robot).update(0.0, robot.rest, np.zeros(robot.nv))
     leg = robot.groups[f"{NARROWED_SIDE}_leg"]
     frame = robot.model.frames[robot.point(f"{NARROWED_SIDE}_knee")]

@@ -1,4 +1,4 @@
-"""A position-controlled robot: tasks on accelerations alone, solved and integrated, without dynamics or contacts."""
+"""A position-controlled robot: accelerations from tasks, integrated, without dynamics or contacts."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class KinematicRun:
-    """What a position-controlled robot was told to do, one row a tick.
+    """Commands of a position-controlled robot, one row a tick.
 
     Attributes:
         time: Start of the tick [s], (T,).
@@ -40,7 +40,7 @@ class KinematicRun:
 
 
 def assemble_levels(tick: Tick, limits: Sequence[Task], levels: Sequence[tuple[str, Sequence[Task]]]) -> list[Level]:
-    """Levels in v̇: the limits as level 0, then tasks, all of them on accelerations."""
+    """Levels of rows on v̇: the limits as level 0, then the tasks."""
     nv = tick.robot.nv
     hard = Level.stack("hard", [limit.rows(tick) for limit in limits], nv)
     return [hard, *(Level.stack(name, [task.rows(tick) for task in tasks], nv) for name, tasks in levels)]
@@ -56,7 +56,7 @@ def follow_tasks(
     duration: float,
     tell: Callable[[float], object] = lambda share: None,
 ) -> KinematicRun:
-    """Follow tasks from rest; accelerations are constant over a period.
+    """Integrate the accelerations that follow the tasks from rest; each is constant over a period.
 
     Args:
         robot: The robot.

@@ -29,12 +29,12 @@ other joints have nothing left: while q_1 brakes, the tip's height takes 1.46 ti
 
 
 def viable_bounds(brake: float) -> Bounds:
-    """Kim (14) in the form that can always be kept, with a share of the acceleration limit to brake with."""
+    """Kim (14) in a viable form, which can always be kept; braking relies on a share of the acceleration limit."""
     return AccelerationBounds(arm.LOWER, arm.UPPER, arm.VELOCITY, brake * arm.ACCELERATION, arm.ACCELERATION)
 
 
 def printed_bounds_with_fallback() -> Bounds:
-    """Kim (14) to the letter. Where it leaves nothing its bound of the speed goes first; outside the range, as at its
+    """Kim (14) to the letter. Where it is empty, the bound of the speed gives way; outside the range it is that of its
     end."""
     printed = PrintedBounds(arm.LOWER, arm.UPPER, arm.VELOCITY, arm.ACCELERATION)
 

@@ -21,7 +21,7 @@ KP = 100.0
 
 @dataclass(frozen=True, slots=True)
 class TaskState:
-    """The three tasks at a state.
+    """Values, Jacobian and drift of the three tasks at a state.
 
     Args:
         value: Their values, in the order of `TASK_NAMES`, shape (3,).
@@ -36,7 +36,7 @@ class TaskState:
 
 @dataclass(frozen=True)
 class ArmRun:
-    """What a method did, one row a tick.
+    """Run of the arm under one method, one row a tick.
 
     Attributes:
         time: Start of the tick [s], (T,).
@@ -58,7 +58,7 @@ class ArmRun:
 
     @property
     def task_given_up(self) -> Array:
-        """Ticks at which some task was given up for a bound, (T,)."""
+        """Whether some task was given up for a bound at each tick, (T,)."""
         return np.abs(self.error).max(axis=1) > 1e-3
 
 
@@ -74,7 +74,7 @@ def task_state(q: Array, v: Array) -> TaskState:
 
 
 def link_ends(q: Array) -> Array:
-    """Where the links begin and end, for each of T postures q, shape (T, 4, 2) [m]."""
+    """Ends of the links for each of T postures q, shape (T, 4, 2) [m]."""
     angle = np.cumsum(q, axis=1)
     ends = np.cumsum(np.stack([np.cos(angle), np.sin(angle)], axis=-1), axis=1)
     return np.concatenate([np.zeros((len(q), 1, 2)), ends], axis=1)

@@ -1,4 +1,4 @@
-"""The planar arm's runs to look at: Kim & Oh's Figures 4-8 as one picture, and a recording."""
+"""Pictures of the planar arm's runs: Kim & Oh's Figures 4-8 as one picture, and a recording."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,7 +17,7 @@ Array = np.ndarray
 
 METHOD_COLORS = {"cascade": (43, 111, 217), "iktc": (217, 118, 43), "clamped": (120, 160, 60)}
 DRAWN_POSES = 11
-ARM_SPACING = 3.2  # m between two arms of the recording
+ARM_SPACING = 3.2  # m, between two arms of the recording
 ERROR_UNITS = ("mm", "mm", "deg")
 ERROR_FACTORS = np.array([1e3, 1e3, 180.0 / np.pi])
 

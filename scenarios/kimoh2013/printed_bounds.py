@@ -20,7 +20,8 @@ from tasks.bounds import AccelerationBounds
 Array = np.ndarray
 Bounds = Callable[[Array, Array, float], tuple[Array, Array]]
 AccelerationChoice = Callable[[Array, Array, Array, Array], Array]
-"""An acceleration from the bounds, low and high, which joints were left with nothing, and what stops them."""
+"""Function that chooses accelerations from: lower bounds, upper bounds, joints with empty bounds, stopping
+accelerations."""
 
 JOINT_COUNT = 2000
 PERIODS = (0.0002, 0.001, 0.002, 0.005, 0.01)
@@ -68,7 +69,7 @@ def study(rate: float, out: Path, tell: ProgressCallback) -> dict[str, Any]:
 
 
 def compare_forms(period: float, joints: int = JOINT_COUNT) -> dict[str, dict[str, float]]:
-    """What both forms do at a period [s], from the same starts.
+    """Figures of both forms at a period [s], from the same starts.
 
     Returns:
         Of each form: the share of joints that are left with nothing to choose if they take any acceleration between the
@@ -109,7 +110,7 @@ def compare_forms(period: float, joints: int = JOINT_COUNT) -> dict[str, dict[st
 
 
 def _max_stoppable_speed(distance: Array, a: Array, period: float, velocity: Array) -> Array:
-    """Speeds from which braking for whole periods stops within a distance; Kim (15) holds for them too."""
+    """Largest speed from which braking for whole periods stops within a distance; Kim (15) holds for it too."""
     half = 0.5 * a * period
     return np.minimum(np.sqrt(half**2 + 2.0 * a * distance) - half, velocity)
 
@@ -117,7 +118,7 @@ def _max_stoppable_speed(distance: Array, a: Array, period: float, velocity: Arr
 def _run_joints(
     bounds: Bounds, choose: AccelerationChoice, q: Array, v: Array, upper: Array, a: Array, period: float
 ) -> tuple[Array, Array, Array]:
-    """Which joints are left with nothing, how far they come beyond `upper`, and their hardest braking on the way."""
+    """Whether each joint is left with empty bounds, its largest excess over `upper`, and its hardest braking."""
     empty, beyond, hardest = np.zeros(len(q), dtype=bool), np.full(len(q), -np.inf), np.zeros(len(q))
     for _ in range(round(RUN_DURATION / period)):
         low, high = bounds(q, v, period)

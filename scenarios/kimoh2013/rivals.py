@@ -1,4 +1,4 @@
-"""Methods to compare with, as plain as their authors describe them; nothing else uses them."""
+"""Methods to compare with, as their authors describe them."""
 
 from collections.abc import Sequence
 
@@ -48,7 +48,7 @@ class LevelByLevel:
 
 
 class ClampedCascade:
-    """The solution without bounds, each variable then brought back to its own: the simplest there is.
+    """The solution without bounds, each variable then clipped to its bounds: the simplest method.
 
     Level 0 is bounds of all variables, in their order.
     """

@@ -56,11 +56,11 @@ Array = NDArray[np.float64]
 
 CLIP = "lafan1_dance1_subject2"
 MAX_DURATION = 40.0
-"""How much of a longer clip is danced: where the dancer's knees swing most."""
+"""Longest part of a clip that is danced: the one in which the knees swing most [s]."""
 POSTURE_STIFFNESS = 25.0
 """Stiffness λ_p of the posture, Ramos (17) [1/s²]: as a filter it is slower than a dancer's knees."""
 HIP_HEIGHT_ERROR = 0.01
-"""Error of the hips' height that the plan accepts [m]: more would smooth the knees away before any servo does."""
+"""Acceptable error of the hips' height in the plan [m]; a larger one would smooth the knees' swing away."""
 BODY_CLEARANCE, HAND_CLEARANCE = 0.01, 0.025
 """Least distance of parts of the robot from one another [m], and the same where a hand is raised to the head."""
 POSTURE_RUN, FINAL_RUN = "posture", "final"
@@ -165,7 +165,7 @@ def show(figures: dict[str, Any], console: Console) -> None:
 
 
 def _dance_rebalanced(request: Replay, compose: Composer, planned: Plan, tell: ProgressCallback) -> Dance:
-    """A plan danced with a stack, its balance planned for what the stack makes of it."""
+    """Dance a plan with a stack; the balance is planned anew for the rehearsed momentum."""
     tell("rehearsing", None)
     stack, schedule, _ = composed_stack(request, compose, planned.motion)
     motion = rebalance(planned.motion, rehearse(planned.motion, stack, make_solver(request.solver), schedule))
@@ -226,7 +226,7 @@ def posture_stack(clearance: float, edits: Sequence[Edit] = ()) -> Composer:
 
 
 def _slide_sentence(slide: dict[str, Any]) -> str:
-    """What there is to say about a slide."""
+    """One sentence about a slide of the report."""
     return (
         f"{slide['foot'].replace('_', ' ')} slides {1e2 * slide['way_m']:.1f} cm, {slide['start_s']:.1f} to "
         f"{slide['end_s']:.1f} s: it touches the floor for {100 * slide['contact']:.0f} % of the time, with "
@@ -242,7 +242,7 @@ def _formatted(value: float | None, factor: float = 1.0) -> str:
 
 
 def _run_summary(run: dict[str, Any]) -> dict[str, Any]:
-    """What is compared of a run; the rest is in its own report."""
+    """Figures of a run that are compared; the rest is in its own report."""
     return {
         "fell": run["fell"],
         "fell_at_s": run["fell_at_s"],

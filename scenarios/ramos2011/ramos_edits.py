@@ -1,4 +1,4 @@
-"""What Ramos 2011, VI, edits of a dance: the oscillation of the knees, and the right hand as high as the dancer's."""
+"""The edits of Ramos 2011, VI: the oscillation of the knees, and the right hand raised to the dancer's height."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -25,17 +25,17 @@ KNEES = ("left_knee", "right_knee")
 SIDE = "right"
 HAND, WRIST = f"{SIDE}_hand", f"{SIDE}_wrist"
 OSCILLATION_BAND = 0.6, 1.6
-"""Of an oscillation's frequency, what belongs to it."""
+"""Lower and upper end of an oscillation's band, relative to its frequency."""
 HAND_TOO_LOW = 0.02
-"""A hand that is so much lower than the dancer's is too low [m]."""
+"""Height below the dancer's at which a hand is too low [m]."""
 EDIT_LEAD_TIME, MAX_MERGED_GAP = 0.3, 1.0
-"""An edit begins so long before what it mends and ends so long after; it is one for what is no further apart [s]."""
+"""Time that an edit begins earlier and ends later than its cause; gap below which two edits become one [s]."""
 SLIDE_SEPARATION = 0.5
-"""A foot slides alone: no other edit is at work from so long before until so long after [s]."""
+"""Time before and after a slide in which no other edit acts [s]."""
 MIN_SWINGS = 2.0
-"""Least swings of what is an oscillation."""
+"""Least number of swings of an oscillation."""
 HAND_CUTOFF_HZ = 4.0
-"""What a raised hand follows is slower."""
+"""Cut-off frequency of the height that a raised hand follows [Hz]."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def hand_height(log: RunLog, robot: Robot) -> tuple[Array, Array]:
 
 
 def low_hand_spans(planned: Plan, wanted: Array, log: RunLog) -> list[Span]:
-    """When the hand of a run is too low while the clip plays: starts and ends [s]; wanted: the dancer's height."""
+    """Spans (start, end) [s] in which the hand of a run is lower than wanted, the dancer's height (T,) [m]."""
     times = np.arange(len(wanted)) / PLAN_RATE
     shown = (times >= planned.start) & (times <= planned.end)
     low = (wanted - np.interp(times, *hand_height(log, planned.motion.robot)) > HAND_TOO_LOW) & shown
@@ -115,12 +115,12 @@ def low_hand_spans(planned: Plan, wanted: Array, log: RunLog) -> list[Span]:
 
 
 def slide_spans(planned: Plan) -> list[Span]:
-    """When a foot slides [s]."""
+    """Spans (start, end) in which a foot slides [s]."""
     return [(phase.start, phase.end) for phase in planned.motion.phases if phase.sliding]
 
 
 def spans_without_slides(spans: Sequence[Span], slides: Sequence[Span]) -> list[Span]:
-    """What is left of spans (start, end) when none may be at work during slides, and some time around them."""
+    """The parts of spans (start, end) that are clear of slides by SLIDE_SEPARATION [s]."""
     left = list(spans)
     for begins, ends in slides:
         parts = [

@@ -18,7 +18,7 @@ from sot.robots.robot import Robot
 Array = NDArray[np.float64]
 
 SAMPLED_RATE = 50.0
-"""At which postures are looked at [Hz]."""
+"""Rate at which postures are evaluated [Hz]."""
 
 
 def geometric_figures(motion: Motion) -> dict[str, float]:

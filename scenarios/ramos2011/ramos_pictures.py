@@ -22,17 +22,17 @@ from sot.motion.plan import PLAN_RATE
 Array = NDArray[np.float64]
 
 THUMBNAIL_COUNT = 7
-"""Thumbnails a dancer."""
+"""Number of thumbnails of each dancer."""
 THUMBNAIL_SPACING = 1.1
-"""Between two of them [m]."""
+"""Distance between two thumbnails [m]."""
 CSS_COLORS = {name: css_color(shade) for name, shade in ramos_view.DANCER_COLORS.items()}
 DRAWN_RATE = 50.0
 TIME_MARGIN = 1.5
-"""Of time around what a picture is about [s]."""
+"""Time shown before and after the event of a picture [s]."""
 THUMBNAILS_SIZE_PX = 900.0, 220.0
-"""Pixels."""
+"""Width and height of a row of thumbnails [pixels]."""
 SCALOGRAM_CELLS = 32, 128
-"""Frequencies and times of a scalogram's picture."""
+"""Number of frequencies and of times in a scalogram's picture."""
 PAPER_HZ, PAPER_SPANS, PAPER_DEG = 2.7, ((10.0, 14.0), (31.0, 36.5)), 6.0
 """What the paper reads off its Figure 5, as a made-up knee: frequency [Hz], when [s], and an amplitude [deg]."""
 

@@ -30,9 +30,9 @@ DANCER_COLORS: dict[str, Color] = {
     "posture": (58, 154, 91),
     "final": (43, 111, 217),
 }
-"""Of curves, to be told from dark and from white."""
+"""Colours of curves, visible on dark and on white."""
 DANCER_SPACING = 1.2
-"""Between two dancers of the recording [m]."""
+"""Distance between two dancers of the recording [m]."""
 
 
 @dataclass(frozen=True)

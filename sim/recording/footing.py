@@ -1,4 +1,4 @@
-"""What a recording shows between the robot and the floor: soles, footholds, support, CoM, DCM and ZMP."""
+"""Soles, footholds, support polygon, CoM, DCM and ZMP in a recording."""
 
 import numpy as np
 import rerun as rr
@@ -11,11 +11,11 @@ from sim.support import planned_support
 from sot.motion.feet.footfalls import Footfalls
 from sot.motion.trajectory import Motion
 
-FLOOR_OFFSET = 0.004  # m: what lies on the floor is drawn this much above it
+FLOOR_OFFSET = 0.004  # m, height above the floor at which things on the floor are drawn
 
 
 def send_footing(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray) -> None:
-    """Send what concerns balance and contacts at some rows of a log."""
+    """Send balance and contacts at some rows of a log."""
     _send_points(columns, log, motion, rows)
     _send_support(columns, log, motion, rows)
     _send_soles(columns, log, motion, rows)
@@ -50,7 +50,7 @@ def _send_support(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarra
 
 
 def _send_soles(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray) -> None:
-    """The outline of each sole in the colour of its planned contact."""
+    """Send the outline of each sole in the colour of its planned contact."""
     robot = motion.robot
     positions, rotations = point_poses(robot, robot.feet, log.q[rows])
     shades = np.array([COLORS[mode] for mode in FOOT_MODE_NAMES], dtype=np.uint8)
@@ -64,7 +64,7 @@ def _send_soles(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray)
 
 
 def _send_plan(columns: Columns, motion: Motion) -> None:
-    """All footholds, and the way of the centre of mass over the floor."""
+    """Send all footholds, and the planned path of the centre of mass over the floor."""
     outlines = [_on_floor(outline) for outline in foothold_outlines(motion)]
     columns.static("world/plan/footholds", rr.LineStrips3D(outlines, colors=[COLORS["foothold"]], radii=[0.002]))
     way = _on_floor(motion.com[:: max(1, round(motion.rate / 20.0)), :2])

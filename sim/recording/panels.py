@@ -15,7 +15,7 @@ from sot.motion.trajectory import Motion
 
 FRAME_RATE = 60.0  # Hz, of the 3D view and of what is only looked at; other curves keep the control rate
 MM_PER_M = 1e3
-SLOWED_BELOW_SPEED = 0.999  # of the dancer's speed: less is rounding
+SLOWED_BELOW_SPEED = 0.999  # share of the dancer's speed; a run above it counts as not slowed down
 FOOT_MODE_NAMES = ("off", "fixed", "sliding")
 """Names of `RunLog.foot_mode`: `FOOT_OFF`, `FOOT_FIXED`, `FOOT_SLIDING`."""
 LIMB_GROUPS = {
@@ -37,7 +37,7 @@ class Tab:
 
 
 def run_tabs(log: RunLog, motion: Motion, plan: Plan | None) -> list[Tab]:
-    """All plots of a run, what is looked at first coming first."""
+    """All plots of a run in tabs; the most important come first."""
     joints = [_joints_tab(log, motion, limb) for limb in LIMB_GROUPS]
     slowed = [_speed_tab(plan)] if plan is not None and plan.speed_min < SLOWED_BELOW_SPEED else []
     return [
@@ -172,7 +172,7 @@ def _tasks_tab(log: RunLog) -> Tab:
 
 
 def schedule_tabs(log: RunLog) -> list[Tab]:
-    """In which level of the stack each task is that comes, goes or changes its level; none if there is no such task."""
+    """A tab that shows the level of each task that is added, removed or moved; no tab if there is no such task."""
     if not (log.level_share < 1.0).any():
         return []
     states = [f"level {place}" for place in range(log.level_place.max() + 1)]

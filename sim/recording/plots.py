@@ -9,7 +9,7 @@ import rerun.blueprint as rrb
 
 from sim.recording.columns import COLORS, SERIES_COLORS, Color, Columns, Entity, entity_path
 
-CURVE_WIDTH = 1.5  # of a curve, in points
+CURVE_WIDTH = 1.5  # in points
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Plot:
 
 @dataclass(frozen=True)
 class States:
-    """What state several things are in over time.
+    """States of several things over time.
 
     Attributes:
         title: of the view.

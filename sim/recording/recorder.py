@@ -44,7 +44,7 @@ def write_recording(path: Path, log: RunLog, info: RunInfo, motion: Motion, plan
 
 @contextmanager
 def open_recording(path: Path, title: str, about: str, blueprint: rrb.Blueprint) -> Iterator[Columns]:
-    """What a recording (`.rrd`) is filled with; it appears under its name once it is complete.
+    """Open a recording (`.rrd`) to be filled with columns; it appears under its name once it is complete.
 
     Args:
         path: file to write.

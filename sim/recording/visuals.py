@@ -1,4 +1,4 @@
-"""What a recording shows in 3D: the robot between the human and its reference, on a floor."""
+"""The 3D view of a recording: the robot between the human and its reference, on a floor."""
 
 from itertools import pairwise
 
@@ -16,9 +16,9 @@ from sot.motion.human.human import SEGMENTS, SIDES, Human
 from sot.motion.trajectory import Motion
 
 SIDE_DISTANCE = 1.2  # m from the robot to the human on one side and to its reference on the other
-FLOOR_MARGIN = 2.0  # m of floor all round where the robot goes
+FLOOR_MARGIN = 2.0  # m, of floor on all sides of where the robot goes
 TILE_SIZE = 0.5  # m
-NAME_HEIGHT = 1.75  # m over the floor
+NAME_HEIGHT = 1.75  # m, of names above the floor
 BONES = (
     *(bone for name, bone in SEGMENTS.items() if name != "trunk"),
     *pairwise(("waist", "chest", "neck", "head")),
@@ -28,7 +28,7 @@ BONES = (
 
 
 def send_visuals(columns: Columns, log: RunLog, info: RunInfo, motion: Motion, human: Human | None) -> None:
-    """Send all that is seen in 3D, `FRAME_RATE` times a second."""
+    """Send everything in the 3D view at `FRAME_RATE`."""
     rows = log.rows_at(FRAME_RATE)
     times = log.time[rows]
     shapes = read_shapes(motion.robot)
@@ -51,7 +51,7 @@ def send_visuals(columns: Columns, log: RunLog, info: RunInfo, motion: Motion, h
 
 
 def send_floor(columns: Columns, motion: Motion, side_distance: float = SIDE_DISTANCE) -> None:
-    """A floor under where the robot goes, and under those who go so far [m] beside it."""
+    """Send a floor under where the robot goes, and under others at a distance beside it [m]."""
     room = np.array([FLOOR_MARGIN, FLOOR_MARGIN + side_distance])
     low = TILE_SIZE * np.floor((motion.com[:, :2].min(axis=0) - room) / TILE_SIZE)
     high = TILE_SIZE * np.ceil((motion.com[:, :2].max(axis=0) + room) / TILE_SIZE)
@@ -64,7 +64,7 @@ def send_floor(columns: Columns, motion: Motion, side_distance: float = SIDE_DIS
 
 
 def send_human(columns: Columns, human: Human, times: np.ndarray) -> None:
-    """A human as its bones."""
+    """Send a human, drawn as its bones."""
     frames = nearest_frames(times, human.rate, human.count)
     ends = [np.stack([human.points[near][frames], human.points[far][frames]], axis=1) for near, far in BONES]
     strips = np.stack(ends, axis=1).reshape(-1, 2, 3).astype(np.float32)
@@ -75,7 +75,7 @@ def send_human(columns: Columns, human: Human, times: np.ndarray) -> None:
 
 
 def send_name(columns: Columns, entity: str, name: str, times: np.ndarray, places: np.ndarray) -> None:
-    """A name over someone who goes along places on the floor (T, 2)."""
+    """Send a name that floats over someone who moves along places on the floor (T, 2)."""
     above = np.column_stack([places, np.full(len(places), NAME_HEIGHT)]).astype(np.float32)
     label = rr.Points3D.from_fields(labels=[name], radii=[0.001], colors=[COLORS["text"]], show_labels=True)
     columns.static(f"{entity}/name", label)
