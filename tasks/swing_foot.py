@@ -3,7 +3,7 @@
 import numpy as np
 
 from solvers.rows import Rows
-from sot.behaviours.stride import lowered, raised
+from sot.behaviours.stride import lowered_pose, raised_pose
 from sot.control.contact import ARRIVAL_FADE_POWER
 from sot.control.pose import Pose
 from sot.control.tick import Tick
@@ -76,4 +76,4 @@ class SwingFoot(OperationalPoint):
         if before is None or after is None:
             return pose
         late, span = t - after.start, after.start - before.end
-        return lowered(raised(pose, self._landing_heights_missing[after.start], span + late, span), late)
+        return lowered_pose(raised_pose(pose, self._landing_heights_missing[after.start], span + late, span), late)

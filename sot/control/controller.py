@@ -17,7 +17,7 @@ from sot.robots.robot import Robot
 Array = np.ndarray
 
 EXPLANATION_INTERVAL = 1.0
-"""Shortest time between two infeasible level-0 problems that are kept for `solvers.conflict.explain` [s]."""
+"""Shortest time between two infeasible level-0 problems that are kept for `solvers.conflict.find_conflict` [s]."""
 HOLD_DAMPING = 5.0
 """Joint damping [N m s/rad] that is added when the last torque is held because no new one was found."""
 
@@ -35,8 +35,8 @@ class Command:
         status: The solution's. If its level 0 has none (`Status.FAILED` there), the torque is a damped hold of the last
             that was solved for.
         model_us, assemble_us, solve_us: Where the time went [µs].
-        unsolved: If level 0 had no solution, a copy of it, now and then: `solvers.conflict.explain` says which of its
-            rows contradict each other, but takes as long as hundreds of ticks.
+        unsolved: If level 0 had no solution, a copy of it, now and then: `solvers.conflict.find_conflict` says which of
+            its rows contradict each other, but takes as long as hundreds of ticks.
     """
 
     torque: Array

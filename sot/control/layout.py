@@ -78,7 +78,7 @@ class Layout:
                     )
                     self._inequalities.append((k, unit, task, builder.add_inequality(bounds)))
             self.levels.append(builder.build(name, form.size))
-        self.levels[0].kind = self
+        self.levels[0].structure_key = self
 
     def write(self, tick: Tick, rows: Sequence[Rows]) -> list[Level]:
         """Write the rows of a tick and return its levels; the form has the mass matrix and the bias already."""
@@ -103,7 +103,7 @@ class Layout:
                 bounds.write_torques(*form.torque_rows(own), own.lower, own.upper, own.weight)
             bounds.block.labels = task.labels
         for level in self.levels:
-            level.renew()
+            level.clear_cache()
         return self.levels
 
     def _add_contacts(self, contacts: Sequence[Contact], builder: "_LevelBuilder") -> None:
