@@ -89,7 +89,7 @@ class SelfCollision(Task):
             self._allocate_rows(count, len(tick.v))
         if not near:
             self.error, self.labels = _NO_ERROR, ()
-            return self._rows(self._zero_rows, self._unbounded_below, self._unbounded_above)
+            return self.make_rows(self._zero_rows, self._unbounded_below, self._unbounded_above)
         A, lower = self._zero_rows.copy(), self._unbounded_below.copy()
         distances, rates, J, drift = self.distances_and_rates(tick, near)
         # What the joints give at the accelerations that are relied upon.
@@ -102,7 +102,7 @@ class SelfCollision(Task):
         A[:count], lower[:count] = J, np.minimum(wanted, achievable)
         self.error = np.maximum(kept - distances, 0.0)
         self.labels = [" and ".join(self.pairs[k]) for k in near]
-        return self._rows(A, lower, self._unbounded_above)
+        return self.make_rows(A, lower, self._unbounded_above)
 
     def _allocate_rows(self, pairs: int, nv: int) -> None:
         """For the rows of some pairs; those of none are read-only, so that nobody writes them twice."""

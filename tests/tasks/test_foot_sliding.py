@@ -41,7 +41,7 @@ def test_task_and_contact_share_the_axes(robot):
     contact = Contact("left_foot", robot.sole("left_foot"))
     contact.mode = "sliding"
     task = FootSliding(robot, "left_foot", still(np.zeros(3), np.eye(3)))
-    assert sorted([*contact.held, *task.selected]) == [0, 1, 2, 3, 4, 5]
+    assert sorted([*contact.held_axes, *task.selected]) == [0, 1, 2, 3, 4, 5]
 
 
 def test_only_a_point_of_the_robot_can_slide(robot):

@@ -40,7 +40,7 @@ def assert_obeys_level_0(robot, stack, tick, decoded):
     for contact, wrench, phi in zip(stack.contacts, decoded.wrenches, shares(stack, decoded), strict=True):
         frame = tick.frame(contact.point)
         pushed += frame.jacobian.T @ wrench
-        held = list(contact.held)
+        held = list(contact.held_axes)
         acceleration = frame.jacobian @ decoded.acceleration + frame.drift
         np.testing.assert_allclose(acceleration[held], contact.acceleration(tick)[held], atol=1e-5)
         if len(phi):
