@@ -11,11 +11,11 @@ from sot.errors import InputError
 from sot.motion.balance.centroidal import Centroidal
 from sot.motion.balance.rounds import BalanceRounds
 from sot.motion.body.coordinates import to_pinocchio
-from sot.motion.body.kinematics import Chains, Kinematics
+from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
-from sot.motion.body.targets import Targets, key_points, targets
-from sot.motion.body.whole_body import limbs_fitted, retarget
+from sot.motion.body.targets import Targets, key_points, targets_of_human
+from sot.motion.body.whole_body import fit_limbs, retarget
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.course import Course, standing_course, stepping_course, with_clock, with_slides
 from sot.motion.feet.flight import Flight, find_flights, flight_remark
@@ -29,7 +29,7 @@ from sot.motion.feet.travel import Travel
 from sot.motion.human.human import Human
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.smooth import ease, slow_part
+from sot.smooth import low_passed, minimum_jerk
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -137,7 +137,7 @@ def plan(
         wanted, imitation = fit.unbalanced_body(course)
     retargeted = time.perf_counter()
     course, body_motion = fit.balanced(course, wanted, imitation, MAX_SLOWDOWNS, rough=True)
-    body_motion = limbs_fitted(
+    body_motion = fit_limbs(
         robot, fit.targets(course), fit.limits, body_motion, LIMB_REFIT_STEPS
     )  # the chest has moved
     course, body_motion = fit.balanced(course, fit.targets(course), body_motion, MAX_FINAL_SLOWDOWNS)
@@ -178,7 +178,7 @@ class _Fitter:
         return stepping_course(human_on_time_line(human, PLAN_RATE), self.robot, self.build, contacts)
 
     def targets(self, course: Course) -> Targets:
-        wanted = targets(course.human, self.robot, self.build, feet_heading(course.feet))
+        wanted = targets_of_human(course.human, self.robot, self.build, feet_heading(course.feet))
         if self.height is None:
             return wanted
         return replace(wanted, hips=hips_without_bounce(wanted.hips, course.phases), height=self.height)
@@ -246,9 +246,9 @@ def hips_without_bounce(hips: Array, phases: Sequence[Phase]) -> Array:
     for phase in phases:
         if phase.sliding:
             inside = np.minimum(times - phase.start, phase.end - times)
-            share = np.maximum(share, ease(1.0 + inside / CALMING_TIME))
+            share = np.maximum(share, minimum_jerk(1.0 + inside / CALMING_TIME))
     calm = hips.copy()
-    calm[:, 2] += share * (slow_part(hips[:, 2], PLAN_RATE, BOUNCE_HZ) - hips[:, 2])
+    calm[:, 2] += share * (low_passed(hips[:, 2], PLAN_RATE, BOUNCE_HZ) - hips[:, 2])
     return calm
 
 
@@ -275,10 +275,10 @@ def sampled_motion(robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate
 def _key_point_rms(robot: Robot, wanted: Targets, reference: Spline, clip: slice) -> float:
     """The root mean square distance from the reference's key points, over the clip, to those of the human in the
     robot's size (see `key_points`), both relative to the waist [m]."""
-    kinematics = Kinematics(Chains(robot), reference.knots[clip])
-    _, waist = kinematics.frame(robot.point("waist"))
+    kinematics = Kinematics(JointTree(robot), reference.knots[clip])
+    _, waist = kinematics.frame_pose(robot.point("waist"))
     offsets = [
-        kinematics.frame(robot.point(name))[1] - waist - place[clip]
+        kinematics.frame_pose(robot.point(name))[1] - waist - place[clip]
         for name, place in key_points(wanted, robot).items()
     ]
     return float(np.sqrt(np.mean(np.sum(np.square(offsets), axis=2))))

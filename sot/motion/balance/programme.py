@@ -14,7 +14,7 @@ from scipy.linalg.blas import dsbmv
 
 from solvers.banded import BandedQP
 from sot.motion.balance.centroidal import Centroidal
-from sot.motion.body.spline import AT_KNOT, CURVE, JERK, Spline
+from sot.motion.body.spline import ACCELERATION_STENCIL, JERK_STENCIL, VALUE_STENCIL, Spline
 from sot.motion.feet.support import Support
 
 Array = NDArray[np.float64]
@@ -69,7 +69,7 @@ def plan_balance(
         normals, offsets = support.inset.normals, support.inset.offsets
         rows.append((np.repeat(knots, len(offsets)), np.tile(normals, (len(knots), 1)), np.tile(offsets, len(knots))))
     knot, normal, edge = (np.concatenate(part) for part in zip(*rows, strict=True))
-    stencil = AT_KNOT - height[knot, None] * CURVE / period**2
+    stencil = VALUE_STENCIL - height[knot, None] * ACCELERATION_STENCIL / period**2
     values = np.column_stack([(stencil[:, :, None] * normal[:, None]).reshape(-1, 6), -np.ones(len(knot))])
     columns = 3 * knot[:, None] + [0, 1, 3, 4, 6, 7, 5]
     zmp_rows = sp.csr_array((values.ravel(), columns.ravel(), 7 * np.arange(len(knot) + 1)), shape=(len(knot), n))
@@ -96,8 +96,8 @@ def _objective(target: Array, period: float) -> tuple[Array, Array]:
     length = len(target)
     H = np.zeros((length + 2, 3, 10))
     g = np.zeros((length + 2, 3))
-    jerk = JERK / (period**3 * ACCEPTED_JERK)
-    value = AT_KNOT / ACCEPTED_COM_ERROR
+    jerk = JERK_STENCIL / (period**3 * ACCEPTED_JERK)
+    value = VALUE_STENCIL / ACCEPTED_COM_ERROR
     for i in range(3):
         g[i : i + length, :2] -= value[i] * target / ACCEPTED_COM_ERROR
         for apart in range(3 - i):

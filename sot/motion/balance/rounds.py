@@ -13,11 +13,11 @@ from sot.motion.balance.grip import Grip
 from sot.motion.balance.programme import plan_balance
 from sot.motion.body.clearance import Clearance, ClearBody
 from sot.motion.body.coordinates import to_pinocchio
-from sot.motion.body.height import lowered, reachable
-from sot.motion.body.kinematics import Chains, Kinematics
+from sot.motion.body.height import reachable_hip_height, smooth_height_below
+from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.body.limits import Limits
 from sot.motion.body.parts import Body
-from sot.motion.body.retarget import PartFit, solve
+from sot.motion.body.retarget import PartFit, solve_knots
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import Targets
 from sot.motion.feet.contacts import Phase
@@ -134,7 +134,7 @@ class BalanceRounds:
         self._plan_com(self._everything)
         body = Body(self._robot, self._build, self._body_targets(), self._feet, self._com.knots)
         y = self.body_motion.knots
-        y[:, body.columns], _ = solve(body, np.arange(len(y)), y, self._limits)
+        y[:, body.columns], _ = solve_knots(body, np.arange(len(y)), y, self._limits)
         self.body_motion = Spline.through(y, self.body_motion.period)
         self.body_motion.control[:3] = y[0]  # at rest
 
@@ -147,11 +147,13 @@ class BalanceRounds:
         body = ClearBody(robot, self._build, self._body_targets(), self._feet, self._legs, self._com.knots)
         control, y = slice(part.start, part.stop + 2), self.body_motion.knots[part]
         if len(y) not in self._fits:
-            self._fits[len(y)] = PartFit(body.columns, len(y), period, self._limits, resting=part == self._everything)
+            self._fits[len(y)] = PartFit(
+                body.columns, len(y), period, self._limits, rest_at_end=part == self._everything
+            )
         bends = self._grip.excess(y, self._state[part], part.start) if self._grip else None
         spline = Spline(self.body_motion.control[control][:, body.columns], period)
         self.body_motion.control[control, body.columns] = (
-            self._fits[len(y)].improve(body, spline, y, 1, bends, part.start).control
+            self._fits[len(y)].refine(body, spline, y, 1, bends, part.start).control
         )
         state = _centroidal_state(self.body_motion, robot, period * np.arange(part.start, part.stop))
         self._state[part] = state
@@ -183,8 +185,10 @@ class BalanceRounds:
             foot: FootPath(path.position[part], path.rotation[part], path.free[part])
             for foot, path in self._feet.items()
         }
-        highest = reachable(self._robot, self.body_motion.knots[part], feet)
-        low = lowered(self._human.hips[part, 2], highest, self.body_motion.period, self._held_ends(self._height, part))
+        highest = reachable_hip_height(self._robot, self.body_motion.knots[part], feet)
+        low = smooth_height_below(
+            self._human.hips[part, 2], highest, self.body_motion.period, self._held_ends(self._height, part)
+        )
         self._height.control[part.start : part.stop + 2] = low.control
 
     def _held_ends(self, spline: Spline, part: slice) -> Spline | None:
@@ -220,9 +224,9 @@ def strained_knots(
     bad = outside[::2].copy()
     bad[:-1] |= outside[1::2]
     bad[1:] |= outside[1::2]
-    kinematics = Kinematics(Chains(robot), body_motion.knots[part])
+    kinematics = Kinematics(JointTree(robot), body_motion.knots[part])
     for foot, path in feet.items():
-        away = kinematics.frame(robot.point(foot))[1] - path.position[part]
+        away = kinematics.frame_pose(robot.point(foot))[1] - path.position[part]
         bad |= np.linalg.norm(away, axis=1) > MAX_FOOT_ERROR
     return bad
 

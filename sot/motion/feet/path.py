@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sot.motion.human.human import Human
-from sot.smooth import slow_part
+from sot.smooth import low_passed
 
 Array = NDArray[np.float64]
 
@@ -32,7 +32,7 @@ class ScalablePath:
 
     @staticmethod
     def of(human: Human) -> "ScalablePath":
-        at = slow_part(human.points["waist"][:, :2], human.rate, PATH_HZ)
+        at = low_passed(human.points["waist"][:, :2], human.rate, PATH_HZ)
         count = max(2, round(human.duration / PIECE_TIME) + 1)
         ends = np.linspace(0.0, human.duration, count)
         middles = human.times[:-1] + 0.5 / human.rate
@@ -58,7 +58,7 @@ class ScalablePath:
 
 def path_length(places: Array, rate: float) -> float:
     """The length of the path through the room of places (T, 2) at a rate [Hz], without swaying on the spot [m]."""
-    return _polyline_length(slow_part(places, rate, PATH_HZ))
+    return _polyline_length(low_passed(places, rate, PATH_HZ))
 
 
 def _polyline_length(way: Array) -> float:

@@ -13,7 +13,7 @@ from sot.motion.feet.stance import LEAD_IN_TIME, STANDING_PERCENTILE, Build
 from sot.motion.feet.tempo import AskedStep, Tempo, step_at_clock, step_tempo
 from sot.motion.feet.timetable import TIME_GRID
 from sot.motion.human.human import SIDES, Human
-from sot.smooth import slow_part
+from sot.smooth import low_passed
 
 Array = NDArray[np.float64]
 
@@ -129,7 +129,7 @@ def travel_at_clock(travel: Travel, clock: Array) -> Travel:
     times = np.arange(round(clock[-1] * human.rate) + 1) / human.rate
     return replace(
         travel,
-        human=human.at(np.interp(times, clock, human.times), human.rate),
+        human=human.resampled_at(np.interp(times, clock, human.times), human.rate),
         steps=tuple(Step(step.foot, late(step.lift), late(step.land)) for step in travel.steps),
         clock=np.interp(travel.clock, human.times, clock),
         footfalls=tuple(
@@ -208,7 +208,7 @@ def _asked_steps(
 def _human_at_robot_time(human: Human, pace: Tempo) -> Human:
     """The human resampled at the robot's times."""
     times = np.arange(round(pace.clock[-1] * human.rate) + 1) / human.rate
-    return human.at(np.interp(times, pace.clock, human.times), human.rate)
+    return human.resampled_at(np.interp(times, pace.clock, human.times), human.rate)
 
 
 def _human_over_start(human: Human, own: Mapping[str, Sequence[Foothold]], build: Build) -> Human:
@@ -258,4 +258,4 @@ def _mean_of_standing_feet(values: Mapping[str, Array], steps: Sequence[Step], h
             stands_here = (times >= begin) & (times <= end)
             total[stands_here] += value
             weight[stands_here] += 1.0
-    return slow_part(total / weight[:, None], human.rate, BODY_SHIFT_HZ)
+    return low_passed(total / weight[:, None], human.rate, BODY_SHIFT_HZ)

@@ -7,13 +7,13 @@ import pinocchio as pin
 import pytest
 
 from sot.errors import InputError
-from sot.robots.robot import FEET, POINTS, Robot, robots
+from sot.robots.robot import FEET, POINTS, Robot, robot_names
 from tests.sot.robots import urdf_robot
 
 
 def test_every_shipped_robot_loads():
-    assert robots() == ("hrp2", "hrp2_modified")
-    for name in robots():
+    assert robot_names() == ("hrp2", "hrp2_modified")
+    for name in robot_names():
         robot = Robot.load(name)
         assert robot.name == name
         assert robot.label.startswith("HRP-2-like")
@@ -43,7 +43,7 @@ def test_robot_is_immutable_and_loaded_once():
         robot.points["waist"] = 0
 
 
-@pytest.mark.parametrize("name", robots())
+@pytest.mark.parametrize("name", robot_names())
 def test_groups_partition_the_joints(name):
     robot = Robot.load(name)
     parts = ("left_leg", "right_leg", "chest", "head", "left_arm", "right_arm")
@@ -52,7 +52,7 @@ def test_groups_partition_the_joints(name):
     assert all(robot.joints[k].startswith("RARM") for k in robot.groups["right_arm"])
 
 
-@pytest.mark.parametrize("name", robots())
+@pytest.mark.parametrize("name", robot_names())
 def test_soles_lie_flat_on_the_ground_at_rest(name):
     robot = Robot.load(name)
     data = robot.model.createData()
@@ -123,8 +123,8 @@ BAD_FILES = {
     "'rest.RLEG2' must be a number": ("RLEG2 = -0.453786", 'RLEG2 = "bent"'),
     "'groups.chest' names 'CHEST7', which is no joint": ('"CHEST0", "CHEST1"', '"CHEST0", "CHEST7"'),
     "'groups.head' is missing": ('head = ["HEAD0", "HEAD1"]', ""),
-    "'limits.acceleration' is missing": ("acceleration = 60", ""),
-    "'limits.acceleration' of joint 'CHEST0' is 0.0": ("acceleration = 60", "acceleration = 0"),
+    "[limits] lacks 'acceleration' of all joints: one number": ("acceleration = 60", ""),
+    "[limits] are not positive: 'acceleration' of all joints": ("acceleration = 60", "acceleration = 0"),
     "'soles.left_foot' needs three corners": (", [0.13, -0.056, 0], [-0.1, -0.056, 0], [-0.1, 0.075, 0]", ""),
     "the frame 'LLEG4_LINK' is on another link": ("left_foot = [[0.13, 0.075, 0]", 'left_foot = ["LLEG4_LINK"'),
 }

@@ -6,7 +6,7 @@ from sot.motion.balance.rounds import WINDOW_OVERLAP_S, BalanceRounds, _windows
 from sot.motion.body.coordinates import to_pinocchio
 from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
-from sot.motion.body.targets import targets
+from sot.motion.body.targets import targets_of_human
 from sot.motion.body.whole_body import retarget
 from sot.motion.feet.course import stepping_course
 from sot.motion.feet.stance import Build, human_on_time_line
@@ -27,7 +27,7 @@ class Walk:
         self.robot = Robot.load("hrp2")
         build, limits = Build.of(self.robot), Limits.of(self.robot)
         course = stepping_course(human_on_time_line(walker(), PLAN_RATE), self.robot, build, None)
-        wanted = targets(course.human, self.robot, build, feet_heading(course.feet))
+        wanted = targets_of_human(course.human, self.robot, build, feet_heading(course.feet))
         self.given = self.robot, build, wanted, course.feet, course.phases, limits
         self.supports, self.feet = supports(self.robot, course.phases), course.feet
         rounds = BalanceRounds(*self.given, retarget(self.robot, build, wanted, course.feet, limits, PERIOD))

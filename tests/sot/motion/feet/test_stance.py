@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sot.motion.body.targets import targets
+from sot.motion.body.targets import targets_of_human
 from sot.motion.feet.stance import LEAD_IN_TIME, TAIL_TIME, Build, human_on_time_line, human_over_feet
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer
@@ -67,7 +67,7 @@ def test_time_line_holds_both_ends(build):
 
 def test_targets_lead_from_rest_to_the_human(robot, build):
     human = human_on_time_line(human_over_feet(dancer(), build), 50.0)
-    wanted = targets(human, robot, build, np.zeros(human.count))
+    wanted = targets_of_human(human, robot, build, np.zeros(human.count))
     for segment, directions in wanted.directions.items():
         np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1.0)
         np.testing.assert_allclose(directions[60:], human.segment_direction(segment)[60:], atol=1e-9)
@@ -79,7 +79,7 @@ def test_targets_lead_from_rest_to_the_human(robot, build):
 def test_broad_shoulders_turn_less(robot, build):
     """The chest heads a share of the human's way: shoulders of a breadth in arm lengths sweep as far."""
     human = human_on_time_line(human_over_feet(dancer(), build), 50.0)
-    chest = targets(human, robot, build, np.zeros(human.count)).frames["chest"][100]
+    chest = targets_of_human(human, robot, build, np.zeros(human.count)).frames["chest"][100]
     human_chest = human.frames["chest"][100]
     share = (0.34 / 0.5) / (build.breadth / build.arm)
     yaw, human_yaw = (np.arctan2(R[1, 0], R[0, 0]) for R in (chest, human_chest))

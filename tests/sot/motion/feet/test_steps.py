@@ -9,7 +9,7 @@ import pytest
 
 from sot.errors import InputError
 from sot.motion import plan, read, recognise
-from sot.motion.body.targets import targets
+from sot.motion.body.targets import targets_of_human
 from sot.motion.feet.contacts import phase_indices
 from sot.motion.feet.footholds import (
     MAX_FOOTHOLD_OFFSET,
@@ -376,8 +376,8 @@ def test_a_dancer_that_turns_round_keeps_its_chest_over_its_feet(robot):
     human = human_on_time_line(human_over_feet(dancer(), build), 50.0)
     half = np.diag([-1.0, -1.0, 1.0])
     turned = replace(human, frames={body: half @ rotation for body, rotation in human.frames.items()})
-    straight = targets(human, robot, build, np.zeros(human.count)).frames["chest"][-1]
-    round_about = targets(turned, robot, build, np.full(human.count, np.pi)).frames["chest"][-1]
+    straight = targets_of_human(human, robot, build, np.zeros(human.count)).frames["chest"][-1]
+    round_about = targets_of_human(turned, robot, build, np.full(human.count, np.pi)).frames["chest"][-1]
     np.testing.assert_allclose(half @ straight, round_about, atol=1e-9)
 
 
