@@ -1,6 +1,6 @@
 """A robot file, guessed from a model: every part with its evidence."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,6 +40,26 @@ class Guess:
     rest: Rest
     limits: Limits
     evidence: Sequence[Evidence]
+
+    def points_at_rest(self) -> dict[str, Array]:
+        """Operational points (3,) in the world at rest [m]."""
+        return self._at_rest({name: (point.link, point.at[None]) for name, point in self.points.places.items()})
+
+    def soles_at_rest(self) -> dict[str, Array]:
+        """Corners (n, 3) of the soles in the world at rest, side -> corners [m]."""
+        return self._at_rest({side: (self.body.feet[side], corners) for side, corners in self.soles.items()})
+
+    def _at_rest(self, places: Mapping[str, tuple[int, Array]]) -> dict[str, Array]:
+        """Places (n, 3) that links carry, moved from `start` to rest; the tree is at rest afterwards."""
+        data, local = self.tree.data, {}
+        self.tree.place(self.start)
+        for name, (link, at) in places.items():
+            local[name] = (at - data.xpos[link]) @ data.xmat[link].reshape(3, 3)
+        self.tree.place(self.rest.qpos)
+        moved = {
+            name: data.xpos[link] + local[name] @ data.xmat[link].reshape(3, 3).T for name, (link, _) in places.items()
+        }
+        return {name: np.squeeze(at, axis=0) if len(at) == 1 else at for name, at in moved.items()}
 
 
 def guess(path: Path) -> Guess:
