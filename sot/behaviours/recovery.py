@@ -93,7 +93,7 @@ class Recovery(Stepping):
         self._looked = -np.inf
         self._free: list[tuple[str, str]] = []  # feet that another one lets go, with that one
 
-    def heed(self, tick: Tick) -> None:
+    def observe(self, tick: Tick) -> None:
         """See whether a step is needed, or where the one that is on its way is to land."""
         step = self._step
         if step is None or step.way is None:
@@ -108,7 +108,7 @@ class Recovery(Stepping):
         step, begun = self._step, []
         if step is not None and step.way is None:
             lift, land = t + self.ramp, t + self.ramp + step.span
-            step.way = stack.contact(step.foot).way = Stride(step.start, step.rotation, lift, land, HEIGHT)
+            step.way = stack.contact(step.foot).path = Stride(step.start, step.rotation, lift, land, HEIGHT)
             step.way.lead(lift, step.place)
             self.interrupt(step.foot, lift, land)
             begun = [f"{step.foot} steps"]
@@ -117,7 +117,7 @@ class Recovery(Stepping):
             self._free = [pair for pair in pairs if self.others_carry(pair[0], stack, loads)]
         done = begun + super().apply(t, stack, loads)
         if step is not None and self.begun(step.foot) > step.stances:
-            stack.contact(step.foot).way = self._step = None
+            stack.contact(step.foot).path = self._step = None
             self._rested = t + REST
         return done
 
@@ -162,7 +162,11 @@ class Recovery(Stepping):
         """ξ with angular momentum (2,), and its distance from the plan, as the feet stand [m]."""
         t, omega = tick.t, _rate(tick)
         com, velocity, _, _ = self._motion.balance(t)
-        xi = tick.com[:2] + tick.com_velocity[:2] / omega + omega * tick.turning(self._motion.angular_momentum(t))
+        xi = (
+            tick.com[:2]
+            + tick.com_velocity[:2] / omega
+            + omega * tick.momentum_excess_per_weight(self._motion.angular_momentum(t))
+        )
         moved = Displacement.of(
             [(self._places[foot](t)[:2], tick.frame(foot).position[:2], 1.0) for foot in self._robot.feet]
         )
@@ -179,7 +183,7 @@ class Recovery(Stepping):
         place = self._home(tick, foot, beside)
         for _ in range(ROUNDS):
             # The support's edge between both feet moves by a part of what one of them does.
-            missing = xi - Polygon.hull(np.vstack([stands, place + sole])).inset(ROOM).nearest(xi)
+            missing = xi - Polygon.hull(np.vstack([stands, place + sole])).inset(ROOM).nearest_point(xi)
             if not missing.any():
                 break
             place = self._within(tick, place + missing, foot, beside)
@@ -198,7 +202,7 @@ class Recovery(Stepping):
 
     def _sole(self, tick: Tick, foot: str) -> Array:
         """Corners of a foot's sole (nc, 2)."""
-        return tick.frame(foot).below(self._robot.sole(foot))
+        return tick.frame(foot).floor_projection(self._robot.sole(foot))
 
 
 def _rate(tick: Tick) -> float:
@@ -208,5 +212,5 @@ def _rate(tick: Tick) -> float:
 
 def _ahead(tick: Tick, xi: Array, support: Polygon, span: float) -> Array:
     """Where ξ (2,) is some time from now [s] if a support does what it can."""
-    z = support.inset(EDGE).nearest(xi)
+    z = support.inset(EDGE).nearest_point(xi)
     return z + (xi - z) * np.exp(_rate(tick) * span)

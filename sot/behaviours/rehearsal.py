@@ -46,7 +46,7 @@ def rehearsed(motion: Motion, stack: Stack, solver: Solver, schedule: Schedule |
     """
     robot, period = motion.robot, 1.0 / (KNOT_RATE * TICKS)
     for contact in stack.contacts:
-        contact.sticks = True
+        contact.unlimited_force = True
     controller = Controller(robot, stack, solver, period, schedule)
     knots = round(motion.duration * KNOT_RATE) + 1
     states: list[tuple[Array, Array, Array]] = []

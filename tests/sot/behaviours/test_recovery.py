@@ -43,12 +43,12 @@ def reacts(robot, motion, velocity, left: float = 0.5) -> tuple[Stack, list[str]
     recovery, stack = Recovery(robot, motion), standing(robot)
     loads = dict(zip(robot.feet, robot.mass * GRAVITY * np.array([left, 1.0 - left]), strict=True))
     done = recovery.apply(0.0, stack, loads)
-    recovery.heed(moving(robot, stack, velocity))
+    recovery.observe(moving(robot, stack, velocity))
     return stack, done + recovery.apply(PERIOD, stack, loads)
 
 
 def ways(stack) -> dict:
-    return {contact.point: contact.way for contact in stack.contacts if contact.way is not None}
+    return {contact.point: contact.path for contact in stack.contacts if contact.path is not None}
 
 
 @pytest.mark.parametrize("velocity", [(0.0, 0.0), (0.2, 0.0), (0.0, 0.3), (-0.1, -0.1)])
@@ -104,14 +104,14 @@ def test_the_place_follows_until_shortly_before_the_foot_lands(robot, motion):
     recovery, stack = Recovery(robot, motion), standing(robot)
     loads = dict.fromkeys(robot.feet, 0.5 * robot.mass * GRAVITY)
     recovery.apply(0.0, stack, loads)
-    recovery.heed(moving(robot, stack, (0.6, 0.0)))
+    recovery.observe(moving(robot, stack, (0.6, 0.0)))
     recovery.apply(PERIOD, stack, loads)
     ((foot, way),) = ways(stack).items()
     first = way.place[0]
-    recovery.heed(moving(robot, stack, (0.75, 0.0), t=0.1))
+    recovery.observe(moving(robot, stack, (0.75, 0.0), t=0.1))
     assert way.place[0] > first + 0.02
     second = way.place[0]
-    recovery.heed(moving(robot, stack, (0.9, 0.0), t=way.land - 0.05))
+    recovery.observe(moving(robot, stack, (0.9, 0.0), t=way.land - 0.05))
     assert way.place[0] == second
     for t in np.arange(2 * PERIOD, way.land + 0.2, PERIOD):
         recovery.apply(t, stack, loads if stack.contact(foot).mode == "fixed" else loads | {foot: 0.0})
