@@ -23,6 +23,9 @@ from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.page import write_page
 from scenarios.peers import read_peer
 from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, check_writable, make_solver, replay, retarget
+from scenarios.robots.check import check
+from scenarios.robots.findings import print_findings, stopping
+from scenarios.robots.new import new, print_evidence
 from scenarios.studies import DANCED, SCENARIOS, own_solver, run_scenario
 from scenarios.suite import SUITES, bench_suite, pieces
 from scenarios.suite import show as show_suite
@@ -38,6 +41,8 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+robot_app = typer.Typer(help="Make a robot file from a model, and see whether it will work.", no_args_is_help=True)
+app.add_typer(robot_app, name="robot")
 PIPE_WIDTH = 200
 """Columns of tables that are not printed on a terminal, where nobody can make the window wider."""
 output, messages = Console(width=None if sys.stdout.isatty() else PIPE_WIDTH), Console(stderr=True)
@@ -254,6 +259,28 @@ def bench_command(
     else:
         show_bench(figures, output, others)
     return FELL if figures["fell"] else DONE
+
+
+@robot_app.command("new")
+def robot_new_command(
+    model: Annotated[Path, typer.Argument(help="A humanoid's model (.xml, .urdf).")],
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="File to write; MODEL.toml by default.")] = None,
+) -> int:
+    """Guess the robot file of a model, say how sure that is, draw it, and check it."""
+    written = new(model, out)
+    print_evidence(written.found, output)
+    output.print(f"\nWritten: {written.file}, {written.picture}\n", soft_wrap=True)
+    return robot_check_command(str(written.file))
+
+
+@robot_app.command("check")
+def robot_check_command(
+    robot: Annotated[str, typer.Argument(metavar="FILE", help="A robot file (.toml), or a name of `sot list robots`.")],
+) -> int:
+    """Say all that will not work of a robot file; exit status 2 if something stops it."""
+    findings = check(robot)
+    print_findings(findings, output)
+    return BAD_INPUT if stopping(findings) else DONE
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,6 +1,6 @@
-"""A guessed robot at rest as a picture (SVG): its shapes, joint axes, points and soles, from the front, the side and above."""
+"""A guessed robot at rest as a picture (SVG): shapes, axes, points and soles, from front, side and above."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from sot.robots.guess import Guess
-from sot.whole_file import whole
+from sot.whole_file import atomic_write
 
 Array = NDArray[np.float64]
 
-HIGH, WIDE = 760.0, 560.0  # of the views from the front and the side [px]
+HIGH, WIDE = 760.0, 620.0  # of the views from the front and the side [px]
 SOLES_WIDE = 420.0  # of the view from above [px]
 EDGE, HEAD = 30.0, 60.0  # around a view, and above all of them [px]
-LABELS = 92.0  # kept free at either side for labels [px]
+LABEL_GAP = 10.0  # between the robot and the labels [px]
+LABELS = 105.0  # kept free at either side for labels [px]
 LINE = 15.0  # least height between labels [px]
 AXIS = 0.045  # half the length of a drawn axis, share of the robot's height
 COLOURS = {
@@ -80,7 +81,9 @@ def draw(found: Guess, path: Path) -> None:
     above = View("soles, from above", -y, x, zoom, at)
     parts = [_text(EDGE, 24.0, f"{found.path.name} at rest, as guessed", 16)]
     for each in (front, side):
-        parts += [*_shapes(found, each), *_soles(soles, each), *_axes(found, each), *_points(places, each)]
+        widest = float(np.abs(outline @ each.right - middle @ each.right).max())
+        parts += [*_shapes(found, each), *_soles(soles, each), *_axes(found, each)]
+        parts += _points(places, each, float(each(middle[None])[0, 0]), scale * widest + LABEL_GAP)
     parts += _from_above(found, places, soles, above)
     parts += _legend(2 * WIDE + EDGE, HEAD + 0.75 * HIGH)
     width, height = 2 * WIDE + SOLES_WIDE, bottom + EDGE
@@ -90,7 +93,7 @@ def draw(found: Guess, path: Path) -> None:
         + "\n".join(parts)
         + "\n</svg>\n"
     )
-    with whole(path) as place:
+    with atomic_write(path) as place:
         place.write_text(text, encoding="utf-8")
 
 
@@ -127,11 +130,9 @@ def _axes(found: Guess, view: View) -> Iterator[str]:
             )
 
 
-def _points(places: dict[str, Array], view: View) -> Iterator[str]:
-    """Points, each with a line to its name in a column at the side where there is more room."""
+def _points(places: dict[str, Array], view: View, middle: float, spread: float) -> Iterator[str]:
+    """Points, each with a line to its name in a column that is `spread` to the left or the right of the middle [px]."""
     on_page = {name: view(at[None])[0] for name, at in places.items()}
-    middle = float(np.mean([at[0] for at in on_page.values()]))
-    spread = max(abs(at[0] - middle) for at in on_page.values()) + 24.0
     columns: dict[int, list[tuple[float, str]]] = {-1: [], 1: []}
     for name, at in on_page.items():
         is_right = name.startswith("left_") if abs(view.right[1]) > 0.5 else not name.startswith("right_")

@@ -56,9 +56,7 @@ def find_feet(tree: Tree) -> tuple[Feet, Evidence]:
     feet = [_standing(tree, leaf, lowest, LEVEL * height) for leaf in (first, second)]
     pelvis = tree.common_ancestor(*feet)
     legs = {link for foot in feet for link in (*tree.subtree(foot), *tree.ancestry(foot))}
-    toes = tuple(
-        j for foot in feet for link in tree.subtree(foot) if link != foot for j in tree.joints_of(link)
-    )
+    toes = tuple(j for foot in feet for link in tree.subtree(foot) if link != foot for j in tree.joints_of(link))
     apart = abs(lowest[feet[0]] - lowest[feet[1]])
     rest = [lowest[leaf] for leaf in leaves if leaf not in legs]
     above = min(rest) - max(lowest[foot] for foot in feet) if rest else np.inf
@@ -95,7 +93,7 @@ def _standing(tree: Tree, leaf: int, lowest: dict[int, float], tolerance: float)
 
 
 def sole(tree: Tree, foot: int, height: float) -> tuple[Array, float]:
-    """Corners (n, 3) of what lies on the floor, counterclockwise, and the share of the foot's outline that it covers."""
+    """Corners (n, 3) of what lies on the floor, counterclockwise, and the share of the foot that it covers."""
     points = tree.surface(tree.touching([foot]))
     floor = float(points[:, 2].min())
     low = points[points[:, 2] < floor + SOLE_DEPTH * height]

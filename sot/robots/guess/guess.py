@@ -86,7 +86,10 @@ def guess(path: Path) -> Guess:
 def _start(tree: Tree, feet: Feet, yaw: float) -> tuple[Array, Evidence]:
     """The model's own configuration, or the first key frame in which the soles lie flat."""
     model = tree.model
-    own = [("the model's own posture", model.qpos0), *((f"key frame {model.key(k).name}", model.key_qpos[k]) for k in range(model.nkey))]
+    own = [
+        ("the model's own posture", model.qpos0),
+        *((f"key frame {model.key(k).name}", model.key_qpos[k]) for k in range(model.nkey)),
+    ]
     for name, qpos in own:
         start = turned(tree, yaw, np.array(qpos))
         tree.place(start)

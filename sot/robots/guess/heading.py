@@ -49,18 +49,26 @@ def find_heading(tree: Tree, feet: Feet) -> tuple[Heading, Evidence]:
     ahead = np.cross(across, (0.0, 0.0, 1.0))  # if the first foot is the left one: y × z = x
     said = {
         "toes": _toes(tree, feet, legs, ahead),
-        "knees": _knees(tree, feet, legs, ahead),
+        "knees": _knees(tree, legs, ahead),
         "names": _names([[tree.joint_name(j) for j in leg] for leg in legs]),
     }
     votes = sum(VOTES[name] * vote for name, (vote, _) in said.items())
     if votes == 0:
-        raise InputError("neither toes, nor knees, nor names say where the robot looks; turn its base, so that it is +x")
+        raise InputError(
+            "neither toes, nor knees, nor names say where the robot looks; turn its base, so that it is +x"
+        )
     way = 1 if votes > 0 else -1
     if way < 0:
         ahead = -ahead
     yaw = -float(np.arctan2(ahead[1], ahead[0]))
     square = round(yaw / (np.pi / 2)) * np.pi / 2
-    yaw = abs(square) if abs(square) > 3.0 and abs(yaw - square) < SQUARE else square if abs(yaw - square) < SQUARE else yaw
+    yaw = (
+        abs(square)
+        if abs(square) > 3.0 and abs(yaw - square) < SQUARE
+        else square
+        if abs(yaw - square) < SQUARE
+        else yaw
+    )
     left, right = (first, second) if way > 0 else (second, first)
     against = [name for name, (vote, _) in said.items() if vote * way < 0]
     why = "; ".join(words for _, (vote, words) in said.items() if vote)
@@ -95,10 +103,10 @@ def _toes(tree: Tree, feet: Feet, legs: Sequence[Sequence[int]], ahead: Array) -
     return vote, f"the feet's middle is {100 * abs(share):.0f} % of their length before the ankle"
 
 
-def _knees(tree: Tree, feet: Feet, legs: Sequence[Sequence[int]], ahead: Array) -> tuple[int, str]:
-    """Knees bend so that the foot goes back: of the joints that turn sideways, one in the middle has a range to one side."""
+def _knees(tree: Tree, legs: Sequence[Sequence[int]], ahead: Array) -> tuple[int, str]:
+    """Knees bend so that the foot goes back: a joint in the middle of the leg has its range to one side."""
     ways = []
-    for foot, leg in zip(feet.links, legs, strict=True):
+    for leg in legs:
         ankle, hip = tree.axis(leg[-1])[0], tree.axis(leg[0])[0]
         for joint in leg:
             at, axis = tree.axis(joint)

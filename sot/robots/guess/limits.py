@@ -59,8 +59,11 @@ def find_limits(tree: Tree, body: Body, points: Points, path: Path) -> tuple[Lim
         if count:
             evidence.append(Evidence(f"{kind} limits", f"of {count} joints", "the model's own", Sureness.SURE))
         if sources[kind]:
-            found = f"of {len(sources[kind])} joints"
-            evidence.append(Evidence(f"{kind} limits", found, "from a URDF beside the model", Sureness.LIKELY))
+            evidence.append(
+                Evidence(
+                    f"{kind} limits", f"of {len(sources[kind])} joints", "from a URDF beside the model", Sureness.LIKELY
+                )
+            )
         if scaled[kind]:
             low, high = (f(values[name] for name in scaled[kind]) for f in (min, max))
             names = "all joints" if len(scaled[kind]) == len(joints) else ", ".join(scaled[kind])

@@ -13,6 +13,7 @@ from sot.robots.guess.tree import Tree
 
 Array = NDArray[np.float64]
 
+UP = np.array([0.0, 0.0, 1.0])
 ROOT_JOINTS = 3  # that a hip or a shoulder has at most
 CROSSING = np.sin(np.deg2rad(30.0))  # axes at less than this angle do not meet anywhere for certain
 TOGETHER = 0.05  # share of the limb's length: axes that near to a point go through it
@@ -50,8 +51,8 @@ def find_points(tree: Tree, body: Body) -> tuple[Points, list[Evidence]]:
 
 
 def meeting(tree: Tree, joints: Sequence[int], size: float) -> tuple[Array, list[int], float]:
-    """The point (3,) nearest to the axes of joints: of the two that pass each other nearest, and of those that pass that
-    point; these joints; and their largest distance from it [m]."""
+    """Where the axes of joints meet (3,): the two that pass nearest to each other, and all others that pass there;
+    these joints; and their largest distance from it [m]."""
     axes = {j: tree.axis(j) for j in joints}
     pairs = [
         (_distance(axes[a], axes[b]), a, b)
@@ -80,7 +81,10 @@ def _off(axis: tuple[Array, Array], point: Array) -> float:
 def _nearest(axes: Sequence[tuple[Array, Array]]) -> Array:
     """The point with the least sum of squared distances from axes: Σ (I − a aᵀ)(x − p) = 0."""
     away = [np.eye(3) - np.outer(way, way) for _, way in axes]
-    return np.linalg.solve(sum(away), sum(a @ at for a, (at, _) in zip(away, axes, strict=True)))  # type: ignore[arg-type]
+    x: Array = np.linalg.solve(
+        np.sum(away, axis=0), np.sum([a @ at for a, (at, _) in zip(away, axes, strict=True)], axis=0)
+    )
+    return x
 
 
 def _on_axis(axis: tuple[Array, Array], start: Array, end: Array) -> Array:
@@ -100,7 +104,7 @@ def _in_middle(axis: tuple[Array, Array]) -> Array:
 
 
 def _limb(tree: Tree, joints: Sequence[int], end: Array) -> tuple[Array, int, list[int], float]:
-    """Where a limb starts, the joint that bends it (its number among the joints), those that meet at the start, and by how
+    """Where a limb starts; the number among its joints of the one that bends it; the joints that meet at its start; by how
     much they miss each other [m]."""
     size = float(np.linalg.norm(end - tree.axis(joints[0])[0]))
     start, used, off = meeting(tree, joints[:ROOT_JOINTS], size)
@@ -203,14 +207,14 @@ def _trunk(tree: Tree, body: Body, places: dict[str, Point], evidence: list[Evid
         skin = tree.surface(tree.touching(tree.subtree(carried)))
     else:
         carried = body.chest
-        nape = shoulders + (0.0, 0.0, NECK_RISE * body.height)
+        nape = shoulders + NECK_RISE * body.height * UP
         why, sureness = "by human proportions: the head does not turn", Sureness.LIKELY
         skin = tree.surface(tree.touching([body.chest]))
         skull = nape
     top = float(skin[:, 2].max()) if len(skin) else nape[2] + NECK_RISE * body.height
     top = max(top, nape[2] + 0.5 * NECK_RISE * body.height)
     if not head:
-        skull = nape + (0.0, 0.0, HEAD_SHARE * (top - nape[2]))
+        skull = nape + HEAD_SHARE * (top - nape[2]) * UP
     places["neck"] = Point(body.chest, nape)
     places["head"] = Point(carried, skull)
     places["head_top"] = Point(carried, np.array([skull[0], skull[1], top]))

@@ -93,8 +93,7 @@ def _key_frame(tree: Tree, body: Body, points: Points, start: Array) -> tuple[Re
         tree.place(qpos)
         bent = max(_extension(*(places[f"{side}_{name}"] for name in LEG)) for side in SIDES)
         hanging = all(
-            _direction(places[f"{side}_shoulder"](), places[f"{side}_elbow"]())[2] < -HANGING
-            for side in SIDES
+            _direction(places[f"{side}_shoulder"](), places[f"{side}_elbow"]())[2] < -HANGING for side in SIDES
         )
         if stands_flat(tree, list(body.feet.values()), body.height) and bent < EXTENSION_MAX and hanging:
             found = Evidence(
@@ -144,7 +143,9 @@ class _Posture:
             low, high = tree.range(joint)
             k = tree.model.jnt_qposadr[joint]
             room = min(INSIDE, 0.25 * (high - low))
-            self._base[k] = np.clip(start[k], low + room, high - room) if start[k] <= low or start[k] >= high else start[k]
+            self._base[k] = (
+                np.clip(start[k], low + room, high - room) if start[k] <= low or start[k] >= high else start[k]
+            )
         self.qpos = self._base.copy()
 
     def _columns(self, joints: Sequence[int]) -> NDArray[np.int_]:
@@ -236,14 +237,16 @@ class _Posture:
         for outward in OUTWARD:
             left, off = self._hang("left", float(outward))
             mirrored = self._mirrored(left)
-            right, other = self._hang("right", float(outward), mirrored)
+            _, other = self._hang("right", float(outward), mirrored)
             apart = self._clearance()
             if apart > CLEAR:
                 break
         degrees = np.rad2deg(outward)
         found = f"upper arms down, {degrees:.0f}° outward, forearms {np.rad2deg(FORWARD):.0f}° forward"
         worst = max(off, other)
-        why = f"directions of the links, {np.rad2deg(worst):.0f}° off at most; hands {1e3 * apart:.0f} mm clear of the body"
+        why = (
+            f"solved for directions, {np.rad2deg(worst):.0f}° off at most; hands {1e3 * apart:.0f} mm clear of the body"
+        )
         sure = worst < 0.2 and apart > CLEAR
         return Evidence("rest, arms", found, why, Sureness.SURE if sure else Sureness.UNSURE)
 

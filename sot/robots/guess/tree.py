@@ -160,7 +160,8 @@ class Tree:
                 local = np.vstack([end + size[0] * _ball(turn) for end in ends])
             case kinds.mjGEOM_CYLINDER:
                 rim = _rim(turn) * size[0]
-                local = np.vstack([rim + [0.0, 0.0, size[1]], rim - [0.0, 0.0, size[1]]])
+                along = np.array([0.0, 0.0, size[1]])
+                local = np.vstack([rim + along, rim - along])
             case _:
                 local = np.zeros((0, 3))
         return place + local @ turn.T
