@@ -3,7 +3,7 @@
 import json
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from enum import StrEnum
 from pathlib import Path
@@ -23,6 +23,7 @@ from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.page import write_page
 from scenarios.peers import read_peer
 from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, check_writable, make_solver, replay, retarget
+from scenarios.robots.bench import bench_robots, robot_pieces, show_robots
 from scenarios.robots.check import check
 from scenarios.robots.findings import print_findings, stopping
 from scenarios.robots.new import new, print_evidence
@@ -240,13 +241,22 @@ def bench_command(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="The figures as JSON instead of a table.")] = False,
     suite: Annotated[str | None, typer.Option(help="dance: many clips, and a row of figures each.")] = None,
+    robots: Annotated[bool, typer.Option("--robots", help="All named robots, and a row of figures a dance.")] = False,
     feet: Annotated[str, typer.Option(help="With --suite: what `sot replay --feet` takes.")] = "auto",
-    mocap: Annotated[Path | None, typer.Option(help="With --suite: a folder of more clips (.bvh, .amc).")] = None,
-    out: Annotated[Path | None, typer.Option(help="With --suite: folder to keep recordings and reports in.")] = None,
+    mocap: Annotated[Path | None, typer.Option(help="With --suite or --robots: a folder of more clips.")] = None,
+    out: Annotated[Path | None, typer.Option(help="With either: folder to keep recordings and reports in.")] = None,
 ) -> int:
     """Dance a clip and say what a tick costs, phase by phase; or dance a suite of clips and say how they went."""
+    common = Replay("", robot, solver=solver, rate=rate, feet=feet)
+    if robots:
+        check_writable(out or Path())
+        make_solver(solver)
+        dances = robot_pieces(mocap)
+        with _progress() as tell:
+            table = bench_robots(common, dances, out, tell)
+        return _shown_table(table, show_robots, as_json)
     if suite is not None:
-        return _bench_suite(Replay("", robot, solver=solver, rate=rate, feet=feet), suite, mocap, out, as_json)
+        return _bench_suite(common, suite, mocap, out, as_json)
     if against and peer:
         raise InputError("--against and --peer: one table compares two runs, the other one shows peers; choose one")
     others = read_figures(against) if against else None
@@ -327,11 +337,16 @@ def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | No
     chosen = pieces(mocap)
     with _progress() as tell:
         table = bench_suite(request, chosen, out, tell)
+    return _shown_table(table, show_suite, as_json)
+
+
+def _shown_table(table: dict[str, Any], show: Callable[[dict[str, Any], Console], None], as_json: bool) -> int:
+    """Print a table of dances, and say by which status it ended."""
     if as_json:
         print(json.dumps(table, indent=2))
     else:
-        show_suite(table, output)
-    return DONE if table["summary"]["successes"] == len(chosen) else FELL
+        show(table, output)
+    return DONE if table["summary"]["successes"] == table["summary"]["clips"] else FELL
 
 
 def _message(error: Exception) -> str:

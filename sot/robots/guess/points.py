@@ -104,8 +104,8 @@ def _in_middle(axis: tuple[Array, Array]) -> Array:
 
 
 def _limb(tree: Tree, joints: Sequence[int], end: Array) -> tuple[Array, int, list[int], float]:
-    """Where a limb starts; the number among its joints of the one that bends it; the joints that meet at its start; by how
-    much they miss each other [m]."""
+    """Where a limb starts; the number among its joints of the one that bends it; the joints that meet at its start; by
+    how much they miss each other [m]."""
     size = float(np.linalg.norm(end - tree.axis(joints[0])[0]))
     start, used, off = meeting(tree, joints[:ROOT_JOINTS], size)
     after = 1 + joints.index(used[-1])
