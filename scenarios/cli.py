@@ -180,7 +180,7 @@ def retarget_command(
         f"{1e3 * figures['key_point_rms_m']:.0f} mm from the scaled human's, {figures['frames_per_s']:.0f} frames/s",
         soft_wrap=True,
     )
-    _remark(planned.remarks)
+    _remark((*planned.motion.robot.remarks, *planned.remarks))
     return DONE
 
 

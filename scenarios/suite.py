@@ -104,7 +104,8 @@ def bench_suite(
 
     Returns:
         "rows", one a piece: "name", "success", "ending" in words, and the columns, None where there are none;
-        "summary": how many succeeded, and over those that could be danced the mean speed and the medians of the other figures.
+        "summary": how many succeeded, and over those that could be danced the mean speed and the medians of the other
+        figures.
     """
     nothing: dict[str, Any] = dict.fromkeys(place for place, *_ in columns)
     rows = []

@@ -59,8 +59,8 @@ def robot_pieces(mocap: Path | None, robots: Sequence[str] | None = None) -> lis
 def bench_robots(request: Replay, pieces: Sequence[Piece], out: Path | None, tell: Tell) -> dict[str, Any]:
     """Dance them all, as `bench_suite` does.
 
-    A success is upright, no farther off than a robot of its size may be, without a tick whose hard level had to give way,
-    and with torques that saturate rarely, unless the dance was slowed down for them.
+    A success is upright, no farther off than a robot of its size may be, without a tick whose hard level had to give
+    way, and with torques that saturate rarely, unless the dance was slowed down for them.
     """
     return bench_suite(request, pieces, out, tell, COLUMNS, _more, _succeeded)
 

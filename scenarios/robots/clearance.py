@@ -1,52 +1,52 @@
-"""Which parts of a robot are so near at rest that nobody watches them."""
+"""Parts of a robot that touch or nearly touch at rest."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import mujoco
-import numpy as np
 
 from scenarios.robots.findings import Finding, Severity
-from sot.proximity import NEIGHBOUR_DISTANCE
-from sot.robots.guess.tree import Tree
+from sot.robots.guess.posed_model import PosedModel
+from sot.robots.pairs import LIMBS, TOUCHING_DISTANCE
 from sot.robots.robot import Robot
 
-MANY = 6  # pairs that are named
+NEAR_DISTANCE = 0.02  # m, that is little room at rest
+NEIGHBOUR_JOINTS = 3  # links with no more joints between them are neighbours, about a hip or a shoulder
+NAMED_PAIRS = 6  # that are named at most
 
 
-def clearance_findings(robot: Robot, tree: Tree) -> Iterator[Finding]:
-    """Parts of different limbs, or of a limb and the trunk beyond its root, that are nearer than what is watched.
+def clearance_findings(robot: Robot, posed: PosedModel) -> Iterator[Finding]:
+    """Links of different limbs, or of a limb and the trunk, that are near each other and no neighbours.
 
     Args:
         robot: the robot.
-        tree: of its physics, at rest.
+        posed: its physics, at rest.
     """
-    part = {}
-    for group in ("left_leg", "right_leg", "left_arm", "right_arm"):
+    limb = {}
+    for group in LIMBS:
         for k in robot.groups[group]:
-            joint = mujoco.mj_name2id(tree.model, mujoco.mjtObj.mjOBJ_JOINT, robot.joints[k])
-            part[tree.link_of(joint)] = group
-    pairs = []
-    for k, first in enumerate(tree.links):
-        for second in tree.links[:k]:
-            ways = part.get(first, "trunk"), part.get(second, "trunk")
-            if ways[0] == ways[1] or len(tree.joints_between(first, second)) <= 3:
+            joint = mujoco.mj_name2id(posed.model, mujoco.mjtObj.mjOBJ_JOINT, robot.joints[k])
+            limb[posed.link_of(joint)] = group
+    near = []
+    for k, first in enumerate(posed.links):
+        for second in posed.links[:k]:
+            own = limb.get(first, "trunk"), limb.get(second, "trunk")
+            if own[0] == own[1] or len(posed.joints_between(first, second)) <= NEIGHBOUR_JOINTS:
                 continue
-            apart = _distance(tree, first, second)
-            if apart < NEIGHBOUR_DISTANCE:
-                pairs.append((apart, f"{tree.name(second)} and {tree.name(first)} {1e3 * apart:.0f} mm"))
-    if pairs:
-        pairs.sort()
-        named = ", ".join(words for _, words in pairs[:MANY]) + (
-            f" and {len(pairs) - MANY} more" if pairs[MANY:] else ""
-        )
-        what = f"pairs are nearer than {1e3 * NEIGHBOUR_DISTANCE:.0f} mm at rest: nothing keeps them apart in the dance"
-        remedy = "hold arms and legs farther apart in 'rest', unless they are made to touch"
-        yield Finding(Severity.WARNS, what, named, remedy)
+            apart = posed.distance([first], [second], NEAR_DISTANCE)
+            if apart < NEAR_DISTANCE:
+                near.append((apart, f"{posed.name(second)} and {posed.name(first)} {1e3 * apart:.0f} mm"))
+    near.sort()
+    touching = [words for apart, words in near if apart < TOUCHING_DISTANCE]
+    close = [words for apart, words in near if apart >= TOUCHING_DISTANCE]
+    remedy = "hold arms and legs farther apart in 'rest'"
+    if touching:
+        what = "links touch at rest: nothing keeps them apart in the dance"
+        yield Finding(Severity.WARNS, what, _some(touching), f"{remedy}, unless they are made to touch")
+    if close:
+        what = f"links are nearer than {1e3 * NEAR_DISTANCE:.0f} mm at rest"
+        yield Finding(Severity.NOTES, what, _some(close), remedy)
 
 
-def _distance(tree: Tree, first: int, second: int) -> float:
-    ends, apart = np.zeros(6), 1.0
-    for a in tree.touching([first]):
-        for b in tree.touching([second]):
-            apart = min(apart, mujoco.mj_geomDistance(tree.model, tree.data, a, b, apart, ends))
-    return apart
+def _some(pairs: Sequence[str]) -> str:
+    more = f" and {len(pairs) - NAMED_PAIRS} more" if len(pairs) > NAMED_PAIRS else ""
+    return ", ".join(pairs[:NAMED_PAIRS]) + more

@@ -60,7 +60,7 @@ def draw(found: Guess, path: Path) -> None:
         OSError: the file cannot be written.
     """
     x, y, z = np.eye(3)
-    outline = found.tree.surface(found.tree.touching(found.tree.links))
+    outline = found.posed.surface(found.posed.touching(found.posed.links))
     low, high = outline.min(axis=0), outline.max(axis=0)
     middle = 0.5 * (low + high)
     scale = min(HIGH / (high[2] - low[2]), (WIDE - 2 * LABELS) / max(high[0] - low[0], high[1] - low[1]))
@@ -99,16 +99,16 @@ def draw(found: Guess, path: Path) -> None:
 
 def _shapes(found: Guess, view: View) -> Iterator[str]:
     """What is seen in grey, nearer shapes over farther ones, and outlines of what can touch."""
-    tree = found.tree
+    posed = found.posed
     left = view(np.zeros((1, 3)))[0]
     yield _text(left[0] - 150.0, HEAD - 8.0, view.title, 12)
-    seen = tree.seen(tree.links)
-    seen.sort(key=lambda g: float(tree.data.geom_xpos[g] @ view.towards))
+    seen = posed.seen(posed.links)
+    seen.sort(key=lambda g: float(posed.data.geom_xpos[g] @ view.towards))
     for geom in seen:
-        yield _hull(view(tree.surface([geom])), "fill='#dfe3e8' stroke='#aab' stroke-width='0.6' fill-opacity='0.75'")
-    for link in tree.links:
-        for geom in tree.touching([link]):
-            yield _hull(view(tree.surface([geom])), "fill='none' stroke='#e8833a' stroke-width='0.8'")
+        yield _hull(view(posed.surface([geom])), "fill='#dfe3e8' stroke='#aab' stroke-width='0.6' fill-opacity='0.75'")
+    for link in posed.links:
+        for geom in posed.touching([link]):
+            yield _hull(view(posed.surface([geom])), "fill='none' stroke='#e8833a' stroke-width='0.8'")
 
 
 def _soles(soles: dict[str, Array], view: View) -> Iterator[str]:
@@ -117,15 +117,15 @@ def _soles(soles: dict[str, Array], view: View) -> Iterator[str]:
 
 
 def _axes(found: Guess, view: View) -> Iterator[str]:
-    tree, body = found.tree, found.body
+    posed, body = found.posed, found.body
     half = AXIS * body.height
     for group, joints in (*body.groups.items(), ("locked", body.locked)):
         for joint in joints:
-            at, way = tree.axis(joint)
+            at, way = posed.axis(joint)
             ends = view(np.array([at - half * way, at + half * way]))
             yield (
                 f"<line x1='{ends[0, 0]:.1f}' y1='{ends[0, 1]:.1f}' x2='{ends[1, 0]:.1f}' y2='{ends[1, 1]:.1f}' "
-                f"stroke='{COLOURS[group]}' stroke-width='2.2'><title>{escape(tree.joint_name(joint))}</title></line>"
+                f"stroke='{COLOURS[group]}' stroke-width='2.2'><title>{escape(posed.joint_name(joint))}</title></line>"
                 f"<circle cx='{ends[1, 0]:.1f}' cy='{ends[1, 1]:.1f}' r='2.4' fill='{COLOURS[group]}'/>"
             )
 
@@ -153,17 +153,17 @@ def _points(places: dict[str, Array], view: View, middle: float, spread: float) 
 
 def _from_above(found: Guess, places: dict[str, Array], soles: dict[str, Array], view: View) -> Iterator[str]:
     yield _text(2 * WIDE + EDGE, HEAD - 8.0, view.title, 12)
-    tree = found.tree
+    posed = found.posed
     for side, foot in found.body.feet.items():
-        for geom in tree.touching([foot]):
-            yield _hull(view(tree.surface([geom])), "fill='none' stroke='#e8833a' stroke-width='1'")
+        for geom in posed.touching([foot]):
+            yield _hull(view(posed.surface([geom])), "fill='none' stroke='#e8833a' stroke-width='1'")
         yield from _soles({side: soles[side]}, view)
         for name in (f"{side}_foot", f"{side}_toe", f"{side}_ankle"):
             at = view(places[name][None])[0]
             yield f"<circle cx='{at[0]:.1f}' cy='{at[1]:.1f}' r='3.2' fill='black'/>"
             if not name.endswith("ankle"):
                 yield _text(at[0] + 6.0, at[1] + 4.0, name, 11)
-    com = tree.data.subtree_com[tree.base]
+    com = posed.data.subtree_com[posed.base]
     at = view(com[None])[0]
     yield f"<path d='M{at[0] - 7:.1f} {at[1]:.1f}h14m-7 -7v14' stroke='#d62728' stroke-width='2' fill='none'/>"
     yield _text(at[0] + 9.0, at[1] + 4.0, "centre of mass", 11)

@@ -1,7 +1,6 @@
 """Limbs that keep clear of the rest of the body: arms of all that is not of them, legs of each other."""
 
 from collections.abc import Iterable, Mapping
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -36,9 +35,9 @@ class _Place(NamedTuple):
 class Clearance:
     """Signed distances from each shape of a limb to the nearest one of what it keeps clear of, at the knots of a clip.
 
-    Pairs that are less than ROOM apart at rest, neighbours in the tree mostly, do not count. A distance changes by no
-    more than the joints between two shapes turn, each times its reach: only where something may have come near since a
-    knot was last looked at is it looked at again.
+    Only the robot's own pairs of shapes count; those that are less than ROOM apart at rest need be no further apart. A
+    distance changes by no more than the joints between two shapes turn, each times its reach: only where something may
+    have come near since a knot was last looked at is it looked at again.
     """
 
     def __init__(self, robot: Robot, pairs: Iterable[tuple[int, int]], length: int):
@@ -55,9 +54,7 @@ class Clearance:
         for pair in pairs:
             self._geometry.addCollisionPair(pin.CollisionPair(*pair))
         self._make_room()
-        for k in np.flatnonzero(self._distances(robot.rest) < ROOM)[::-1]:
-            self._geometry.removeCollisionPair(self._geometry.collisionPairs[int(k)])
-        self._make_room()
+        self._rooms = np.minimum(ROOM, self._distances(robot.rest))
         left, shapes = list(self._geometry.collisionPairs), self._geometry.geometryObjects
         owners = np.array([pair.second for pair in left], dtype=int)
         self._limb = [np.flatnonzero(owners == shape) for shape in np.unique(owners)]  # pairs of each of its shapes
@@ -70,16 +67,18 @@ class Clearance:
     @staticmethod
     def of_arm(robot: Robot, side: str, length: int) -> "Clearance":
         """Of an arm from the rest of the body."""
-        arm, shapes = _carrying(robot, f"{side}_arm"), range(robot.shapes.ngeoms)
-        return Clearance(robot, product([k for k in shapes if k not in arm], arm), length)
+        arm = set(_carrying(robot, f"{side}_arm"))
+        return Clearance(robot, _pairs_between(robot, set(range(robot.shapes.ngeoms)) - arm, arm), length)
 
     @staticmethod
     def of_legs(robot: Robot, length: int) -> "Clearance":
         """Of the left leg from the right one; where the feet go is given, so that these do not count together."""
-        left, right = (_carrying(robot, f"{side}_leg") for side in ("left", "right"))
+        left, right = (set(_carrying(robot, f"{side}_leg")) for side in ("left", "right"))
         soles = {robot.model.frames[robot.point(foot)].parentJoint for foot in robot.feet}
         feet = {k for k, shape in enumerate(robot.shapes.geometryObjects) if shape.parentJoint in soles}
-        return Clearance(robot, (pair for pair in product(right, left) if not feet.issuperset(pair)), length)
+        return Clearance(
+            robot, [pair for pair in _pairs_between(robot, right, left) if not feet.issuperset(pair)], length
+        )
 
     def evaluate(self, knots: Indices, y: Array, columns: Indices) -> tuple[Array, Array]:
         """What is missing of ROOM at n knots (n, shapes) [m], 0 where nothing is, and its Jacobian (n, shapes, s) with
@@ -88,16 +87,17 @@ class Clearance:
         J = np.zeros((*missing.shape, len(columns)))
         nearest: dict[int, list[_Place]] = {}  # pair -> where it is the nearest
         turned = np.abs(y[:, 6:] - self._seen[knots]) @ self._reach.T
-        due = np.flatnonzero((self._apart[knots] - turned < ROOM).any(axis=1))
+        due = np.flatnonzero((self._apart[knots] - turned < self._rooms).any(axis=1))
         self._seen[knots[due]] = y[due, 6:]
         for n, q in zip(due.tolist(), to_configuration(y[due]), strict=True):
             self._apart[knots[n]] = apart = self._distances(q)
-            if apart.min(initial=np.inf) >= ROOM:
+            beyond = apart - self._rooms
+            if beyond.min(initial=np.inf) >= 0.0:
                 continue
             for i, pairs in enumerate(self._limb):
-                if (least := apart[pairs].min()) < ROOM:
-                    k = int(pairs[apart[pairs].argmin()])
-                    missing[n, i] = ROOM - least
+                if (least := beyond[pairs].min()) < 0.0:
+                    k = int(pairs[beyond[pairs].argmin()])
+                    missing[n, i] = -least
                     found = self._each[k]
                     place = _Place(n, i, found.normal.copy(), found.getNearestPoint1(), found.getNearestPoint2())
                     nearest.setdefault(k, []).append(place)
@@ -158,6 +158,13 @@ def _carrying(robot: Robot, group: str) -> list[int]:
     """The shapes that a group of joints carries."""
     joints = {2 + joint for joint in robot.groups[group]}
     return [k for k, shape in enumerate(robot.shapes.geometryObjects) if shape.parentJoint in joints]
+
+
+def _pairs_between(robot: Robot, first: set[int], second: set[int]) -> list[tuple[int, int]]:
+    """Pairs of the robot's shapes that may collide, one of some shapes and one of others."""
+    pairs = [(int(pair.first), int(pair.second)) for pair in robot.shapes.collisionPairs]
+    turned = [(b, a) for a, b in pairs]
+    return [(a, b) for a, b in (*pairs, *turned) if a in first and b in second]
 
 
 def _beside(limb: str, looks: tuple[Array, Array], clear: tuple[Array, Array]) -> tuple[Array, Array]:

@@ -92,7 +92,7 @@ class Head:
     """The neck: where the head points, and where it looks."""
 
     def __init__(self, robot: Robot, targets: Targets):
-        self.columns: Indices = 6 + np.sort(robot.groups["head"])
+        self.columns: Indices = 6 + np.sort(np.array(robot.groups["head"], dtype=int))
         self._chains, self._targets = Chains(robot), targets
         self._near, self._far = (robot.point(point) for point in SEGMENTS["head"])
 
@@ -129,7 +129,7 @@ def _moving(robot: Robot, frame: int, joints: Sequence[int]) -> Indices:
     """Those of the joints, as columns of y, that move the origin of a frame."""
     middle = np.concatenate([robot.rest[:7], 0.5 * (robot.lower + robot.upper)])
     J = pin.computeFrameJacobian(robot.model, robot.model.createData(), middle, frame, pin.LOCAL)
-    return np.array([6 + j for j in sorted(joints) if np.abs(J[:3, 6 + j]).max() > NO_LEVER])
+    return np.array([6 + j for j in sorted(joints) if np.abs(J[:3, 6 + j]).max() > NO_LEVER], dtype=int)
 
 
 def _weighted(*residuals: tuple[float, Array, Array]) -> tuple[Array, Array]:

@@ -1,7 +1,8 @@
 """The parts of a body put together: retargeted to look like the human, then balanced."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 import pinocchio as pin
@@ -22,6 +23,7 @@ from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
+AnyPart = TypeVar("AnyPart", bound=Part)
 
 LIMB_STEPS = 2  # Gauss-Newton steps of head and arms over the whole clip
 ROUNDS = 6  # most rounds of balance and body, each taking the other's result
@@ -45,10 +47,10 @@ def retarget(
         y[:, :2] = wanted.hips[:, :2]
         wanted = _in_reach(robot, wanted, feet, y, period)
     parts: list[Part] = [Body(robot, build, wanted, feet), Head(robot, wanted)]
-    for part in parts:
+    for part in _with_joints(parts):
         y[:, part.columns], _ = solve(part, knots, y, limits)
-    for side in SIDES:
-        y = choose(Arm(robot, side, wanted), y, limits, period)
+    for arm in _with_joints([Arm(robot, side, wanted) for side in SIDES]):
+        y = choose(arm, y, limits, period)
     whole = Spline.through(y, period)
     whole.control[:3] = y[0]
     return limbs_fitted(robot, wanted, limits, whole, LIMB_STEPS)
@@ -58,11 +60,16 @@ def limbs_fitted(robot: Robot, wanted: Targets, limits: Limits, whole: Spline, s
     """The same motion with head and arms fitted, under their limits, to the chest as it moves."""
     y, control = whole.knots, whole.control.copy()
     limbs: list[Part] = [Head(robot, wanted), *(ClearArm(robot, side, wanted) for side in SIDES)]
-    for limb in limbs:
+    for limb in _with_joints(limbs):
         fit = PartFit(limb.columns, wanted.length, whole.period, limits)
         spline = Spline(control[:, limb.columns], whole.period)
         control[:, limb.columns] = fit.improve(limb, spline, y, steps).control
     return Spline(control, whole.period)
+
+
+def _with_joints(parts: Sequence[AnyPart]) -> list[AnyPart]:
+    """Those of the parts that the robot can move: a robot may have no head or arms."""
+    return [part for part in parts if len(part.columns)]
 
 
 def _in_reach(robot: Robot, wanted: Targets, feet: Mapping[str, FootPath], y: Array, period: float) -> Targets:

@@ -8,15 +8,17 @@ from scipy.spatial import ConvexHull, QhullError
 
 from sot.errors import InputError
 from sot.robots.guess.evidence import Evidence, Sureness
-from sot.robots.guess.tree import Tree
+from sot.robots.guess.posed_model import PosedModel
 
 Array = NDArray[np.float64]
 
 SOLE_DEPTH = 0.001  # share of the robot's height: what is no higher than that above the lowest point is sole
 FLAT_SHARE = 0.5  # least share of a foot's outline that its sole covers, if the foot stands flat
 LEVEL = 0.01  # share of the height by which the two feet may differ
-SOLE_CORNERS = (4, 6, 8)  # numbers of corners that are tried
-SOLE_SHARE = 0.97  # share of the sole's area that its corners should keep
+SOLE_CORNERS = 6  # that a sole has at most
+SOLE_SHARE = 0.97  # share of the sole's area that four of its corners keep at least, to be taken for it
+RECTANGLE_SHARE = 0.85  # share of the sole's area that a rectangle keeps at least, to be taken for it
+RECTANGLE_LEVELS = 41  # at which its sides are tried
 
 
 @dataclass(frozen=True)
@@ -36,65 +38,65 @@ class Feet:
     height: float
 
 
-def find_feet(tree: Tree) -> tuple[Feet, Evidence]:
-    """The two lowest leaves of the tree, or what carries them if it stands on the floor, too (a foot with toes).
+def find_feet(posed: PosedModel) -> tuple[Feet, Evidence]:
+    """The two lowest leaves of the posed, or what carries them if it stands on the floor, too (a foot with toes).
 
     Raises:
         InputError: there are no two legs.
     """
-    every = tree.surface(tree.touching(tree.links))
+    every = posed.surface(posed.touching(posed.links))
     if not len(every):
         raise InputError("the model has no geometry: feet and soles cannot be found")
     height = float(np.ptp(every[:, 2]))
-    leaves = [link for link in tree.links if not tree.children(link) and link != tree.base]
-    lowest = {link: _lowest(tree, link) for link in tree.links}
+    leaves = [link for link in posed.links if not posed.children(link) and link != posed.base]
+    lowest = {link: _lowest(posed, link) for link in posed.links}
     leaves.sort(key=lambda link: lowest[link])
-    first = leaves[0] if leaves else tree.base
-    second = next((leaf for leaf in leaves[1:] if _is_other_leg(tree, first, leaf)), None)
+    first = leaves[0] if leaves else posed.base
+    second = next((leaf for leaf in leaves[1:] if _is_other_leg(posed, first, leaf)), None)
     if second is None:
         raise InputError("no two legs: the model has no second branch beside that of its lowest link")
-    feet = [_standing(tree, leaf, lowest, LEVEL * height) for leaf in (first, second)]
-    pelvis = tree.common_ancestor(*feet)
-    legs = {link for foot in feet for link in (*tree.subtree(foot), *tree.ancestry(foot))}
-    toes = tuple(j for foot in feet for link in tree.subtree(foot) if link != foot for j in tree.joints_of(link))
+    feet = [_standing(posed, leaf, lowest, LEVEL * height) for leaf in (first, second)]
+    pelvis = posed.common_ancestor(*feet)
+    legs = {link for foot in feet for link in (*posed.subtree(foot), *posed.ancestry(foot))}
+    toes = tuple(j for foot in feet for link in posed.subtree(foot) if link != foot for j in posed.joints_of(link))
     apart = abs(lowest[feet[0]] - lowest[feet[1]])
     rest = [lowest[leaf] for leaf in leaves if leaf not in legs]
     above = min(rest) - max(lowest[foot] for foot in feet) if rest else np.inf
     sure = apart < LEVEL * height and above > 10.0 * LEVEL * height
-    why = f"the two lowest ends of the tree, {1e3 * apart:.1f} mm apart in height"
+    why = f"the two lowest ends of the posed, {1e3 * apart:.1f} mm apart in height"
     if np.isfinite(above):
         why += f"; the next lowest end is {above:.2f} m higher"
-    names = " and ".join(tree.name(foot) for foot in feet)
+    names = " and ".join(posed.name(foot) for foot in feet)
     return (
         Feet((feet[0], feet[1]), pelvis, toes, height),
         Evidence("feet", names, why, Sureness.SURE if sure else Sureness.UNSURE),
     )
 
 
-def _lowest(tree: Tree, link: int) -> float:
-    points = tree.surface(tree.touching([link]))
-    return float(points[:, 2].min()) if len(points) else float(tree.data.xpos[link][2])
+def _lowest(posed: PosedModel, link: int) -> float:
+    points = posed.surface(posed.touching([link]))
+    return float(points[:, 2].min()) if len(points) else float(posed.data.xpos[link][2])
 
 
-def _is_other_leg(tree: Tree, first: int, second: int) -> bool:
+def _is_other_leg(posed: PosedModel, first: int, second: int) -> bool:
     """Whether two leaves part in the upper half of the first one's way to the base: toes of one foot part below."""
-    top = tree.common_ancestor(first, second)
-    return 2 * len(tree.joints_between(tree.base, top)) < len(tree.joints_between(tree.base, first))
+    top = posed.common_ancestor(first, second)
+    return 2 * len(posed.joints_between(posed.base, top)) < len(posed.joints_between(posed.base, first))
 
 
-def _standing(tree: Tree, leaf: int, lowest: dict[int, float], tolerance: float) -> int:
+def _standing(posed: PosedModel, leaf: int, lowest: dict[int, float], tolerance: float) -> int:
     """A leaf, or the link farthest up from it that is as low."""
     foot = leaf
-    for link in tree.ancestry(leaf)[1:]:
-        if lowest[link] > lowest[leaf] + tolerance or not tree.surface(tree.touching([link])).size:
+    for link in posed.ancestry(leaf)[1:]:
+        if lowest[link] > lowest[leaf] + tolerance or not posed.surface(posed.touching([link])).size:
             break
         foot = link
     return foot
 
 
-def sole(tree: Tree, foot: int, height: float) -> tuple[Array, float]:
+def sole(posed: PosedModel, foot: int, height: float) -> tuple[Array, float]:
     """Corners (n, 3) of what lies on the floor, counterclockwise, and the share of the foot that it covers."""
-    points = tree.surface(tree.touching([foot]))
+    points = posed.surface(posed.touching([foot]))
     floor = float(points[:, 2].min())
     low = points[points[:, 2] < floor + SOLE_DEPTH * height]
     hull, whole = _hull(low[:, :2]), _hull(points[:, :2])
@@ -116,20 +118,45 @@ def _area(corners: Array) -> float:
 
 
 def _fewer(hull: Array) -> Array:
-    """As few corners of a polygon as keep nearly all of its area; it always contains them."""
-    for count in SOLE_CORNERS:
-        if len(hull) <= count:
-            return hull
-        kept = _largest(hull, count)
-        if _area(kept) >= SOLE_SHARE * _area(hull):
-            break
+    """Few corners inside a polygon that keep nearly all of its area: four of its own, of a rectangle, or some more."""
+    four, rectangle = _without_least(hull, 4), _rectangle(hull)
+    if _area(four) >= SOLE_SHARE * _area(hull):
+        return four
+    if _area(rectangle) >= RECTANGLE_SHARE * _area(hull):
+        return rectangle
+    return _without_least(hull, SOLE_CORNERS)
+
+
+def _without_least(hull: Array, count: int) -> Array:
+    """Some corners of a polygon: without the one that costs least area, and again."""
+    kept = hull
+    while len(kept) > count:
+        areas = [_area(np.delete(kept, k, axis=0)) for k in range(len(kept))]
+        kept = np.delete(kept, int(np.argmax(areas)), axis=0)
     return kept
 
 
-def _largest(hull: Array, count: int) -> Array:
-    """The polygon of some corners of another that is left when the corner that costs least area goes, and again."""
-    kept = list(range(len(hull)))
-    while len(kept) > count:
-        areas = [_area(hull[[k for k in kept if k != out]]) for out in kept]
-        kept.pop(int(np.argmax(areas)))
-    return hull[kept]
+def _rectangle(hull: Array) -> Array:
+    """Corners (4, 2) of the largest rectangle along the axes inside a polygon, counterclockwise."""
+    if len(hull) < 3:
+        return hull
+    levels = np.linspace(hull[:, 1].min(), hull[:, 1].max(), RECTANGLE_LEVELS)
+    ends = np.array([_chord(hull, level) for level in levels])
+    best, corners = -1.0, hull[:0]
+    for a, low in enumerate(levels):
+        for b in range(a + 1, len(levels)):
+            back, front = max(ends[a, 0], ends[b, 0]), min(ends[a, 1], ends[b, 1])
+            if (front - back) * (levels[b] - low) > best and front > back:
+                best = (front - back) * (levels[b] - low)
+                corners = np.array([(back, low), (front, low), (front, levels[b]), (back, levels[b])])
+    return corners
+
+
+def _chord(hull: Array, level: float) -> tuple[float, float]:
+    """Where a polygon begins and ends along x at a level of y."""
+    crossings = []
+    for (x1, y1), (x2, y2) in zip(hull, np.roll(hull, -1, axis=0), strict=True):
+        low, high = sorted((y1, y2))
+        if low <= level <= high:
+            crossings += [x1, x2] if high == low else [x1 + (x2 - x1) * (level - y1) / (y2 - y1)]
+    return (min(crossings), max(crossings)) if crossings else (0.0, 0.0)

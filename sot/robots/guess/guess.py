@@ -12,9 +12,9 @@ from sot.robots.guess.groups import Body, find_body
 from sot.robots.guess.heading import find_heading, turned
 from sot.robots.guess.limits import Limits, find_limits
 from sot.robots.guess.points import Array, Points, find_points
+from sot.robots.guess.posed_model import PosedModel
 from sot.robots.guess.rest import Rest, find_rest, stands_flat
 from sot.robots.guess.source import original_model
-from sot.robots.guess.tree import Tree
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Guess:
 
     Attributes:
         path: the model file.
-        tree: its links and joints, at rest.
+        posed: its links and joints, at rest.
         start: the configuration (nq,) in which points were found.
         yaw: by which the base was turned to look along x [rad].
         soles: side -> corners (n, 3) in the world at `start` [m].
@@ -31,7 +31,7 @@ class Guess:
     """
 
     path: Path
-    tree: Tree
+    posed: PosedModel
     start: Array
     yaw: float
     body: Body
@@ -51,11 +51,11 @@ class Guess:
 
     def _at_rest(self, places: Mapping[str, tuple[int, Array]]) -> dict[str, Array]:
         """Places (n, 3) that links carry, moved from `start` to rest; the tree is at rest afterwards."""
-        data, local = self.tree.data, {}
-        self.tree.place(self.start)
+        data, local = self.posed.data, {}
+        self.posed.place(self.start)
         for name, (link, at) in places.items():
             local[name] = (at - data.xpos[link]) @ data.xmat[link].reshape(3, 3)
-        self.tree.place(self.rest.qpos)
+        self.posed.place(self.rest.qpos)
         moved = {
             name: data.xpos[link] + local[name] @ data.xmat[link].reshape(3, 3).T for name, (link, _) in places.items()
         }
@@ -68,36 +68,36 @@ def guess(path: Path) -> Guess:
     Raises:
         InputError: the model cannot be read, or is no humanoid.
     """
-    tree = Tree(original_model(path))
-    feet, said_feet = find_feet(tree)
-    heading, said_heading = find_heading(tree, feet)
-    start, said_soles = _start(tree, feet, heading.yaw)
-    tree.place(start)
-    body, said_body = find_body(tree, feet, heading)
-    points, said_points = find_points(tree, body)
-    soles = {side: sole(tree, foot, body.height)[0] for side, foot in body.feet.items()}
-    limits, said_limits = find_limits(tree, body, points, path)
-    rest, said_rest = find_rest(tree, body, points, start)
-    tree.place(rest.qpos)
+    posed = PosedModel(original_model(path))
+    feet, said_feet = find_feet(posed)
+    heading, said_heading = find_heading(posed, feet)
+    start, said_soles = _start(posed, feet, heading.yaw)
+    posed.place(start)
+    body, said_body = find_body(posed, feet, heading)
+    points, said_points = find_points(posed, body)
+    soles = {side: sole(posed, foot, body.height)[0] for side, foot in body.feet.items()}
+    limits, said_limits = find_limits(posed, body, points, path)
+    rest, said_rest = find_rest(posed, body, points, start)
+    posed.place(rest.qpos)
     evidence = [said_feet, said_heading, said_soles, *said_body, *said_points, *said_rest, *said_limits]
-    return Guess(path, tree, start, heading.yaw, body, points, soles, rest, limits, evidence)
+    return Guess(path, posed, start, heading.yaw, body, points, soles, rest, limits, evidence)
 
 
-def _start(tree: Tree, feet: Feet, yaw: float) -> tuple[Array, Evidence]:
+def _start(posed: PosedModel, feet: Feet, yaw: float) -> tuple[Array, Evidence]:
     """The model's own configuration, or the first key frame in which the soles lie flat."""
-    model = tree.model
+    model = posed.model
     own = [
         ("the model's own posture", model.qpos0),
         *((f"key frame {model.key(k).name}", model.key_qpos[k]) for k in range(model.nkey)),
     ]
     for name, qpos in own:
-        start = turned(tree, yaw, np.array(qpos))
-        tree.place(start)
-        if stands_flat(tree, feet.links, feet.height):
-            corners, _ = sole(tree, feet.links[0], feet.height)
+        start = turned(posed, yaw, np.array(qpos))
+        posed.place(start)
+        if stands_flat(posed, feet.links, feet.height):
+            corners, _ = sole(posed, feet.links[0], feet.height)
             long, wide = np.ptp(corners[:, 0]), np.ptp(corners[:, 1])
             found = f"{1e3 * long:.0f} × {1e3 * wide:.0f} mm, {len(corners)} corners"
             return start, Evidence("soles", found, f"what lies flat on the floor in {name}", Sureness.SURE)
-    tree.place(turned(tree, yaw, model.qpos0))
+    posed.place(turned(posed, yaw, model.qpos0))
     why = "the soles lie flat in no posture that the model has: what is lowest was taken"
-    return turned(tree, yaw, model.qpos0), Evidence("soles", "the lowest edges", why, Sureness.UNSURE)
+    return turned(posed, yaw, model.qpos0), Evidence("soles", "the lowest edges", why, Sureness.UNSURE)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sot.errors import InputError
 from sot.robots.guess.evidence import Evidence, Sureness
 from sot.robots.guess.feet import Feet
-from sot.robots.guess.tree import Tree
+from sot.robots.guess.posed_model import PosedModel
 
 Array = NDArray[np.float64]
 
@@ -35,22 +35,22 @@ class Heading:
     right: int
 
 
-def find_heading(tree: Tree, feet: Feet) -> tuple[Heading, Evidence]:
+def find_heading(posed: PosedModel, feet: Feet) -> tuple[Heading, Evidence]:
     """The heading that most votes are for.
 
     Raises:
         InputError: nothing speaks for either way.
     """
     first, second = feet.links
-    legs = [tree.joints_between(feet.pelvis, foot) for foot in feet.links]
-    across = np.mean([tree.axis(j)[0] for j in legs[0]], axis=0) - np.mean([tree.axis(j)[0] for j in legs[1]], axis=0)
+    legs = [posed.joints_between(feet.pelvis, foot) for foot in feet.links]
+    across = np.mean([posed.axis(j)[0] for j in legs[0]], axis=0) - np.mean([posed.axis(j)[0] for j in legs[1]], axis=0)
     across[2] = 0.0
     across /= np.linalg.norm(across)
     ahead = np.cross(across, (0.0, 0.0, 1.0))  # if the first foot is the left one: y × z = x
     said = {
-        "toes": _toes(tree, feet, legs, ahead),
-        "knees": _knees(tree, legs, ahead),
-        "names": _names([[tree.joint_name(j) for j in leg] for leg in legs]),
+        "toes": _toes(posed, feet, legs, ahead),
+        "knees": _knees(posed, legs, ahead),
+        "names": _names([[posed.joint_name(j) for j in leg] for leg in legs]),
     }
     votes = sum(VOTES[name] * vote for name, (vote, _) in said.items())
     if votes == 0:
@@ -75,15 +75,15 @@ def find_heading(tree: Tree, feet: Feet) -> tuple[Heading, Evidence]:
     if against:
         why += f" ({' and '.join(against)} speak against it)"
     turned = f", turned by {np.rad2deg(yaw):.0f}° to look along x" if abs(yaw) > 1e-6 else ""
-    found = f"left is {tree.name(left)}{turned}"
+    found = f"left is {posed.name(left)}{turned}"
     sureness = Sureness.UNSURE if against else Sureness.SURE if abs(votes) > 2 else Sureness.LIKELY
     return Heading(yaw if abs(yaw) > 1e-6 else 0.0, left, right), Evidence("heading", found, why, sureness)
 
 
-def turned(tree: Tree, yaw: float, qpos: Array) -> Array:
+def turned(posed: PosedModel, yaw: float, qpos: Array) -> Array:
     """A configuration (nq,) with its base turned about the vertical through the origin."""
     out, turn, now = qpos.copy(), np.zeros(4), np.zeros(4)
-    first = int(tree.model.jnt_qposadr[tree.model.body_jntadr[tree.base]])
+    first = int(posed.model.jnt_qposadr[posed.model.body_jntadr[posed.base]])
     mujoco.mju_axisAngle2Quat(turn, np.array([0.0, 0.0, 1.0]), yaw)
     mujoco.mju_mulQuat(now, turn, qpos[first + 3 : first + 7])
     at = np.zeros(3)
@@ -92,25 +92,25 @@ def turned(tree: Tree, yaw: float, qpos: Array) -> Array:
     return out
 
 
-def _toes(tree: Tree, feet: Feet, legs: Sequence[Sequence[int]], ahead: Array) -> tuple[int, str]:
+def _toes(posed: PosedModel, feet: Feet, legs: Sequence[Sequence[int]], ahead: Array) -> tuple[int, str]:
     shares = []
     for foot, leg in zip(feet.links, legs, strict=True):
-        along = tree.surface(tree.touching([foot])) @ ahead
-        middle = 0.5 * (along.min() + along.max()) - float(tree.axis(leg[-1])[0] @ ahead)
+        along = posed.surface(posed.touching([foot])) @ ahead
+        middle = 0.5 * (along.min() + along.max()) - float(posed.axis(leg[-1])[0] @ ahead)
         shares.append(middle / max(float(np.ptp(along)), SMALL * feet.height))
     share = float(np.mean(shares))
     vote = int(np.sign(share)) if abs(share) > TOE_SHARE else 0
     return vote, f"the feet's middle is {100 * abs(share):.0f} % of their length before the ankle"
 
 
-def _knees(tree: Tree, legs: Sequence[Sequence[int]], ahead: Array) -> tuple[int, str]:
+def _knees(posed: PosedModel, legs: Sequence[Sequence[int]], ahead: Array) -> tuple[int, str]:
     """Knees bend so that the foot goes back: a joint in the middle of the leg has its range to one side."""
     ways = []
     for leg in legs:
-        ankle, hip = tree.axis(leg[-1])[0], tree.axis(leg[0])[0]
+        ankle, hip = posed.axis(leg[-1])[0], posed.axis(leg[0])[0]
         for joint in leg:
-            at, axis = tree.axis(joint)
-            low, high = tree.range(joint)
+            at, axis = posed.axis(joint)
+            low, high = posed.range(joint)
             share = (hip[2] - at[2]) / max(hip[2] - ankle[2], 1e-9)
             if not (0.25 < share < 0.85 and np.isfinite([low, high]).all()):
                 continue

@@ -11,7 +11,7 @@ import numpy as np
 from sot.robots.guess.evidence import Evidence, Sureness
 from sot.robots.guess.groups import Body
 from sot.robots.guess.points import Points
-from sot.robots.guess.tree import Tree
+from sot.robots.guess.posed_model import PosedModel
 
 GRAVITY = 9.81  # m/s²
 NO_EFFORT, NO_VELOCITY = 1e4, 1e3  # N m and rad/s: what is no less is no limit
@@ -30,20 +30,20 @@ class Limits:
     velocity: Mapping[str, float]
 
 
-def find_limits(tree: Tree, body: Body, points: Points, path: Path) -> tuple[Limits, list[Evidence]]:
+def find_limits(posed: PosedModel, body: Body, points: Points, path: Path) -> tuple[Limits, list[Evidence]]:
     """Limits of all joints of groups that the model does not have, or has beyond any motor's."""
     joints = [j for group in body.groups.values() for j in group]
     said = _urdf_limits(path) if path.suffix == ".urdf" else {}
-    beside = {} if path.suffix == ".urdf" else _beside(path, [tree.joint_name(j) for j in joints])
+    beside = {} if path.suffix == ".urdf" else _beside(path, [posed.joint_name(j) for j in joints])
     effort, velocity, evidence = dict[str, float](), dict[str, float](), list[Evidence]()
-    own = model_efforts(tree)
+    own = model_efforts(posed)
     leg = float(np.linalg.norm(points.places["left_hip"].at - points.places["left_ankle"].at))
-    scale = tree.mass(tree.base) * GRAVITY * leg
+    scale = posed.mass(posed.base) * GRAVITY * leg
     roles = _roles(body, points)
     sources: dict[str, list[str]] = {"effort": [], "velocity": []}
     scaled: dict[str, list[str]] = {"effort": [], "velocity": []}
     for joint in joints:
-        name = tree.joint_name(joint)
+        name = posed.joint_name(joint)
         other_effort, other_velocity = beside.get(name, (0.0, 0.0))
         if not 0.0 < own.get(joint, 0.0) < NO_EFFORT:
             found = 0.0 < other_effort < NO_EFFORT
@@ -72,9 +72,9 @@ def find_limits(tree: Tree, body: Body, points: Points, path: Path) -> tuple[Lim
     return Limits(effort, velocity), evidence
 
 
-def model_efforts(tree: Tree) -> dict[int, float]:
+def model_efforts(posed: PosedModel) -> dict[int, float]:
     """Efforts that a model has by joint [N m]: of the joint, else of its actuators."""
-    model, out = tree.model, dict[int, float]()
+    model, out = posed.model, dict[int, float]()
     for a in range(model.nu):
         joint = int(model.actuator_trnid[a, 0])
         if model.actuator_trntype[a] != mujoco.mjtTrn.mjTRN_JOINT:
@@ -85,7 +85,7 @@ def model_efforts(tree: Tree) -> dict[int, float]:
         elif model.actuator_ctrllimited[a] and model.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_NONE:
             gain = abs(float(model.actuator_gainprm[a, 0]))
             out[joint] = gain * gear * float(np.abs(model.actuator_ctrlrange[a]).max())
-    for joint in tree.joints:
+    for joint in posed.joints:
         if model.jnt_actfrclimited[joint]:
             out[joint] = float(np.abs(model.jnt_actfrcrange[joint]).max())
     return out

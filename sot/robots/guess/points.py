@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from sot.robots.guess.evidence import Evidence, Sureness
 from sot.robots.guess.feet import sole
 from sot.robots.guess.groups import Body
-from sot.robots.guess.tree import Tree
+from sot.robots.guess.posed_model import PosedModel
 
 Array = NDArray[np.float64]
 
@@ -39,21 +39,21 @@ class Points:
     bends: Mapping[str, int]
 
 
-def find_points(tree: Tree, body: Body) -> tuple[Points, list[Evidence]]:
+def find_points(posed: PosedModel, body: Body) -> tuple[Points, list[Evidence]]:
     """Points of a robot in its model's configuration, looking along x."""
     places, bends, evidence = dict[str, Point](), dict[str, int](), list[Evidence]()
     for side in ("left", "right"):
-        bends[f"{side}_leg"] = _leg(tree, body, side, places, evidence)
+        bends[f"{side}_leg"] = _leg(posed, body, side, places, evidence)
     for side in ("left", "right"):
-        bends[f"{side}_arm"] = _arm(tree, body, side, places, evidence)
-    _trunk(tree, body, places, evidence)
+        bends[f"{side}_arm"] = _arm(posed, body, side, places, evidence)
+    _trunk(posed, body, places, evidence)
     return Points(places, bends), evidence
 
 
-def meeting(tree: Tree, joints: Sequence[int], size: float) -> tuple[Array, list[int], float]:
+def meeting(posed: PosedModel, joints: Sequence[int], size: float) -> tuple[Array, list[int], float]:
     """Where the axes of joints meet (3,): the two that pass nearest to each other, and all others that pass there;
     these joints; and their largest distance from it [m]."""
-    axes = {j: tree.axis(j) for j in joints}
+    axes = {j: posed.axis(j) for j in joints}
     pairs = [
         (_distance(axes[a], axes[b]), a, b)
         for k, a in enumerate(joints)
@@ -103,35 +103,35 @@ def _in_middle(axis: tuple[Array, Array]) -> Array:
     return at - way * at[1] / way[1] if abs(way[1]) > CROSSING else at
 
 
-def _limb(tree: Tree, joints: Sequence[int], end: Array) -> tuple[Array, int, list[int], float]:
+def _limb(posed: PosedModel, joints: Sequence[int], end: Array) -> tuple[Array, int, list[int], float]:
     """Where a limb starts; the number among its joints of the one that bends it; the joints that meet at its start; by
     how much they miss each other [m]."""
-    size = float(np.linalg.norm(end - tree.axis(joints[0])[0]))
-    start, used, off = meeting(tree, joints[:ROOT_JOINTS], size)
+    size = float(np.linalg.norm(end - posed.axis(joints[0])[0]))
+    start, used, off = meeting(posed, joints[:ROOT_JOINTS], size)
     after = 1 + joints.index(used[-1])
-    middle = next((k for k in range(after, len(joints)) if _off(tree.axis(joints[k]), start) > FAR * size), None)
+    middle = next((k for k in range(after, len(joints)) if _off(posed.axis(joints[k]), start) > FAR * size), None)
     if middle is None:
         middle = min(after, len(joints) - 1)
     return start, middle, used, off
 
 
-def _leg(tree: Tree, body: Body, side: str, places: dict[str, Point], evidence: list[Evidence]) -> int:
+def _leg(posed: PosedModel, body: Body, side: str, places: dict[str, Point], evidence: list[Evidence]) -> int:
     joints, foot = list(body.groups[f"{side}_leg"]), body.feet[side]
-    corners, _ = sole(tree, foot, body.height)
-    hip, knee, used, off = _limb(tree, joints, tree.axis(joints[-1])[0])
+    corners, _ = sole(posed, foot, body.height)
+    hip, knee, used, off = _limb(posed, joints, posed.axis(joints[-1])[0])
     below = joints[knee + 1 :]
-    ankle, _, miss = meeting(tree, below, body.height) if below else (tree.data.xpos[foot].copy(), [], 0.0)
-    places[f"{side}_hip"] = Point(tree.link_of(used[0]), hip)
-    places[f"{side}_knee"] = Point(tree.link_of(joints[knee]), _on_axis(tree.axis(joints[knee]), hip, ankle))
+    ankle, _, miss = meeting(posed, below, body.height) if below else (posed.data.xpos[foot].copy(), [], 0.0)
+    places[f"{side}_hip"] = Point(posed.link_of(used[0]), hip)
+    places[f"{side}_knee"] = Point(posed.link_of(joints[knee]), _on_axis(posed.axis(joints[knee]), hip, ankle))
     places[f"{side}_ankle"] = Point(foot, ankle)
     floor, front = corners[0, 2], corners[:, 0].max()
     places[f"{side}_foot"] = Point(foot, np.array([ankle[0], ankle[1], floor]))
     places[f"{side}_toe"] = Point(foot, np.array([front, ankle[1], floor]))
-    hips = ", ".join(tree.joint_name(j) for j in used)
+    hips = ", ".join(posed.joint_name(j) for j in used)
     evidence.append(
         Evidence(
             f"{side} hip, knee, ankle",
-            f"the knee is {tree.joint_name(joints[knee])}",
+            f"the knee is {posed.joint_name(joints[knee])}",
             f"hip where the axes of {hips} meet ({1e3 * off:.0f} mm off), ankle where those below the knee do "
             f"({1e3 * miss:.0f} mm off)",
             Sureness.SURE if knee == 3 and len(below) == 2 else Sureness.UNSURE,
@@ -140,35 +140,35 @@ def _leg(tree: Tree, body: Body, side: str, places: dict[str, Point], evidence: 
     return joints[knee]
 
 
-def _arm(tree: Tree, body: Body, side: str, places: dict[str, Point], evidence: list[Evidence]) -> int:
+def _arm(posed: PosedModel, body: Body, side: str, places: dict[str, Point], evidence: list[Evidence]) -> int:
     joints, hand = list(body.groups[f"{side}_arm"]), body.hands[side]
-    carried = tree.subtree(hand)
-    skin = tree.surface(tree.touching(carried))
+    carried = posed.subtree(hand)
+    skin = posed.surface(posed.touching(carried))
     if not len(skin):
-        skin = tree.data.xpos[hand][None]
-    first = tree.axis(joints[0])[0]
+        skin = posed.data.xpos[hand][None]
+    first = posed.axis(joints[0])[0]
     tip = skin[np.argmax(np.linalg.norm(skin - first, axis=1))]
-    shoulder, elbow, used, off = _limb(tree, joints, tip)
+    shoulder, elbow, used, off = _limb(posed, joints, tip)
     beyond = joints[elbow + 1 :]
-    hinge = tree.axis(joints[elbow])
+    hinge = posed.axis(joints[elbow])
     if len(beyond) > 1:
-        wrist, _, _ = meeting(tree, beyond, body.height)
-        why, sureness = f"wrist where the axes of {', '.join(tree.joint_name(j) for j in beyond)} meet", Sureness.SURE
+        wrist, _, _ = meeting(posed, beyond, body.height)
+        why, sureness = f"wrist where the axes of {', '.join(posed.joint_name(j) for j in beyond)} meet", Sureness.SURE
     else:
         start = _on_axis(hinge, shoulder, tip)
-        at = tree.axis(beyond[0])[0] if beyond else start
+        at = posed.axis(beyond[0])[0] if beyond else start
         told = float(np.linalg.norm(at - start)) > FAR * float(np.linalg.norm(tip - start))
         wrist = at if told else start + FOREARM * (tip - start)
         why, sureness = "the wrist by human proportions: no two joints beyond the elbow", Sureness.LIKELY
-    places[f"{side}_shoulder"] = Point(tree.link_of(used[0]), shoulder)
-    places[f"{side}_elbow"] = Point(tree.link_of(joints[elbow]), _on_axis(hinge, shoulder, wrist))
+    places[f"{side}_shoulder"] = Point(posed.link_of(used[0]), shoulder)
+    places[f"{side}_elbow"] = Point(posed.link_of(joints[elbow]), _on_axis(hinge, shoulder, wrist))
     places[f"{side}_wrist"] = Point(hand, wrist)
     places[f"{side}_hand"] = Point(hand, _palm(skin, places[f"{side}_elbow"].at, wrist))
-    meet = ", ".join(tree.joint_name(j) for j in used)
+    meet = ", ".join(posed.joint_name(j) for j in used)
     evidence.append(
         Evidence(
             f"{side} shoulder, elbow, wrist",
-            f"the elbow is {tree.joint_name(joints[elbow])}",
+            f"the elbow is {posed.joint_name(joints[elbow])}",
             f"shoulder where the axes of {meet} meet ({1e3 * off:.0f} mm off); {why}",
             sureness,
         )
@@ -183,33 +183,33 @@ def _palm(skin: Array, elbow: Array, wrist: Array) -> Array:
     return wrist + 0.5 * reach * way
 
 
-def _trunk(tree: Tree, body: Body, places: dict[str, Point], evidence: list[Evidence]) -> None:
+def _trunk(posed: PosedModel, body: Body, places: dict[str, Point], evidence: list[Evidence]) -> None:
     hips, shoulders = (
         0.5 * (places[f"left_{name}"].at + places[f"right_{name}"].at) * (1, 0, 1) for name in ("hip", "shoulder")
     )
     places["waist"] = Point(body.pelvis, hips)
     chest, head = list(body.groups["chest"]), list(body.groups["head"])
     if len(chest) > 1:
-        middle = meeting(tree, chest, body.height)[0]
-        why = f"where the axes of {', '.join(tree.joint_name(j) for j in chest)} meet"
+        middle = meeting(posed, chest, body.height)[0]
+        why = f"where the axes of {', '.join(posed.joint_name(j) for j in chest)} meet"
     elif chest:
-        middle = _on_axis(tree.axis(chest[0]), hips, shoulders)
-        why = f"on the axis of {tree.joint_name(chest[0])}"
+        middle = _on_axis(posed.axis(chest[0]), hips, shoulders)
+        why = f"on the axis of {posed.joint_name(chest[0])}"
     else:
         middle, why = 0.5 * (hips + shoulders), "half-way up the trunk, which has no joint"
     places["chest"] = Point(body.chest, middle)
     evidence.append(Evidence("waist, chest", "in the middle between the hips", f"chest {why}", Sureness.SURE))
     if head:
-        carried = tree.link_of(head[-1])
-        nape = meeting(tree, head, body.height)[0] if len(head) > 1 else _in_middle(tree.axis(head[0]))
-        skull = _in_middle(tree.axis(head[-1]))
-        why, sureness = f"where {tree.joint_name(head[0])} and {tree.joint_name(head[-1])} turn", Sureness.SURE
-        skin = tree.surface(tree.touching(tree.subtree(carried)))
+        carried = posed.link_of(head[-1])
+        nape = meeting(posed, head, body.height)[0] if len(head) > 1 else _in_middle(posed.axis(head[0]))
+        skull = _in_middle(posed.axis(head[-1]))
+        why, sureness = f"where {posed.joint_name(head[0])} and {posed.joint_name(head[-1])} turn", Sureness.SURE
+        skin = posed.surface(posed.touching(posed.subtree(carried)))
     else:
         carried = body.chest
         nape = shoulders + NECK_RISE * body.height * UP
         why, sureness = "by human proportions: the head does not turn", Sureness.LIKELY
-        skin = tree.surface(tree.touching([body.chest]))
+        skin = posed.surface(posed.touching([body.chest]))
         skull = nape
     top = float(skin[:, 2].max()) if len(skin) else nape[2] + NECK_RISE * body.height
     top = max(top, nape[2] + 0.5 * NECK_RISE * body.height)

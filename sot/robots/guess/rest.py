@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -13,7 +12,7 @@ from sot.robots.guess.feet import FLAT_SHARE, LEVEL, sole
 from sot.robots.guess.groups import Body
 from sot.robots.guess.heading import turned
 from sot.robots.guess.points import Point, Points
-from sot.robots.guess.tree import Tree
+from sot.robots.guess.posed_model import PosedModel
 
 Array = NDArray[np.float64]
 
@@ -22,6 +21,7 @@ EXTENSION_MAX = 0.97  # of a key frame: a straighter leg cannot push
 KNEE = 0.7  # rad, where the search for it starts
 FORWARD = 0.5  # rad, of the forearms
 OUTWARD = np.deg2rad((8.0, 12.0, 16.0, 20.0, 25.0, 30.0, 35.0))  # of the upper arms: the first that keeps them clear
+CLEARANCE_SEEN = 0.1  # m, beyond which distances do not matter
 CLEAR = 0.03  # m, of forearms and hands from the rest of the body
 HANGING = 0.7  # least downward part of an upper arm's direction
 INSIDE = 0.05  # rad, that joints keep from their ends
@@ -48,30 +48,30 @@ class Rest:
     flat: bool
 
 
-def stands_flat(tree: Tree, feet: Sequence[int], height: float) -> bool:
+def stands_flat(posed: PosedModel, feet: Sequence[int], height: float) -> bool:
     """Whether both soles lie flat at one height in the configuration in which the tree is."""
-    soles = [sole(tree, foot, height) for foot in feet]
+    soles = [sole(posed, foot, height) for foot in feet]
     level = abs(soles[0][0][0, 2] - soles[1][0][0, 2]) < LEVEL * height
     return level and all(share > FLAT_SHARE for _, share in soles)
 
 
-def find_rest(tree: Tree, body: Body, points: Points, start: Array) -> tuple[Rest, list[Evidence]]:
+def find_rest(posed: PosedModel, body: Body, points: Points, start: Array) -> tuple[Rest, list[Evidence]]:
     """A rest posture.
 
     Args:
-        tree: the model.
+        posed: the model.
         body, points: what was found of it, at `start`.
         start: configuration (nq,) in which the soles are flat and the toes ahead.
     """
-    tree.place(start)
-    named = _key_frame(tree, body, points, start)
+    posed.place(start)
+    named = _key_frame(posed, body, points, start)
     if named is not None:
         return named
-    posture = _Posture(tree, body, points, start)
+    posture = _Posture(posed, body, points, start)
     legs, knee = posture.bend_legs()
     arms = posture.hang_arms()
-    tree.place(posture.qpos)
-    flat = stands_flat(tree, list(body.feet.values()), body.height)
+    posed.place(posture.qpos)
+    flat = stands_flat(posed, list(body.feet.values()), body.height)
     said = [
         Evidence(
             "rest, legs",
@@ -84,40 +84,40 @@ def find_rest(tree: Tree, body: Body, points: Points, start: Array) -> tuple[Res
     return Rest(posture.qpos.copy(), "", flat), said
 
 
-def _key_frame(tree: Tree, body: Body, points: Points, start: Array) -> tuple[Rest, list[Evidence]] | None:
+def _key_frame(posed: PosedModel, body: Body, points: Points, start: Array) -> tuple[Rest, list[Evidence]] | None:
     """A key frame with flat soles, bent knees and hanging arms, if the model has one."""
-    for k in range(tree.model.nkey):
-        key = tree.model.key(k)
-        qpos = turned(tree, _yaw(tree, start) - _yaw(tree, tree.model.qpos0), np.array(key.qpos))
-        places = {name: _carried(tree, point, start) for name, point in points.places.items()}
-        tree.place(qpos)
+    for k in range(posed.model.nkey):
+        key = posed.model.key(k)
+        qpos = turned(posed, _yaw(posed, start) - _yaw(posed, posed.model.qpos0), np.array(key.qpos))
+        places = {name: _carried(posed, point, start) for name, point in points.places.items()}
+        posed.place(qpos)
         bent = max(_extension(*(places[f"{side}_{name}"] for name in LEG)) for side in SIDES)
         hanging = all(
             _direction(places[f"{side}_shoulder"](), places[f"{side}_elbow"]())[2] < -HANGING for side in SIDES
         )
-        if stands_flat(tree, list(body.feet.values()), body.height) and bent < EXTENSION_MAX and hanging:
+        if stands_flat(posed, list(body.feet.values()), body.height) and bent < EXTENSION_MAX and hanging:
             found = Evidence(
                 "rest", f"key frame {key.name}", "its soles are flat, its knees bent, its arms hang", Sureness.SURE
             )
             return Rest(qpos, str(key.name), True), [found]
-    tree.place(start)
+    posed.place(start)
     return None
 
 
-def _yaw(tree: Tree, qpos: Array) -> float:
-    first = int(tree.model.jnt_qposadr[tree.model.body_jntadr[tree.base]])
+def _yaw(posed: PosedModel, qpos: Array) -> float:
+    first = int(posed.model.jnt_qposadr[posed.model.body_jntadr[posed.base]])
     w, x, y, z = qpos[first + 3 : first + 7]
     return float(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
 
 
-def _carried(tree: Tree, point: Point, start: Array) -> Callable[[], Array]:
+def _carried(posed: PosedModel, point: Point, start: Array) -> Callable[[], Array]:
     """Where a point is in the configuration in which the tree is, asked anew each time."""
-    tree.place(start)
-    turn, at = tree.data.xmat[point.link].reshape(3, 3).copy(), tree.data.xpos[point.link].copy()
+    posed.place(start)
+    turn, at = posed.data.xmat[point.link].reshape(3, 3).copy(), posed.data.xpos[point.link].copy()
     offset = turn.T @ (point.at - at)
 
     def place() -> Array:
-        return tree.data.xpos[point.link] + tree.data.xmat[point.link].reshape(3, 3) @ offset
+        return posed.data.xpos[point.link] + posed.data.xmat[point.link].reshape(3, 3) @ offset
 
     return place
 
@@ -135,13 +135,13 @@ def _direction(near: Array, far: Array) -> Array:
 class _Posture:
     """A configuration that is solved limb by limb."""
 
-    def __init__(self, tree: Tree, body: Body, points: Points, start: Array) -> None:
-        self._tree, self._body, self._points, self._start = tree, body, points, start
-        self._place = {name: _carried(tree, point, start) for name, point in points.places.items()}
+    def __init__(self, posed: PosedModel, body: Body, points: Points, start: Array) -> None:
+        self._posed, self._body, self._points, self._start = posed, body, points, start
+        self._place = {name: _carried(posed, point, start) for name, point in points.places.items()}
         self._base = start.copy()
-        for joint in tree.joints:
-            low, high = tree.range(joint)
-            k = tree.model.jnt_qposadr[joint]
+        for joint in posed.joints:
+            low, high = posed.range(joint)
+            k = posed.model.jnt_qposadr[joint]
             room = min(INSIDE, 0.25 * (high - low))
             self._base[k] = (
                 np.clip(start[k], low + room, high - room) if start[k] <= low or start[k] >= high else start[k]
@@ -149,19 +149,19 @@ class _Posture:
         self.qpos = self._base.copy()
 
     def _columns(self, joints: Sequence[int]) -> NDArray[np.int_]:
-        return np.array([self._tree.model.jnt_qposadr[j] for j in joints], dtype=int)
+        return np.array([self._posed.model.jnt_qposadr[j] for j in joints], dtype=int)
 
     def _solve(self, joints: Sequence[int], residual: Callable[[], Array], first: Array) -> tuple[Array, float]:
         """Angles (n,) of joints within their ranges that make a residual least, and its norm: Gauss-Newton with a
         numerical Jacobian."""
-        tree, columns = self._tree, self._columns(joints)
-        ranges = np.array([tree.range(j) for j in joints])
+        posed, columns = self._posed, self._columns(joints)
+        ranges = np.array([posed.range(j) for j in joints])
         room = np.minimum(INSIDE, 0.25 * (ranges[:, 1] - ranges[:, 0]))
         low, high = ranges[:, 0] + room, ranges[:, 1] - room
 
         def at(angles: Array) -> Array:
             self.qpos[columns] = angles
-            tree.place(self.qpos)
+            posed.place(self.qpos)
             return residual()
 
         angles = np.clip(first, low, high)
@@ -193,34 +193,34 @@ class _Posture:
 
     def bend_legs(self) -> tuple[float, float]:
         """Bend both knees; the residual that is left, and the knees' angle [rad]."""
-        tree, worst, bent = self._tree, 0.0, 0.0
-        tree.place(self._start)
-        feet = {s: tree.data.xmat[f].reshape(3, 3).copy() for s, f in self._body.feet.items()}
+        posed, worst, bent = self._posed, 0.0, 0.0
+        posed.place(self._start)
+        feet = {s: posed.data.xmat[f].reshape(3, 3).copy() for s, f in self._body.feet.items()}
         across = {s: float(self._place[f"{s}_ankle"]()[1]) for s in feet}
         ahead = {}
         for side, foot in self._body.feet.items():
-            corners, _ = sole(tree, foot, self._body.height)
+            corners, _ = sole(posed, foot, self._body.height)
             ahead[side] = float(corners[:, 0].mean() - self._place[f"{side}_ankle"]()[0])
         for _ in range(3):  # the centre of mass moves a little with the legs
-            tree.place(self.qpos)
-            com = float(tree.data.subtree_com[tree.base][0])
+            posed.place(self.qpos)
+            com = float(posed.data.subtree_com[posed.base][0])
             for side in feet:
                 off, bent = self._bend(side, feet[side], across[side], com - ahead[side])
                 worst = max(off, 0.0) if side == "left" else max(worst, off)
         return worst, bent
 
     def _bend(self, side: str, flat: Array, across: float, under: float) -> tuple[float, float]:
-        tree, joints = self._tree, list(self._body.groups[f"{side}_leg"])
+        posed, joints = self._posed, list(self._body.groups[f"{side}_leg"])
         knee, foot = self._points.bends[f"{side}_leg"], self._body.feet[side]
         hip, at_knee, ankle = (self._place[f"{side}_{name}"] for name in ("hip", "knee", "ankle"))
-        tree.place(self._start)
+        posed.place(self._start)
         length = float(np.linalg.norm(ankle() - at_knee()) + np.linalg.norm(at_knee() - hip()))
-        at, axis = tree.axis(knee)
+        at, axis = posed.axis(knee)
         way = -float(np.sign(np.cross(axis, ankle() - at)[0])) or 1.0
-        column = int(tree.model.jnt_qposadr[knee])
+        column = int(posed.model.jnt_qposadr[knee])
 
         def residual() -> Array:
-            turn = tree.data.xmat[foot].reshape(3, 3) @ flat.T
+            turn = posed.data.xmat[foot].reshape(3, 3) @ flat.T
             place = float(np.clip(under, hip()[0] - LEAN * length, hip()[0] + LEAN * length))
             off = np.array([ankle()[0] - place, ankle()[1] - across]) / length
             stretched = _extension(hip, at_knee, ankle) - EXTENSION
@@ -251,7 +251,7 @@ class _Posture:
         return Evidence("rest, arms", found, why, Sureness.SURE if sure else Sureness.UNSURE)
 
     def _hang(self, side: str, outward: float, first: Array | None = None) -> tuple[Array, float]:
-        tree, arm = self._tree, list(self._body.groups[f"{side}_arm"])
+        posed, arm = self._posed, list(self._body.groups[f"{side}_arm"])
         joints = arm[: 1 + arm.index(self._points.bends[f"{side}_arm"])]
         shoulder, elbow, wrist = (self._place[f"{side}_{name}"] for name in ("shoulder", "elbow", "wrist"))
         across = np.sin(outward) * (1.0 if side == "left" else -1.0)
@@ -272,41 +272,35 @@ class _Posture:
             angles, _ = self._solve(joints, residual, first)
         else:
             random = np.random.default_rng(0)
-            ranges = np.clip([tree.range(j) for j in joints], -np.pi, np.pi)
+            ranges = np.clip([posed.range(j) for j in joints], -np.pi, np.pi)
             starts = [own, *(random.uniform(ranges[:, 0], ranges[:, 1]) for _ in range(STARTS))]
             angles, _ = min((self._solve(joints, residual, start) for start in starts), key=lambda found: found[1])
         self.qpos[columns] = angles
-        tree.place(self.qpos)
+        posed.place(self.qpos)
         off = directions()
         return angles, float(max(np.linalg.norm(off[:3]), np.linalg.norm(off[3:])))
 
     def _mirrored(self, left: Array) -> Array | None:
         """The left arm's angles as the right arm's, if their joints mirror each other."""
-        tree = self._tree
-        tree.place(self._base)
+        posed = self._posed
+        posed.place(self._base)
         if len(self._body.groups["left_arm"]) != len(self._body.groups["right_arm"]):
             return None
         pairs = list(zip(self._body.groups["left_arm"], self._body.groups["right_arm"], strict=True))[: len(left)]
-        signs = [float(np.dot(tree.axis(a)[1] * (-1, 1, -1), tree.axis(b)[1])) for a, b in pairs]
+        signs = [float(np.dot(posed.axis(a)[1] * (-1, 1, -1), posed.axis(b)[1])) for a, b in pairs]
         return np.sign(signs) * left if min(abs(s) for s in signs) > 0.9 else None
 
     def _clearance(self) -> float:
         """Distance of forearms and hands from trunk, pelvis and legs [m]."""
-        tree = self._tree
-        tree.place(self.qpos)
-        arms = {s: tree.subtree(tree.link_of(self._body.groups[f"{s}_arm"][0])) for s in ("left", "right")}
-        rest = [link for link in tree.links if link not in {*arms["left"], *arms["right"]}]
-        body, apart = tree.touching(rest), np.inf
-        ends = np.zeros(6)
-        for side in arms:
-            outer = tree.subtree(tree.link_of(self._points.bends[f"{side}_arm"]))
-            for g in tree.touching(outer):
-                for other in body:
-                    apart = min(apart, mujoco.mj_geomDistance(tree.model, tree.data, g, other, 0.1, ends))
-        return float(min(apart, 0.1))
+        posed = self._posed
+        posed.place(self.qpos)
+        arms = {s: posed.subtree(posed.link_of(self._body.groups[f"{s}_arm"][0])) for s in ("left", "right")}
+        body = [link for link in posed.links if link not in {*arms["left"], *arms["right"]}]
+        ends = [posed.subtree(posed.link_of(self._points.bends[f"{side}_arm"])) for side in SIDES]
+        return min(posed.distance(end, body, CLEARANCE_SEEN) for end in ends)
 
 
-def angles_by_name(tree: Tree, rest: Rest, joints: Sequence[int]) -> Mapping[str, float]:
+def angles_by_name(posed: PosedModel, rest: Rest, joints: Sequence[int]) -> Mapping[str, float]:
     """Angles of joints that are not zero [rad], rounded."""
-    values = {tree.joint_name(j): round(float(rest.qpos[tree.model.jnt_qposadr[j]]), 4) for j in joints}
+    values = {posed.joint_name(j): round(float(rest.qpos[posed.model.jnt_qposadr[j]]), 4) for j in joints}
     return {name: value for name, value in values.items() if abs(value) > 1e-3}

@@ -18,9 +18,9 @@ DIGITS = 5  # of lengths [m]
 
 def robot_file(found: Guess, folder: Path) -> str:
     """The text (TOML) of a guess, for a file in a folder."""
-    tree, body = found.tree, found.body
+    posed, body = found.posed, found.body
     model = Path(os.path.relpath(found.path.resolve(), folder.resolve())).as_posix()
-    label = str(tree.model.names[: tree.model.names.index(b"\0")].decode()) or found.path.stem
+    label = str(posed.model.names[: posed.model.names.index(b"\0")].decode()) or found.path.stem
     lines = [
         "# Guessed by `sot robot new`: look at the picture beside it, and at what it was not sure of.",
         f"label = {_string(label)}",
@@ -30,11 +30,11 @@ def robot_file(found: Guess, folder: Path) -> str:
     if found.rest.key and not body.locked:
         lines.append(f"rest = {_string(found.rest.key)} # a key frame of the model")
     else:
-        lines += ["", "[rest] # rad; the others are zero", *_numbers(angles_by_name(tree, found.rest, moving))]
+        lines += ["", "[rest] # rad; the others are zero", *_numbers(angles_by_name(posed, found.rest, moving))]
     if body.locked:
-        angles = {tree.joint_name(j): float(found.rest.qpos[tree.model.jnt_qposadr[j]]) for j in body.locked}
+        angles = {posed.joint_name(j): float(found.rest.qpos[posed.model.jnt_qposadr[j]]) for j in body.locked}
         lines += ["", "[locked] # rad or m: no joints of the robot", *_numbers(angles)]
-    tree.place(found.start)
+    posed.place(found.start)
     lines += ["", "[points] # name = a place in a frame of the model [m]"]
     lines += [f"{name} = {_point(found, found.points.places[name])}" for name in (*POINTS, *TOES)]
     lines += ["", "[soles] # corners in the foot's frame [m]"]
@@ -43,7 +43,7 @@ def robot_file(found: Guess, folder: Path) -> str:
         lines.append(f"{side}_foot = [{', '.join(_vector(corner - foot.at) for corner in corners)}]")
     lines += ["", "[groups]"]
     for group, joints in body.groups.items():
-        lines.append(f"{group} = [{', '.join(_string(tree.joint_name(j)) for j in joints)}]")
+        lines.append(f"{group} = [{', '.join(_string(posed.joint_name(j)) for j in joints)}]")
     lines += ["", "[limits]"]
     lines.append(f"acceleration = {ACCELERATION} # rad/s², for references and braking")
     lines.append(f"acceleration_hard = {ACCELERATION_HARD} # rad/s², bound of a tick")
@@ -53,14 +53,14 @@ def robot_file(found: Guess, folder: Path) -> str:
             lines.insert(lines.index("[limits]") + 1, f"{name} = {next(iter(values.values()))} # {unit}")
         elif values:
             lines += ["", f"[limits.{name}] # {unit}", *_numbers(values)]
-    tree.place(found.rest.qpos)
+    posed.place(found.rest.qpos)
     return "\n".join(lines) + "\n"
 
 
 def _point(found: Guess, point: Point) -> str:
-    data = found.tree.data
+    data = found.posed.data
     offset = data.xmat[point.link].reshape(3, 3).T @ (point.at - data.xpos[point.link])
-    name = _string(found.tree.name(point.link))
+    name = _string(found.posed.name(point.link))
     if np.abs(offset).max() < 0.5 * 10.0**-DIGITS:
         return name
     return f"{{ frame = {name}, position = {_vector(offset)} }}"

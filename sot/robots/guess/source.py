@@ -1,107 +1,106 @@
-"""The MuJoCo model that a guess starts from: bodies, joints and the geometry of a model file as it is."""
+"""The MuJoCo model that a guess starts from: bodies, joints and geometry of a model file, its meshes as hulls."""
 
+from dataclasses import replace
 from pathlib import Path
 
-import coal
 import mujoco
 import numpy as np
 import pinocchio as pin
+from scipy.spatial import ConvexHull, QhullError
 
 from sot.errors import InputError
+from sot.robots.mjcf import mjcf_spec
+from sot.robots.solid import Solid, fitted_primitive
+from sot.robots.urdf import solid_or_mesh
+
+BASE = 1  # Pinocchio's joint of the floating base
 
 
 def original_model(path: Path) -> mujoco.MjModel:
-    """The compiled model of an MJCF or a URDF, with a free base and its own meshes.
+    """The compiled model of an MJCF or a URDF (`.urdf`), its base free, with all of its joints.
+
+    Unlike `sot.robots.reading.read_model`, it takes a robot that still has fingers that slide and joints that follow
+    others, and keeps the meshes' own hulls: what a robot file has to say of these is yet to be found out.
 
     Raises:
         InputError: the file cannot be read.
     """
     try:
-        if path.suffix == ".urdf":
-            return _from_urdf(path)
-        return mujoco.MjSpec.from_file(str(path)).compile()
-    except (ValueError, RuntimeError, IndexError) as error:
-        raise InputError(f"{path}: cannot be read: {str(error).splitlines()[0]}") from None
+        spec = _urdf_spec(path) if path.suffix.lower() == ".urdf" else mjcf_spec(path)
+        spec.compiler.balanceinertia = True
+        _free_base(spec)
+        return spec.compile()
+    except (ValueError, RuntimeError, IndexError, OSError, mujoco.FatalError) as error:
+        raise InputError(f"{path}: cannot be read: {' '.join(str(error).split())}") from None
 
 
-def _from_urdf(path: Path) -> mujoco.MjModel:
+def _free_base(spec: mujoco.MjSpec) -> None:
+    """Free the root of the largest tree, if the model fixes it to the world."""
+    roots = list(spec.worldbody.bodies)
+    if not roots:
+        raise ValueError("there is no body in it")
+    base = max(roots, key=lambda root: len(root.find_all(mujoco.mjtObj.mjOBJ_JOINT)))
+    if not base.joints:
+        base.add_freejoint(name="root")
+
+
+def _urdf_spec(path: Path) -> mujoco.MjSpec:
+    """A URDF as Pinocchio reads it: MuJoCo stops at meshes it has no format for."""
     folders = [str(folder) for folder in path.resolve().parents]
     model = pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
     spec = mujoco.MjSpec()
     spec.modelname = model.name
     spec.compiler.degree = False
-    spec.compiler.balanceinertia = True
-    spec.compiler.boundmass = 1e-6
-    spec.compiler.boundinertia = 1e-9
-    bodies = {0: spec.worldbody}
+    spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
+    spec.compiler.boundmass, spec.compiler.boundinertia = 1e-6, 1e-9
     data = model.createData()
     pin.computeJointJacobians(model, data, pin.neutral(model))
-    for j in range(1, model.njoints):
-        name = next(f.name for f in model.frames if f.parentJoint == j and f.type == pin.FrameType.BODY)
-        place, inertia = model.jointPlacements[j], model.inertias[j]
-        body = bodies[model.parents[j]].add_body(name=name, pos=place.translation, quat=_wxyz(place.rotation))
-        bodies[j] = body
-        if j == 1:
-            body.add_freejoint(name="root")
-        else:
-            v, q = model.joints[j].idx_v, model.joints[j].idx_q
-            axis = data.oMi[j].rotation.T @ data.J[3:, v]
-            kind = mujoco.mjtJoint.mjJNT_HINGE
-            if not axis.any():
-                axis, kind = data.oMi[j].rotation.T @ data.J[:3, v], mujoco.mjtJoint.mjJNT_SLIDE
-            effort = model.upperEffortLimit[v]
-            body.add_joint(
-                name=model.names[j],
-                type=kind,
-                axis=axis,
-                range=[model.lowerPositionLimit[q], model.upperPositionLimit[q]],
-                limited=True,
-                actfrcrange=[-effort, effort],
-                actfrclimited=effort > 0,
-            )
-        inertial = inertia.inertia
+    bodies = {0: spec.worldbody}
+    for joint in range(BASE, model.njoints):
+        place, inertia = model.jointPlacements[joint], model.inertias[joint]
+        frames = (f for f in model.frames if f.parentJoint == joint and f.type == pin.FrameType.BODY)
+        name = str(next(frames).name)
+        body = bodies[model.parents[joint]].add_body(name=name, pos=place.translation, quat=_wxyz(place))
+        bodies[joint] = body
+        turning = inertia.inertia
         body.explicitinertial = True
-        body.mass = inertia.mass
-        body.ipos = inertia.lever
-        body.fullinertia = [*np.diag(inertial), inertial[0, 1], inertial[0, 2], inertial[1, 2]]
+        body.mass, body.ipos = inertia.mass, inertia.lever
+        body.fullinertia = [*np.diag(turning), turning[0, 1], turning[0, 2], turning[1, 2]]
+        if joint > BASE:
+            _add_joint(body, model, data, joint)
     for kind, visible in ((pin.GeometryType.COLLISION, False), (pin.GeometryType.VISUAL, True)):
-        geometry = pin.buildGeomFromUrdf(model, str(path), kind, package_dirs=folders)
-        for shape in geometry.geometryObjects:
-            _add(spec, bodies[shape.parentJoint], shape, visible)
-    return spec.compile()
+        for shape in pin.buildGeomFromUrdf(model, str(path), kind, package_dirs=folders).geometryObjects:
+            replace(_solid(shape), name="").add_to(spec, bodies[shape.parentJoint], visible)
+    return spec
 
 
-def _add(spec: mujoco.MjSpec, body, shape: pin.GeometryObject, visible: bool) -> None:  # type: ignore[no-untyped-def]
-    place, solid = shape.placement, shape.geometry
-    common = {"pos": place.translation, "quat": _wxyz(place.rotation), "group": 2 if visible else 3}
-    if visible:
-        common |= {"contype": 0, "conaffinity": 0}
-    kinds = mujoco.mjtGeom
-    match solid:
-        case coal.Box():
-            body.add_geom(type=kinds.mjGEOM_BOX, size=solid.halfSide, **common)
-        case coal.Sphere():
-            body.add_geom(type=kinds.mjGEOM_SPHERE, size=[solid.radius, 0, 0], **common)
-        case coal.Capsule():
-            body.add_geom(type=kinds.mjGEOM_CAPSULE, size=[solid.radius, solid.halfLength, 0], **common)
-        case coal.Cylinder():
-            body.add_geom(type=kinds.mjGEOM_CYLINDER, size=[solid.radius, solid.halfLength, 0], **common)
-        case coal.BVHModelBase():
-            vertices = np.asarray(solid.vertices())
-            name = f"{shape.name}_{visible}"
-            solid.buildConvexHull(True, "Qt") if hasattr(solid, "buildConvexHull") else None
-            hull = vertices
-            mesh = spec.add_mesh(name=name)
-            mesh.uservert = hull.ravel()
-            mesh.userface = _faces(solid).ravel()
-            mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
-            body.add_geom(type=kinds.mjGEOM_MESH, meshname=name, **common)
+def _add_joint(body: mujoco.MjsBody, model: pin.Model, data: pin.Data, joint: int) -> None:
+    v, q = model.idx_vs[joint], model.idx_qs[joint]
+    turn, slide = (data.oMi[joint].rotation.T @ data.J[rows, v] for rows in (slice(3, 6), slice(0, 3)))
+    kind = mujoco.mjtJoint.mjJNT_HINGE if turn.any() else mujoco.mjtJoint.mjJNT_SLIDE
+    own = body.add_joint(name=model.names[joint], type=kind, axis=turn if turn.any() else slide)
+    limited = model.nqs[joint] == 1
+    own.limited = mujoco.mjtLimited.mjLIMITED_TRUE if limited else mujoco.mjtLimited.mjLIMITED_FALSE
+    if limited:
+        own.range = [model.lowerPositionLimit[q], model.upperPositionLimit[q]]
+    effort = model.upperEffortLimit[v]
+    own.actfrclimited = mujoco.mjtLimited.mjLIMITED_TRUE if effort > 0.0 else mujoco.mjtLimited.mjLIMITED_FALSE
+    own.actfrcrange = [-effort, effort]
 
 
-def _faces(solid: coal.BVHModelBase) -> np.ndarray:
-    return np.array([[int(solid.tri_indices(k)[i]) for i in range(3)] for k in range(solid.num_tris)])
+def _solid(shape: pin.GeometryObject) -> Solid:
+    """A shape of a URDF; of a mesh its convex hull."""
+    solid = solid_or_mesh(shape)
+    if isinstance(solid, Solid):
+        return solid
+    try:
+        vertices = solid.vertices[ConvexHull(solid.vertices).vertices]
+    except QhullError:  # flat
+        return fitted_primitive([solid])
+    centre = vertices.mean(axis=0)
+    return Solid("", "hull", np.zeros(3), pin.SE3(np.eye(3), centre), vertices - centre, rgba=solid.rgba)
 
 
-def _wxyz(rotation: np.ndarray) -> list[float]:
-    x, y, z, w = pin.Quaternion(rotation).coeffs()
+def _wxyz(place: pin.SE3) -> list[float]:
+    x, y, z, w = pin.Quaternion(place.rotation).coeffs()
     return [w, x, y, z]

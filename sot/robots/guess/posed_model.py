@@ -1,6 +1,6 @@
-"""The links and joints of a MuJoCo model as a tree, and where its geometry is: what guesses are made from."""
+"""The links and joints of a MuJoCo model as a posed, and where its geometry is: what guesses are made from."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
@@ -8,12 +8,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-WORLD = 0
 ROUND_SAMPLES = 24  # directions in which a round shape is sampled
 VISUAL_GROUP = 2  # highest group in which models keep what is only seen, by convention
 
 
-class Tree:
+class PosedModel:
     """A model whose bodies without joints are counted as part of the link that carries them.
 
     Everything is in the world, at the configuration that `place` was given last; at first that of the model.
@@ -55,10 +54,12 @@ class Tree:
         return [j for j in range(self.model.njnt) if self.model.jnt_type[j] != mujoco.mjtJoint.mjJNT_FREE]
 
     def name(self, link: int) -> str:
-        return str(self.model.body(link).name)
+        """Of a link; one that the model does not name is numbered."""
+        return str(self.model.body(link).name) or f"body_{link}"
 
     def joint_name(self, joint: int) -> str:
-        return str(self.model.joint(joint).name)
+        """Of a joint; one that the model does not name is called after its link."""
+        return str(self.model.joint(joint).name) or f"{self.name(self.link_of(joint))}_joint"
 
     def parent(self, link: int) -> int:
         """The link that carries another; the world (0) carries the base."""
@@ -89,7 +90,7 @@ class Tree:
         return next(link for link in self.ancestry(first) if link in others)
 
     def way(self, start: int, end: int) -> list[int]:
-        """Links from one to another through the tree, both included."""
+        """Links from one to another through the posed, both included."""
         top = self.common_ancestor(start, end)
         up, down = self.ancestry(start), self.ancestry(end)
         return up[: up.index(top) + 1] + down[: down.index(top)][::-1]
@@ -105,10 +106,7 @@ class Tree:
 
     def subtree(self, link: int) -> list[int]:
         """A link and all that it carries."""
-        return [b for b in self.links if link in self.ancestry_or_self(b)]
-
-    def ancestry_or_self(self, link: int) -> list[int]:
-        return self.ancestry(link)
+        return [b for b in self.links if link in self.ancestry(b)]
 
     def moves_about_one_axis(self, joint: int) -> bool:
         return bool(self.model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE)
@@ -141,6 +139,19 @@ class Tree:
     def surface(self, geoms: Sequence[int]) -> Array:
         """Points (n, 3) on the surfaces of geoms: corners, and samples of what is round, its lowest points included."""
         return np.vstack([np.zeros((0, 3)), *(self._surface(g) for g in geoms)])
+
+    def distance(self, first: Sequence[int], second: Sequence[int], most: float) -> float:
+        """Least distance of what can touch of some links and of others [m], negative where they overlap; `most` if they
+        are no nearer."""
+        ends, apart, reach = np.zeros(6), most, self.model.geom_rbound
+        others = self.touching(second)
+        for a in self.touching(first):
+            for b in others:
+                centres = float(np.linalg.norm(self.data.geom_xpos[a] - self.data.geom_xpos[b]))
+                if centres - reach[a] - reach[b] < apart:
+                    found = mujoco.mj_geomDistance(self.model, self.data, a, b, most, ends)
+                    apart = min(apart, float(found))
+        return apart
 
     def _surface(self, geom: int) -> Array:
         place, turn = self.data.geom_xpos[geom], self.data.geom_xmat[geom].reshape(3, 3)
@@ -180,15 +191,6 @@ class Tree:
     def mass(self, link: int) -> float:
         """Of a link and all that it carries [kg]."""
         return float(self.model.body_subtreemass[link])
-
-
-def mirrored(point: Array) -> Array:
-    """On the other side of the robot."""
-    return point * (1.0, -1.0, 1.0)
-
-
-def unique(items: Iterator[int]) -> list[int]:
-    return list(dict.fromkeys(items))
 
 
 def _ball(turn: Array) -> Array:
