@@ -6,10 +6,10 @@ import numpy as np
 import pinocchio as pin
 
 from scenarios.robots.findings import Finding, Severity
+from scenarios.robots.standing import LEG_JOINTS
 from sot.robots.robot import Robot
 from sot.robots.robot_file import SIDED
 
-LEG_JOINTS = 6  # that hold a foot in place and orientation under a body that moves
 STRAIGHT = 0.985  # share of its length beyond which a leg cannot push
 WEAK, USUAL = 0.05, (0.2, 0.6)  # efforts of a leg's joints, as shares of weight times leg length: little, and usual
 GRAVITY = 9.81  # m/s²

@@ -3,16 +3,12 @@
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 from scenarios.robots.findings import Finding, Severity
 from sim.convert import state_to_mujoco
 from sim.scene import build_model
 from sot.robots.guess.posed_model import PosedModel
 from sot.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 FLOOR_TOLERANCE = 1e-3  # m, below which something is on the floor
 SMALLER_SHARE = 0.1  # share of a sole's length that is told when corners leave it out
@@ -45,7 +41,7 @@ def sole_findings(robot: Robot, posed: PosedModel) -> Iterator[Finding]:
         corners = posed.data.site_xpos[site.id][:2] + robot.sole(foot)[:, :2]
         points = posed.surface(posed.touching([link]))
         low = points[points[:, 2] < points[:, 2].min() + FLOOR_TOLERANCE][:, :2]
-        short = max(_outside(corners, point) for point in low)
+        short = max((corners.min(axis=0) - low.min(axis=0)).max(), (low.max(axis=0) - corners.max(axis=0)).max())
         if short > SMALLER_SHARE * np.ptp(corners[:, 0]):
             what = f"the sole is {1e3 * short:.0f} mm smaller than what touches the floor"
             yield Finding(Severity.NOTES, what, f"soles.{foot}", "larger corners would give balance more room")
@@ -55,12 +51,3 @@ def sole_findings(robot: Robot, posed: PosedModel) -> Iterator[Finding]:
             what = f"a link that is no foot is {1e3 * points[:, 2].min():.1f} mm above the floor at rest"
             remedy = "its shape is too large, or the rest posture too low: it will meet the floor"
             yield Finding(Severity.STOPS, what, posed.name(link), remedy)
-
-
-def _outside(corners: Array, place: Array) -> float:
-    """How far a place (2,) is outside the convex hull of corners (n, 2) [m]."""
-    try:
-        hull = ConvexHull(corners)
-    except (QhullError, ValueError):
-        return float(np.linalg.norm(corners - place, axis=1).min())
-    return max(0.0, float((hull.equations @ np.append(place, 1.0)).max()))

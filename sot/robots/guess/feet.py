@@ -9,10 +9,10 @@ from scipy.spatial import ConvexHull, QhullError
 from sot.errors import InputError
 from sot.robots.guess.evidence import Evidence, Sureness
 from sot.robots.guess.posed_model import PosedModel
+from sot.robots.soles import FLATNESS_TOLERANCE
 
 Array = NDArray[np.float64]
 
-SOLE_DEPTH = 0.001  # share of the robot's height: what is no higher than that above the lowest point is sole
 FLAT_SHARE = 0.5  # least share of a foot's outline that its sole covers, if the foot stands flat
 LEVEL = 0.01  # share of the height by which the two feet may differ
 SOLE_CORNERS = 6  # that a sole has at most
@@ -94,11 +94,11 @@ def _standing(posed: PosedModel, leaf: int, lowest: dict[int, float], tolerance:
     return foot
 
 
-def sole(posed: PosedModel, foot: int, height: float) -> tuple[Array, float]:
+def sole(posed: PosedModel, foot: int) -> tuple[Array, float]:
     """Corners (n, 3) of what lies on the floor, counterclockwise, and the share of the foot that it covers."""
     points = posed.surface(posed.touching([foot]))
     floor = float(points[:, 2].min())
-    low = points[points[:, 2] < floor + SOLE_DEPTH * height]
+    low = points[points[:, 2] < floor + FLATNESS_TOLERANCE]
     hull, whole = _hull(low[:, :2]), _hull(points[:, :2])
     corners = _fewer(hull)
     return np.column_stack([corners, np.full(len(corners), floor)]), _area(hull) / max(_area(whole), 1e-12)

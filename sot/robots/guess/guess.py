@@ -75,7 +75,7 @@ def guess(path: Path) -> Guess:
     posed.place(start)
     body, said_body = find_body(posed, feet, heading)
     points, said_points = find_points(posed, body)
-    soles = {side: sole(posed, foot, body.height)[0] for side, foot in body.feet.items()}
+    soles = {side: sole(posed, foot)[0] for side, foot in body.feet.items()}
     limits, said_limits = find_limits(posed, body, points, path)
     rest, said_rest = find_rest(posed, body, points, start)
     posed.place(rest.qpos)
@@ -94,7 +94,7 @@ def _start(posed: PosedModel, feet: Feet, yaw: float) -> tuple[Array, Evidence]:
         start = turned(posed, yaw, np.array(qpos))
         posed.place(start)
         if stands_flat(posed, feet.links, feet.height):
-            corners, _ = sole(posed, feet.links[0], feet.height)
+            corners, _ = sole(posed, feet.links[0])
             long, wide = np.ptp(corners[:, 0]), np.ptp(corners[:, 1])
             found = f"{1e3 * long:.0f} × {1e3 * wide:.0f} mm, {len(corners)} corners"
             return start, Evidence("soles", found, f"what lies flat on the floor in {name}", Sureness.SURE)

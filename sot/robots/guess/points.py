@@ -117,7 +117,7 @@ def _limb(posed: PosedModel, joints: Sequence[int], end: Array) -> tuple[Array, 
 
 def _leg(posed: PosedModel, body: Body, side: str, places: dict[str, Point], evidence: list[Evidence]) -> int:
     joints, foot = list(body.groups[f"{side}_leg"]), body.feet[side]
-    corners, _ = sole(posed, foot, body.height)
+    corners, _ = sole(posed, foot)
     hip, knee, used, off = _limb(posed, joints, posed.axis(joints[-1])[0])
     below = joints[knee + 1 :]
     ankle, _, miss = meeting(posed, below, body.height) if below else (posed.data.xpos[foot].copy(), [], 0.0)

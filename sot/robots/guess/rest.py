@@ -50,7 +50,7 @@ class Rest:
 
 def stands_flat(posed: PosedModel, feet: Sequence[int], height: float) -> bool:
     """Whether both soles lie flat at one height in the configuration in which the tree is."""
-    soles = [sole(posed, foot, height) for foot in feet]
+    soles = [sole(posed, foot) for foot in feet]
     level = abs(soles[0][0][0, 2] - soles[1][0][0, 2]) < LEVEL * height
     return level and all(share > FLAT_SHARE for _, share in soles)
 
@@ -199,7 +199,7 @@ class _Posture:
         across = {s: float(self._place[f"{s}_ankle"]()[1]) for s in feet}
         ahead = {}
         for side, foot in self._body.feet.items():
-            corners, _ = sole(posed, foot, self._body.height)
+            corners, _ = sole(posed, foot)
             ahead[side] = float(corners[:, 0].mean() - self._place[f"{side}_ankle"]()[0])
         for _ in range(3):  # the centre of mass moves a little with the legs
             posed.place(self.qpos)
