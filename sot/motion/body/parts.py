@@ -94,7 +94,7 @@ class Head:
     """The neck, which points the head and turns its face."""
 
     def __init__(self, robot: Robot, targets: Targets):
-        self.columns: Indices = 6 + np.sort(robot.groups["head"])
+        self.columns: Indices = 6 + np.sort(np.array(robot.groups["head"], dtype=int))
         self._chains, self._targets = JointTree(robot), targets
         self._near, self._far = (robot.point(point) for point in SEGMENTS["head"])
 
@@ -134,7 +134,7 @@ def _moving_columns(robot: Robot, frame: int, joints: Sequence[int]) -> Indices:
     """Columns of y of the joints that move the origin of a frame."""
     middle = np.concatenate([robot.rest[:7], 0.5 * (robot.lower + robot.upper)])
     J = pin.computeFrameJacobian(robot.model, robot.model.createData(), middle, frame, pin.LOCAL)
-    return np.array([6 + j for j in sorted(joints) if np.abs(J[:3, 6 + j]).max() > MIN_LEVER])
+    return np.array([6 + j for j in sorted(joints) if np.abs(J[:3, 6 + j]).max() > MIN_LEVER], dtype=int)
 
 
 def _stacked_residuals(*residuals: tuple[float, Array, Array]) -> tuple[Array, Array]:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from solvers.banded import sparse_qp
 from sot.motion.feet.footwork import Foothold, Step
 from sot.motion.human.human import SIDES
-from sot.proximity import NEIGHBOUR_DISTANCE as NEXT
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -117,20 +116,15 @@ def _max_toe_in(reach: LegReach, thick: float) -> float:
 
 
 def _leg_distance_at_rest(robot: Robot) -> float:
-    """The distance between the legs at rest [m], without the feet and shapes that touch by design; infinite without
-    shapes."""
+    """The distance between the legs at rest [m], without the feet; infinite without shapes."""
     feet = {robot.model.frames[robot.point(foot)].parentJoint for foot in robot.feet}
     left, right = ({2 + joint for joint in robot.groups[f"{side}_leg"]} - feet for side in SIDES)
-    shapes = list(enumerate(robot.shapes.geometryObjects))
-    geometry = robot.shapes.copy()
-    geometry.removeAllCollisionPairs()
-    for first in [k for k, shape in shapes if shape.parentJoint in left]:
-        for second in [k for k, shape in shapes if shape.parentJoint in right]:
-            geometry.addCollisionPair(pin.CollisionPair(first, second))
-    results = geometry.createData()
-    pin.computeDistances(robot.model, robot.model.createData(), geometry, results, robot.rest)
-    distances = [result.min_distance for result in results.distanceResults]
-    return min((apart for apart in distances if apart >= NEXT), default=np.inf)
+    apart = np.inf
+    for pair, distance in zip(robot.shapes.collisionPairs, robot.rest_distances, strict=True):
+        first, second = (robot.shapes.geometryObjects[k].parentJoint for k in (pair.first, pair.second))
+        if (first in left and second in right) or (first in right and second in left):
+            apart = min(apart, float(distance))
+    return apart
 
 
 def standing_pairs(steps: Sequence[Step]) -> Iterator[tuple[int, int]]:
