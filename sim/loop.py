@@ -175,7 +175,7 @@ def _write_log_row(
     log.residual[k] = max(level.residual for level in solution.levels)
     if command.status in (Status.SECOND_SOLVER, Status.FAILED):
         log.fallbacks.append(_describe_fallback(t, solution))
-    shares = controller.schedule.transition_shares if controller.schedule is not None else {}
+    shares = controller.stack.transition_shares
     for place, ((_, tasks), level) in enumerate(zip(controller.stack.levels, solution.levels[1:], strict=True), 1):
         slack = level.error
         active = np.count_nonzero(level.active) if len(level.level.lower) else 0

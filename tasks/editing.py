@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from itertools import combinations
 
 from sot.control.pose import AXIS_NAMES
-from sot.control.schedule import TASK_RAMP, Schedule
+from sot.control.schedule import Schedule
 from sot.control.stack import Stack
 from sot.control.task import Task
+from sot.control.transition import TASK_RAMP
 from sot.motion.body.limb import reaching
 from sot.motion.edit import Change, Edit, edited_joints, edited_point
 from sot.motion.trajectory import Motion

@@ -73,6 +73,7 @@ class Tick:
         M: Mass matrix with the rotors' inertia, shape (nv, nv).
         h: Coriolis, centrifugal and gravity forces, and what the joints' damping and friction take, so that
             ``M v̇ + h = Sᵀ τ + Jᵀ φ``; shape (nv,).
+        finite: Whether all of the state is; nothing else here means anything if not.
         com, com_velocity, com_drift: Centre of mass, its velocity, and J̇ v, shape (3,).
     """
 
@@ -92,6 +93,7 @@ class Tick:
         self._points: dict[str, tuple[FrameState, Array]] = {}
         self._frames: dict[str, FrameState] = {}
         self._centroidal: tuple[Array, Array, Array] | None = None
+        self.finite = True
         self.update(0.0, robot.rest, np.zeros(robot.nv))
 
     def update(self, t: float, q: Array, v: Array) -> "Tick":
@@ -102,7 +104,7 @@ class Tick:
         pin.crba(model, data, q, pin.Convention.WORLD)
         pin.nonLinearEffects(model, data, q, v)
         pin.updateFramePlacements(model, data)
-        _write_bias_and_com(
+        self.finite = _write_bias_and_com(
             *(self._forces, self._base, self._A_g, self.mass, v, robot.damping, robot.friction),
             *(self.h, self.com_jacobian, self.com_velocity, self.com_drift),
         )
@@ -182,9 +184,14 @@ def _write_bias_and_com(
     com_jacobian: Array,
     com_velocity: Array,
     com_drift: Array,
-) -> None:
-    """Write h with joint losses, and the CoM's Jacobian, velocity and drift, from Pinocchio's forces and A_g."""
+) -> bool:
+    """Write h with joint losses, and the CoM's Jacobian, velocity and drift, from Pinocchio's forces and A_g.
+
+    Returns:
+        Whether the state that these come from is finite: one value of it that is not makes a sum of them so.
+    """
     h[:] = forces
+    total = 0.0
     for k in range(len(damping)):
         h[6 + k] += damping[k] * v[6 + k] + friction[k] * np.tanh(v[6 + k] / COULOMB_SPEED)
     for i in range(3):
@@ -194,7 +201,11 @@ def _write_bias_and_com(
             com_velocity[i] += com_jacobian[i, k] * v[k]
         # The force on the base that lets nothing accelerate but by J̇ v.
         com_drift[i] = (base[i, 0] * forces[0] + base[i, 1] * forces[1] + base[i, 2] * forces[2]) / mass
+        total += com_velocity[i] + com_drift[i]
     com_drift[2] -= GRAVITY
+    for k in range(len(h)):
+        total += h[k]
+    return bool(np.isfinite(total))
 
 
 @compiled
