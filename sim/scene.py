@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 
+from sim.own_scene import ALL_BITS, Scene, add_scene
 from sim.sensors import FloorSensors
 from sot.errors import InputError
 from sot.robots.robot import Robot
@@ -13,7 +14,6 @@ IMPRATIO = 10.0  # friction is that much stiffer than the normal force
 # centripetal, it does not average out, and feet walk off under a body that twists; on the default floor, soft with its
 # 20 ms, by centimetres a minute.
 FLOOR = (0.005, 1.0)  # time constant [s] and damping ratio
-ALL_BITS = 0x7FFFFFFF
 
 
 def read(robot: Robot) -> mujoco.MjSpec:
@@ -27,13 +27,16 @@ def read(robot: Robot) -> mujoco.MjSpec:
     return mujoco.MjSpec.from_file(str(robot.path))
 
 
-def build(robot: Robot, timestep: float, friction: float) -> mujoco.MjModel:
+def build_model(
+    robot: Robot, timestep: float = 0.001, friction: float = 0.7, scene: Scene | None = None
+) -> mujoco.MjModel:
     """The robot, driven by one torque motor a joint (Pinocchio's order), on a plane at z = 0.
 
     Args:
         robot: its model file is read anew; actuators and key frames in it are replaced.
         timestep: of the physics [s].
         friction: coefficient of every contact with the floor.
+        scene: what else is in the world.
 
     Raises:
         InputError: MuJoCo cannot read the model, or does not see the joints that Pinocchio sees.
@@ -44,10 +47,13 @@ def build(robot: Robot, timestep: float, friction: float) -> mujoco.MjModel:
         _add_floor(spec, friction)
         _add_lights(spec)
         _add_sensors(spec, robot)
+        if scene is not None:
+            add_scene(spec, scene)
         _set_options(spec, robot, timestep)
         return spec.compile()
     except ValueError as error:
-        raise InputError(f"{robot.path}: MuJoCo cannot read it: {str(error).splitlines()[0]}") from None
+        whole = "it" if scene is None else "it and the scene"
+        raise InputError(f"{robot.path}: MuJoCo cannot read {whole}: {str(error).splitlines()[0]}") from None
 
 
 def _drive(spec: mujoco.MjSpec, robot: Robot) -> None:

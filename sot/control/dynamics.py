@@ -81,8 +81,8 @@ class Dynamics:
             levels: Names and tasks of the levels below, in order.
 
         Raises:
-            InvalidRowsError: If a task's rows have a wrong shape or type. Values that are not finite are found in limits
-                and in what is new in this tick; for others see `first_invalid`.
+            InvalidRowsError: If a task's rows have a wrong shape or type. Values that are not finite are found in
+                limits and in rows that are new; for others see `first_invalid`.
             InputError: If a task raises anything.
         """
         all_levels = [("hard", hard), *levels]

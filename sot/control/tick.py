@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from solvers.compiled import compiled
 from sot.control.pose import PoseReference
+from sot.errors import InputError
 from sot.robots.robot import Robot
 
 Array = np.ndarray
@@ -54,6 +55,8 @@ class TickContact(Protocol):
 
     @property
     def force_count(self) -> int: ...
+
+    def wrench_map(self, tick: "Tick") -> Array: ...
 
     def max_normal_force(self, weight: float) -> float: ...
 
@@ -128,6 +131,42 @@ class Tick:
             )
             self._frames[point] = state
         return state
+
+    @property
+    def force_count(self) -> int:
+        """Number of force variables φ of all contacts in their present modes."""
+        count = 0
+        for contact in self.contacts:
+            count += contact.force_count
+        return count
+
+    def force_columns(self, point: str) -> slice:
+        """Where the forces of the contact at a point are in φ: the columns of rows with ``variable = "force"``.
+
+        φ has the force variables of all contacts, one after the other in the order of the stack, in N. What they are
+        depends on the contact's form and mode, see `sot.control.Contact`; `contact.wrench_map(tick)` says what they
+        amount to in any of them. None while the contact is off.
+
+        Raises:
+            InputError: If there is no contact at that point.
+        """
+        start = 0
+        for contact in self.contacts:
+            if contact.point == point:
+                return slice(start, start + contact.force_count)
+            start += contact.force_count
+        raise InputError(f"there is no contact '{point}': there are {', '.join(c.point for c in self.contacts)}")
+
+    def contact(self, point: str) -> TickContact:
+        """The contact at a point.
+
+        Raises:
+            InputError: If there is none.
+        """
+        for contact in self.contacts:
+            if contact.point == point:
+                return contact
+        raise InputError(f"there is no contact '{point}': there are {', '.join(c.point for c in self.contacts)}")
 
     @property
     def momentum(self) -> Array:
