@@ -10,10 +10,10 @@ from typing import Any
 
 from scenarios import stacks
 from scenarios.inputs import clips, edit_file
-from scenarios.inputs.stack_file import Composer, Composition, blamed, load_stack
+from scenarios.inputs.stack_file import Composer, Composition, blaming_stack_file, load_stack
 from sim.log import RunInfo
 from sim.loop import Run, run
-from sim.mismatch import AS_MODELLED, Mismatch
+from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.push import Push
 from sim.recording import recorder
 from sim.reporting import report, timeline
@@ -29,7 +29,7 @@ from sot.motion.feet import contact_file
 from sot.motion.plan import Plan, plan
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.whole_file import whole
+from sot.whole_file import atomic_write
 from tasks.editing import edit
 
 Tell = Callable[[str, float | None], object]
@@ -68,7 +68,7 @@ class Replay:
     rate: float = 1000.0
     mapping: Path | None = None
     pushes: tuple[Push, ...] = ()
-    mismatch: Mismatch = AS_MODELLED
+    mismatch: Mismatch = NO_MISMATCH
     contacts: Path | None = None
     edits: Path | None = None
 
@@ -117,11 +117,11 @@ def keep(danced: Dance, out: Path, tell: Tell, more: Mapping[str, Any] = Mapping
     tell("recording", None)
     out.mkdir(parents=True, exist_ok=True)
     wall = danced.run.wall_s + danced.record(out / RECORDING)
-    if timeline.changes(danced.run.log):
-        timeline.draw(out / TIMELINE, danced.run.log, danced.info, danced.motion.robot)
-    figures = report.report(danced.run.log, danced.info, wall, danced.motion, danced.plan)
+    if timeline.has_changes(danced.run.log):
+        timeline.write_timeline(out / TIMELINE, danced.run.log, danced.info, danced.motion.robot)
+    figures = report.run_report(danced.run.log, danced.info, wall, danced.motion, danced.plan)
     figures |= {"edits": list(danced.edits)} | dict(more)
-    report.write(figures, out / REPORT)
+    report.write_json(figures, out / REPORT)
     Traces.of(danced.run.log, danced.info, danced.motion).save(out / TRACES)
     return figures
 
@@ -134,7 +134,7 @@ def dance(request: Replay, tell: Tell) -> Dance:
     """
     make_solver(request.solver)  # before any work
     robot = Robot.load(request.robot)
-    edits = edit_file.read(request.edits) if request.edits else ()
+    edits = edit_file.read_edits(request.edits) if request.edits else ()
     for one in edits:
         one.check(robot)
     compose = load_stack(request.stack) if request.stack else _shipped
@@ -158,7 +158,7 @@ def perform(request: Replay, compose: Composer, motion: Motion, planned: Plan | 
     world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes)
     tell("starting (the first time on a machine this compiles, for half a minute)", None)
     _compile(motion)
-    with blamed(request.stack):
+    with blaming_stack_file(request.stack):
         done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
     info = RunInfo(
         clip=Path(request.clip).stem,
@@ -186,7 +186,7 @@ def composed(request: Replay, compose: Composer, motion: Motion) -> tuple[Stack,
     if not edits:
         return stack, schedule, ()
     schedule = schedule or Schedule()
-    with blamed(request.stack):
+    with blaming_stack_file(request.stack):
         return stack, schedule, tuple(edit(stack, schedule, motion, edits))
 
 
@@ -212,7 +212,7 @@ def retarget(request: Replay, out: Path, tell: Tell) -> Plan:
     if out.suffix == ".toml":
         contact_file.write(out, planned.travel.dancer if planned.travel else ())
         return planned
-    with whole(out) as place:
+    with atomic_write(out) as place:
         planned.motion.save(place)
     return planned
 
@@ -257,7 +257,7 @@ def _motion(request: Replay, robot: Robot, tell: Tell) -> tuple[Motion, Plan | N
         raise InputError(
             f"{request.clip}: a planned motion starts and ends at rest and is replayed whole; cut the clip"
         )
-    return Motion.load(clips.locate(request.clip), robot), None
+    return Motion.load(clips.find_clip(request.clip), robot), None
 
 
 def _plan(request: Replay, robot: Robot, tell: Tell) -> Plan:
@@ -269,7 +269,7 @@ def _plan(request: Replay, robot: Robot, tell: Tell) -> Plan:
 
 
 def _human(request: Replay) -> Human:
-    human = recognise(read(clips.locate(request.clip)), request.mapping)
+    human = recognise(read(clips.find_clip(request.clip)), request.mapping)
     if request.start or request.duration is not None:
         return human.slice(request.start, request.duration)
     return human

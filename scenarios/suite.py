@@ -60,7 +60,7 @@ def pieces(mocap: Path | None) -> list[Piece]:
         found = [Piece(path.stem, str(path)) for path in sorted([*mocap.glob("*.bvh"), *mocap.glob("*.amc")])]
         if not found:
             raise InputError(f"{mocap}: no clips (.bvh, .amc) there")
-    seconds = next(clip.seconds for clip in clips.clips() if clip.name == LONG)
+    seconds = next(clip.seconds for clip in clips.named_clips() if clip.name == LONG)
     starts = [k * PIECE_S for k in range(int(seconds // PIECE_S) + 1) if seconds - k * PIECE_S > 0.5 * PIECE_S]
     long = [Piece(f"{LONG} {start:.0f} s", LONG, start, min(PIECE_S, seconds - start)) for start in starts]
     return [*found, *long, Piece(LEAPS, LEAPS)]

@@ -12,7 +12,7 @@ Scene = Callable[[mujoco.MjSpec], object] | str
 
 PREFIX = "scene/"
 """Of the names in MJCF text, so that none is the robot's as well."""
-ALL_BITS = 0x7FFFFFFF
+ALL_COLLISION_BITS = 0x7FFFFFFF
 _NOT_ADDED = ("option", "size", "visual", "statistic", "keyframe")
 """Parts of MJCF text that are left out: the world has its own."""
 
@@ -40,7 +40,7 @@ def add_scene(spec: mujoco.MjSpec, scene: Scene) -> None:
             raise InputError(f"scene: MuJoCo cannot read it: {' '.join(str(error).split())}") from None
     for geom in spec.geoms:
         if (geom.contype or geom.conaffinity) and not any(geom is other for other in before):
-            geom.conaffinity = ALL_BITS
+            geom.conaffinity = ALL_COLLISION_BITS
 
 
 def _document(text: str) -> str:

@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from sim.own_scene import ALL_BITS, Scene, add_scene
+from sim.own_scene import ALL_COLLISION_BITS, Scene, add_scene
 from sim.sensors import FloorSensors
 from sot.errors import InputError
 from sot.robots.robot import Robot
@@ -13,10 +13,10 @@ IMPRATIO = 10.0  # friction is that much stiffer than the normal force
 # acceleration that the other joints' motion gives a sole: a standing foot creeps at J̇ v over that rate. Being mostly
 # centripetal, it does not average out, and feet walk off under a body that twists; on the default floor, soft with its
 # 20 ms, by centimetres a minute.
-FLOOR = (0.005, 1.0)  # time constant [s] and damping ratio
+FLOOR_SOLREF = (0.005, 1.0)  # time constant [s] and damping ratio
 
 
-def read(robot: Robot) -> mujoco.MjSpec:
+def robot_spec(robot: Robot) -> mujoco.MjSpec:
     """The robot alone, as its model file has it.
 
     Raises:
@@ -42,8 +42,8 @@ def build_model(
         InputError: MuJoCo cannot read the model, or does not see the joints that Pinocchio sees.
     """
     try:
-        spec = read(robot)
-        _drive(spec, robot)
+        spec = robot_spec(robot)
+        _add_motors(spec, robot)
         _add_floor(spec, friction)
         _add_lights(spec)
         _add_sensors(spec, robot)
@@ -56,7 +56,7 @@ def build_model(
         raise InputError(f"{robot.path}: MuJoCo cannot read {whole}: {str(error).splitlines()[0]}") from None
 
 
-def _drive(spec: mujoco.MjSpec, robot: Robot) -> None:
+def _add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:
     """Ideal torque motors with the robot's effort limits."""
     for unwanted in (*spec.actuators, *spec.keys):
         spec.delete(unwanted)
@@ -104,8 +104,8 @@ def _add_floor(spec: mujoco.MjSpec, friction: float) -> None:
         friction=[friction, 0.005, 0.0001],
         priority=1,
         condim=3,
-        solref=FLOOR,
-        conaffinity=ALL_BITS,
+        solref=FLOOR_SOLREF,
+        conaffinity=ALL_COLLISION_BITS,
     )
 
 

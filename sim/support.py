@@ -30,7 +30,7 @@ def planned_support(log: RunLog, motion: Motion) -> Iterator[tuple[np.ndarray, P
                 yield rows, support(motion.robot, Phase(phase.start, phase.end, standing))
 
 
-def support_sides(log: RunLog, motion: Motion) -> np.ndarray:
+def support_extents(log: RunLog, motion: Motion) -> np.ndarray:
     """Least and greatest x and y of the planned support at every tick [m], (T, 2, 2); nan without support."""
     sides = np.full((log.ticks, 2, 2), np.nan)
     for rows, polygon in planned_support(log, motion):

@@ -7,7 +7,7 @@ from math import ceil
 import mujoco
 import numpy as np
 
-from sim.mismatch import AS_MODELLED, Mismatch
+from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.own_scene import Scene
 from sim.push import Push, Pusher
 from sim.robot_state import RobotState
@@ -46,7 +46,7 @@ class World:
         self,
         robot: Robot,
         timestep: float = 0.001,
-        mismatch: Mismatch = AS_MODELLED,
+        mismatch: Mismatch = NO_MISMATCH,
         pushes: Sequence[Push] = (),
         scene: Scene | None = None,
     ):
@@ -111,7 +111,7 @@ class World:
 
     def contact_points(self) -> np.ndarray:
         """Position [m] and force of the floor on the robot [N] of each of their contacts (n, 6), world frame."""
-        return self._floor.points()
+        return self._floor.contact_points()
 
     def zmp(self) -> np.ndarray:
         """Measured zero-moment point (2,) on z = 0 [m], not a number where nothing is carried."""
@@ -119,7 +119,7 @@ class World:
 
     def touching(self) -> tuple[str, ...]:
         """Names of the bodies other than the feet that touch the floor, sorted."""
-        return self._floor.touching()
+        return self._floor.bodies_touching()
 
     def self_distance(self) -> float:
         """Least distance [m] between two parts of the robot that may collide, negative in collision; for low rates."""

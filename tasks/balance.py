@@ -10,7 +10,7 @@ from solvers.rows import Rows
 from sot.behaviours.displacement import Displacement
 from sot.control.task import Task
 from sot.control.tick import GRAVITY, Tick
-from sot.polygon import ANYWHERE, Polygon, nearest
+from sot.polygon import WHOLE_FLOOR, Polygon, nearest_point
 
 Array = np.ndarray
 PlaceReference = Callable[[float], Array]
@@ -75,7 +75,7 @@ class Balance(Task):
         self._feet = dict(feet or {})
         self._momentum = momentum
         self.k, self.kp, self.margin = k, kp, margin
-        self._polygon, self._displacement = ANYWHERE, Displacement.of(())
+        self._polygon, self._displacement = WHOLE_FLOOR, Displacement.of(())
         self._ramps, self._updated_at = [-1.0], -np.inf
 
     def rows(self, tick: Tick) -> Rows:
@@ -121,7 +121,7 @@ class Balance(Task):
         """
         standing = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load > 0.0]
         if not standing:
-            return ANYWHERE
+            return WHOLE_FLOOR
         soles = [tick.frame(contact.point).floor_projection(contact.vertices) for contact in standing]
         most = max(contact.load for contact in standing)
         full = np.concatenate([sole for sole, contact in zip(soles, standing, strict=True) if contact.load == most])
@@ -178,7 +178,7 @@ def _wanted_acceleration_and_zmp(
     for i in range(2):
         wanted[i] -= omega**2 * (error[i] + lag[i])
     wanted[2] += kp * error[2] + 2.0 * np.sqrt(kp) * rate[2]
-    return error, wanted, nearest(normals, offsets, z + lag + turned)
+    return error, wanted, nearest_point(normals, offsets, z + lag + turned)
 
 
 @compiled
@@ -196,5 +196,5 @@ def _feasible_lag(lag: Array, turned: Array, z: Array, pivot: Array, normals: Ar
     pivot alone has to stay inside.
     """
     whole, part = z + lag + turned, pivot + lag + turned
-    kept, given_up = nearest(normals, offsets, whole) - whole, nearest(normals, offsets, part) - part
+    kept, given_up = nearest_point(normals, offsets, whole) - whole, nearest_point(normals, offsets, part) - part
     return lag + (kept if kept @ kept <= given_up @ given_up else given_up)

@@ -11,7 +11,7 @@ from scenarios.kimoh2013 import planar_arm as arm
 from scenarios.kimoh2013.planar_arm import Track
 from sim.recording.columns import TIMELINE, Columns, css
 from sim.recording.recorder import recording
-from sim.reporting.chart import Curve, Panel, limits, write
+from sim.reporting.chart import Curve, Panel, limit_lines, write_panels
 
 Array = np.ndarray
 
@@ -37,7 +37,7 @@ def draw(path: Path, tracks: Mapping[str, Track], rate: float) -> None:
                 Curve(track.time, getattr(track, column)[:, joint] / degree, css(COLORS[name]), name)
                 for name, track in tracks.items()
             ]
-            curves += limits([e[joint] / degree for e in ends], end)
+            curves += limit_lines([e[joint] / degree for e in ends], end)
             panels.append(Panel(f"joint {joint + 1}", "s", words, curves))
     for k, task in enumerate(arm.TASKS):
         curves = []
@@ -46,7 +46,7 @@ def draw(path: Path, tracks: Mapping[str, Track], rate: float) -> None:
                 size = np.log10(np.abs(ERROR_FACTORS[k] * track.error[:, k]))
             curves.append(Curve(track.time, size, css(COLORS[name]), name))
         panels.append(Panel(f"error of {task}", "s", f"log10 |error / {ERROR_UNITS[k]}|", curves))
-    write(path, f"Three tasks of a planar arm under joint limits (Kim & Oh 3.3), {rate:g} Hz", panels, 3)
+    write_panels(path, f"Three tasks of a planar arm under joint limits (Kim & Oh 3.3), {rate:g} Hz", panels, 3)
 
 
 def record(path: Path, tracks: Mapping[str, Track], rate: float) -> None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.inputs.clips import locate
+from scenarios.inputs.clips import find_clip
 from scenarios.inputs.stack_file import Composer, Composition
 from scenarios.ramos2011.ramos_edits import (
     dancers_height,
@@ -37,7 +37,7 @@ from scenarios.replay import (
     perform,
 )
 from sim.reporting import report, timeline
-from sim.reporting.slides import LIGHT, SMOOTHED
+from sim.reporting.slides import LIGHT_LOAD_RANGE, SMOOTHING_WINDOW_S
 from sot.behaviours.rehearsal import rebalanced, rehearsed
 from sot.behaviours.sliding import Sliding
 from sot.control.contact import Contact
@@ -85,7 +85,7 @@ def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
     check_writable(out)
     robot = Robot.load(request.robot)
     tell("reading", None)
-    human = recognise(read(locate(request.clip)), request.mapping)
+    human = recognise(read(find_clip(request.clip)), request.mapping)
     start, duration = part(human, request.start, request.duration)
     tell("planning", None)
     human = human.slice(start, duration)
@@ -109,7 +109,7 @@ def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
     draw_thumbnails(out / "thumbnails.svg", three, title)
     draw_curves(out / "curves.svg", three, title)
     draw_scalogram(out / "scalogram.svg", three, title)
-    timeline.draw(out / TIMELINE, final.run.log, final.info, robot)
+    timeline.write_timeline(out / TIMELINE, final.run.log, final.info, robot)
     figures = {
         "scenario": "ramos",
         "clip": posture.info.clip,
@@ -127,7 +127,7 @@ def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
         "edits": list(final.edits),
     }
     figures = report.rounded(figures)
-    report.write(figures, out / REPORT)
+    report.write_json(figures, out / REPORT)
     return figures
 
 
@@ -228,8 +228,9 @@ def _slid(slide: dict[str, Any]) -> str:
         f"{slide['foot'].replace('_', ' ')} slides {1e2 * slide['way_m']:.1f} cm, {slide['start_s']:.1f} to "
         f"{slide['end_s']:.1f} s: it touches the floor for {100 * slide['contact']:.0f} % of the time, with "
         f"{100 * slide['load_min']:.0f} to {100 * slide['load_max']:.0f} % of the weight (means over "
-        f"{1e3 * SMOOTHED:.0f} ms; {100 * slide['light']:.0f} % of the ticks are between "
-        f"{100 * LIGHT[0]:.0f} and {100 * LIGHT[1]:.0f} %, the greatest {100 * slide['load_raw_max']:.0f} %); the ZMP "
+        f"{1e3 * SMOOTHING_WINDOW_S:.0f} ms; {100 * slide['light']:.0f} % of the ticks are between "
+        f"{100 * LIGHT_LOAD_RANGE[0]:.0f} and {100 * LIGHT_LOAD_RANGE[1]:.0f} %, "
+        f"the greatest {100 * slide['load_raw_max']:.0f} %); the ZMP "
         f"lies in the other foot for {100 * slide['zmp_inside']:.2f} % of the ticks"
     )
 

@@ -13,9 +13,9 @@ from sim.log import nearest_frames
 from sim.recording.columns import css
 from sim.recording.panels import MM
 from sim.recording.visuals import BONES
-from sim.reporting.chart import Curve, Field, Panel, write
+from sim.reporting.chart import Curve, Field, Panel, write_panels
 from sim.reporting.figures import Points
-from sot.motion.human.oscillation import BAND, Oscillation, find_oscillations
+from sot.motion.human.oscillation import BAND_HZ, Oscillation, find_oscillations
 from sot.motion.human.scalogram import scalogram
 from sot.motion.plan import PLAN_RATE
 
@@ -58,7 +58,7 @@ def draw_thumbnails(path: Path, three: Three, title: str) -> None:
                 across = k * APART - (ends[:, 1] - points["waist"][frame][1])
                 curves.append(Curve(across, ends[:, 2], SHADES[name], width=2.0))
         panels.append(Panel(name, "m, seen from the front", "m", curves, equal=True))
-    write(path, f"{title} at {', '.join(f'{t:.0f}' for t in moments)} s", panels, 1, ROW_OF_DANCERS)
+    write_panels(path, f"{title} at {', '.join(f'{t:.0f}' for t in moments)} s", panels, 1, ROW_OF_DANCERS)
 
 
 def draw_curves(path: Path, three: Three, title: str) -> None:
@@ -91,7 +91,7 @@ def draw_curves(path: Path, three: Three, title: str) -> None:
         Panel("7: right hand, height", "s", "mm", [dancer, *hand]),
         Panel("8: ZMP along Y", "s", "mm", _zmp(three)),
     ]
-    write(path, title, panels, 2)
+    write_panels(path, title, panels, 2)
 
 
 def _zmp(three: Three) -> list[Curve]:
@@ -127,7 +127,7 @@ def draw_scalogram(path: Path, three: Three, title: str) -> None:
     times = np.arange(0.0, 40.0, 1.0 / DRAWN_RATE)
     knee = swinging_knee(times)
     panels += _seen("made up, as the paper's", times, knee, find_oscillations(times, knee))
-    write(path, f"{title}: scalograms, 0 to the greatest amplitude", panels, 2)
+    write_panels(path, f"{title}: scalograms, 0 to the greatest amplitude", panels, 2)
 
 
 def swinging_knee(times: Array) -> Array:
@@ -143,8 +143,8 @@ def _seen(name: str, times: Array, angle: Array, found: Sequence[Oscillation]) -
     degrees = np.rad2deg(angle)
     trace = [Curve(times, degrees, SHADES["geometric"])]
     trace += [_within(times, degrees, (one.start, one.end), "#222", "") for one in found]
-    seen = scalogram(times, angle, BAND)
-    x, y = (np.linspace(span[0], span[-1], count) for span, count in ((seen.times, CELLS[1]), (BAND, CELLS[0])))
+    seen = scalogram(times, angle, BAND_HZ)
+    x, y = (np.linspace(span[0], span[-1], count) for span, count in ((seen.times, CELLS[1]), (BAND_HZ, CELLS[0])))
     columns = np.searchsorted(seen.times, x).clip(max=len(seen.times) - 1)
     swings = np.rad2deg(np.abs(seen.coefficients[:, columns]))
     values = np.array([np.interp(y, seen.frequencies, column) for column in swings.T]).T

@@ -8,7 +8,7 @@ import numpy as np
 from sim.log import RunLog, nearest_frames
 from sim.recording.columns import COLORS, SERIES
 from sim.recording.plots import Curves, Plot, States
-from sim.support import support_sides
+from sim.support import support_extents
 from sot.motion.balance.centroidal import GRAVITY
 from sot.motion.plan import PLAN_RATE, Plan
 from sot.motion.trajectory import Motion
@@ -65,7 +65,7 @@ def dcm(log: RunLog, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _balance(log: RunLog, motion: Motion) -> Tab:
-    sides = support_sides(log, motion)
+    sides = support_extents(log, motion)
     frames = log.rows_at(FRAME_RATE)
     zmps = np.stack([log.zmp_measured, log.zmp_control, log.zmp_planned], axis=2)
     names, ends = ("measured", "controller", "planned"), ("support, least", "support, greatest")

@@ -183,7 +183,7 @@ class Recovery(Stepping):
         place = self._home(tick, foot, beside)
         for _ in range(ROUNDS):
             # The support's edge between both feet moves by a part of what one of them does.
-            missing = xi - Polygon.hull(np.vstack([stands, place + sole])).inset(ROOM).nearest(xi)
+            missing = xi - Polygon.hull(np.vstack([stands, place + sole])).inset(ROOM).nearest_point(xi)
             if not missing.any():
                 break
             place = self._within(tick, place + missing, foot, beside)
@@ -212,5 +212,5 @@ def _rate(tick: Tick) -> float:
 
 def _ahead(tick: Tick, xi: Array, support: Polygon, span: float) -> Array:
     """Where ξ (2,) is some time from now [s] if a support does what it can."""
-    z = support.inset(EDGE).nearest(xi)
+    z = support.inset(EDGE).nearest_point(xi)
     return z + (xi - z) * np.exp(_rate(tick) * span)

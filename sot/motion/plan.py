@@ -29,7 +29,7 @@ from sot.motion.feet.travel import Travel
 from sot.motion.human.human import Human
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.smooth import ease, slow_part
+from sot.smooth import low_passed, minimum_jerk
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -242,9 +242,9 @@ def calmed(hips: Array, phases: Sequence[Phase]) -> Array:
     for phase in phases:
         if phase.sliding:
             inside = np.minimum(times - phase.start, phase.end - times)
-            share = np.maximum(share, ease(1.0 + inside / CALMING))
+            share = np.maximum(share, minimum_jerk(1.0 + inside / CALMING))
     calm = hips.copy()
-    calm[:, 2] += share * (slow_part(hips[:, 2], PLAN_RATE, BOUNCE_HZ) - hips[:, 2])
+    calm[:, 2] += share * (low_passed(hips[:, 2], PLAN_RATE, BOUNCE_HZ) - hips[:, 2])
     return calm
 
 

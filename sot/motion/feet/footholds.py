@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from solvers.banded import sparse_qp
 from sot.motion.feet.footwork import Stand, Step
 from sot.motion.human.human import SIDES
-from sot.proximity import ROOM as NEXT
+from sot.proximity import NEIGHBOUR_DISTANCE as NEXT
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sot.motion.human.human import Human
-from sot.smooth import slow_part
+from sot.smooth import low_passed
 
 Array = NDArray[np.float64]
 
@@ -32,7 +32,7 @@ class Way:
 
     @staticmethod
     def of(human: Human) -> "Way":
-        at = slow_part(human.points["waist"][:, :2], human.rate, PATH_HZ)
+        at = low_passed(human.points["waist"][:, :2], human.rate, PATH_HZ)
         count = max(2, round(human.duration / PIECE) + 1)
         ends = np.linspace(0.0, human.duration, count)
         middles = human.times[:-1] + 0.5 / human.rate
@@ -58,7 +58,7 @@ class Way:
 
 def path_length(places: Array, rate: float) -> float:
     """Length of the way through the room of places (T, 2) at a rate [Hz], swaying on the spot left out [m]."""
-    return _length(slow_part(places, rate, PATH_HZ))
+    return _length(low_passed(places, rate, PATH_HZ))
 
 
 def _length(way: Array) -> float:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sot.motion.human.human import SIDES, Human
 from sot.robots.robot import Robot
-from sot.smooth import slow_part
+from sot.smooth import low_passed
 
 Array = NDArray[np.float64]
 
@@ -71,11 +71,11 @@ def over_feet(human: Human, build: Build) -> Human:
     """
     ankles = np.mean([human.points[f"{side}_ankle"] for side in SIDES], axis=0)
     forward = np.sum([human.points[f"{side}_toe"] - human.points[f"{side}_ankle"] for side in SIDES], axis=0)
-    feet = slow_part(np.unwrap(np.arctan2(forward[:, 1], forward[:, 0])), human.rate, DRIFT_HZ)
+    feet = low_passed(np.unwrap(np.arctan2(forward[:, 1], forward[:, 0])), human.rate, DRIFT_HZ)
     pelvis = np.arctan2(human.frames["pelvis"][:, 1, 0], human.frames["pelvis"][:, 0, 0])
     twist = np.unwrap(np.angle(np.exp(1j * (pelvis - feet))))
     heading = feet + twist - np.clip(twist, -build.turn, build.turn)
-    origin = slow_part(ankles[:, :2], human.rate, DRIFT_HZ)
+    origin = low_passed(ankles[:, :2], human.rate, DRIFT_HZ)
     height = np.percentile(np.min([human.points[f"{side}_ankle"][:, 2] for side in SIDES], axis=0), STANDING)
 
     cosine, sine, nought = np.cos(heading), np.sin(heading), np.zeros_like(heading)

@@ -12,7 +12,7 @@ from sot.motion.feet.contacts import Phase
 from sot.motion.feet.footholds import Reach, separation
 from sot.motion.feet.footwork import Stand, Step
 from sot.robots.robot import Robot
-from sot.smooth import ease
+from sot.smooth import minimum_jerk
 
 Array = NDArray[np.float64]
 
@@ -115,7 +115,7 @@ def _swing(here: Stand, there: Stand, share: Array, lift: float) -> Array:
     """x, y, height and heading (n, 4) of a step, over the share of its time."""
     begin = np.array([here.x, here.y, 0.0, here.heading])
     end = np.array([there.x, there.y, 0.0, there.heading])
-    track = begin + ease(share)[:, None] * (end - begin)
+    track = begin + minimum_jerk(share)[:, None] * (end - begin)
     track[:, 2] = lift * _bump(share)
     return track
 

@@ -13,7 +13,7 @@ from sot.motion.feet.stance import LEAD, STANDING, Build
 from sot.motion.feet.tempo import Move, Tempo, at_clock, tempo
 from sot.motion.feet.timetable import GRID
 from sot.motion.human.human import SIDES, Human
-from sot.smooth import slow_part
+from sot.smooth import low_passed
 
 Array = NDArray[np.float64]
 
@@ -126,7 +126,7 @@ def slowed_travel(travel: Travel, clock: Array) -> Travel:
     times = np.arange(round(clock[-1] * human.rate) + 1) / human.rate
     return replace(
         travel,
-        human=human.at(np.interp(times, clock, human.times), human.rate),
+        human=human.resampled_at(np.interp(times, clock, human.times), human.rate),
         steps=tuple(Step(step.foot, late(step.lift), late(step.land)) for step in travel.steps),
         clock=np.interp(travel.clock, human.times, clock),
         footfalls=tuple(
@@ -196,7 +196,7 @@ def _moves(feet: Mapping[str, Ground], found: Sequence[Step], human: Human, reac
 def _warped(human: Human, pace: Tempo) -> Human:
     """The human at the robot's times."""
     times = np.arange(round(pace.clock[-1] * human.rate) + 1) / human.rate
-    return human.at(np.interp(times, pace.clock, human.times), human.rate)
+    return human.resampled_at(np.interp(times, pace.clock, human.times), human.rate)
 
 
 def _from_start(human: Human, own: Mapping[str, Sequence[Stand]], build: Build) -> Human:
@@ -246,4 +246,4 @@ def _between(values: Mapping[str, Array], steps: Sequence[Step], human: Human) -
             stands_here = (times >= begin) & (times <= end)
             total[stands_here] += value
             weight[stands_here] += 1.0
-    return slow_part(total / weight[:, None], human.rate, SHIFT_HZ)
+    return low_passed(total / weight[:, None], human.rate, SHIFT_HZ)

@@ -9,14 +9,14 @@ from sot.motion.feet.contacts import planted
 from sot.motion.feet.slides import REST, Slide, find_slide, slid_paths, slid_phases, slide_time
 from sot.motion.feet.support import BESIDE_SLIDE, supports
 from sot.motion.feet.swing import standing
-from sot.robots.robot import Robot, robots
+from sot.robots.robot import Robot, robot_names
 
 RATE = 50.0
 SECONDS = 40.0
 WAY = (0.08, 0.02, 0.1)
 
 
-@pytest.fixture(params=robots())
+@pytest.fixture(params=robot_names())
 def robot(request):
     return Robot.load(request.param)
 
