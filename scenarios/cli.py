@@ -23,10 +23,11 @@ from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.page import write_page
 from scenarios.peers import read_peer
 from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, check_writable, make_solver, replay, retarget
-from scenarios.studies import DANCED, SCENARIOS, own_solver, run_scenario
+from scenarios.studies import DANCED, SCENARIOS, is_file, own_solver, run_scenario
 from scenarios.suite import SUITES, bench_suite, pieces
 from scenarios.suite import show as show_suite
 from sim.reporting.report import print_table
+from sot.control import Task
 from sot.errors import InputError
 from sot.robots.robot import Robot, robot_names
 
@@ -108,7 +109,7 @@ def replay_command(
 
 @app.command("run")
 def run_command(
-    scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`.")],
+    scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`, or a file of your own (.py).")],
     clip: Annotated[str | None, typer.Option(help="For ramos: a file, or a name of `sot list clips`.")] = None,
     start: Start = 0.0,
     duration: Duration = None,
@@ -133,11 +134,11 @@ def run_command(
         pushes=pushes,
         mismatch=changed,
     )
-    folder = out or Path("runs") / scenario
+    folder = out or Path("runs") / Path(scenario).stem
     with _progress() as tell:
         report, show_own = run_scenario(scenario, clip, request, folder, tell)
     status = FELL if report.get("fell") else DONE
-    if scenario in DANCED:
+    if scenario in DANCED or is_file(scenario):
         status = _reported(report, folder)
     if show_own:
         show_own(report, output)
@@ -344,7 +345,8 @@ def _listed(kind: Kind) -> Iterator[tuple[str, ...]]:
                 yield name, _first_line(solver)
         case Kind.TASKS:
             for name in tasks.__all__:
-                yield name, _first_line(getattr(tasks, name))
+                if issubclass(getattr(tasks, name), Task):
+                    yield name, _first_line(getattr(tasks, name))
 
 
 def _first_line(thing: object) -> str:
