@@ -33,10 +33,11 @@ from scenarios.replay import (
     replay,
     retarget,
 )
-from scenarios.studies import MOTION_SCENARIOS, SCENARIOS, default_solver, run_scenario
+from scenarios.studies import MOTION_SCENARIOS, SCENARIOS, default_solver, is_file, run_scenario
 from scenarios.suite import SUITES, bench_suite, suite_pieces
 from scenarios.suite import show as show_suite
 from sim.reporting.report import print_table
+from sot.control import Task
 from sot.errors import InputError
 from sot.robots.robot import Robot, robot_names
 
@@ -118,7 +119,7 @@ def replay_command(
 
 @app.command("run")
 def run_command(
-    scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`.")],
+    scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`, or a file of your own (.py).")],
     clip: Annotated[str | None, typer.Option(help="For ramos: a file, or a name of `sot list clips`.")] = None,
     start: Start = 0.0,
     duration: Duration = None,
@@ -143,11 +144,11 @@ def run_command(
         pushes=pushes,
         mismatch=changed,
     )
-    folder = out or Path("runs") / scenario
+    folder = out or Path("runs") / Path(scenario).stem
     with _progress() as tell:
         report, show_own = run_scenario(scenario, clip, request, folder, tell)
     status = FELL if report.get("fell") else DONE
-    if scenario in MOTION_SCENARIOS:
+    if scenario in MOTION_SCENARIOS or is_file(scenario):
         status = _show_report(report, folder)
     if show_own:
         show_own(report, output)
@@ -354,7 +355,8 @@ def _list_rows(kind: Kind) -> Iterator[tuple[str, ...]]:
                 yield name, _first_line(solver)
         case Kind.TASKS:
             for name in tasks.__all__:
-                yield name, _first_line(getattr(tasks, name))
+                if issubclass(getattr(tasks, name), Task):
+                    yield name, _first_line(getattr(tasks, name))
 
 
 def _first_line(thing: object) -> str:

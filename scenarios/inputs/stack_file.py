@@ -1,6 +1,7 @@
 """A user's own stack, from a Python file with `stack(robot, motion)`; how it changes, and edits of the dance."""
 
 import importlib.util
+import sys
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -73,6 +74,7 @@ def load_module(path: Path) -> ModuleType:
     if not path.is_file() or spec is None or spec.loader is None:
         raise InputError(f"{path}: no such file, or not a Python file (.py)")
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # a data class looks for its module there
     with as_input_error(path):
         spec.loader.exec_module(module)
     return module
@@ -111,9 +113,13 @@ def as_input_error(path: Path) -> Iterator[None]:
 
 
 def _line_in_file(path: Path, error: Exception) -> int | None:
-    """The innermost line of the file that the exception came through."""
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame.lineno for frame in frames if Path(frame.filename).resolve() == path.resolve()]
+    """The innermost line of the file that the exception, or the one that caused it, came through."""
+    cause: BaseException | None = error
+    own: list[int | None] = []
+    while cause is not None:
+        frames = traceback.extract_tb(cause.__traceback__)
+        own += [frame.lineno for frame in frames if Path(frame.filename).resolve() == path.resolve()]
+        cause = cause.__cause__
     return own[-1] if own else None
 
 

@@ -32,12 +32,13 @@ FULL_FRICTION_SPEED = 0.002
 class Contact:
     """A flat surface of a body on level ground, with the forces at its vertices as variables.
 
-    Forms of its force variables φ:
+    Forms of its force variables φ [N], whose place among those of all contacts `Tick.force_columns` says:
 
-    - "pyramid": a force (x, y, z), in the point's axes, at each vertex, Ramos (3), in the friction pyramid of eight
-      sides inscribed in the cone; a foot that stands presses a little, at every vertex.
-    - "unilateral": the paper's reduced form, Ramos (7)-(9): the wrench at the frame and the vertices' normal forces,
-      linked by three equalities; pressure must not be negative, friction is not limited.
+    - "pyramid": a force (x, y, z), in the point's axes, at each vertex, Ramos (3), vertex after vertex, in the friction
+      pyramid of eight sides inscribed in the cone; a foot that stands presses a little, at every vertex.
+    - "unilateral": the paper's reduced form, Ramos (7)-(9): the wrench at the frame, force over moment in world axes,
+      and after it the vertices' normal forces, linked by three equalities; pressure must not be negative, friction is
+      not limited.
 
     Modes:
 

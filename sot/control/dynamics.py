@@ -7,12 +7,14 @@ from typing import Literal
 import numpy as np
 
 from solvers.compiled import compiled
-from solvers.rows import Level
+from solvers.rows import Level, Rows
 from sot.control.contact import Contact
-from sot.control.forms import Condensed, Form, Full, Units
+from sot.control.forms import Condensed, Form, Full, Units, variable_counts
 from sot.control.layout import Layout
+from sot.control.row_check import check_rows
 from sot.control.task import Task
 from sot.control.tick import Tick
+from sot.errors import InputError, InvalidRowsError
 from sot.robots.robot import Robot
 
 Array = np.ndarray
@@ -59,6 +61,9 @@ class Dynamics:
         self.units = Units.of(robot)
         self._layout: Layout | None = None
         self._key: list[object] = []
+        self._contacts: Sequence[Contact] = ()  # of the last tick
+        self._tasks: list[Task] = []  # likewise, those of level 0 first
+        self._rows: list[Rows] = []  # and what they returned
 
     def assemble(
         self,
@@ -74,18 +79,47 @@ class Dynamics:
             contacts: Contacts, those that are off included.
             hard: Limits of level 0.
             levels: Names and tasks of the levels below, in order.
+
+        Raises:
+            InvalidRowsError: If a task's rows have a wrong shape or type. Values that are not finite are found in
+                limits and in rows that are new; for others see `first_invalid`.
+            InputError: If a task raises anything.
         """
         all_levels = [("hard", hard), *levels]
-        rows = [task.rows(tick) for _, tasks in all_levels for task in tasks]
-        key: list[object] = [*contacts, *[contact.mode for contact in contacts], *[len(own.lower) for own in rows]]
-        for name, tasks in all_levels:
-            key += [name, *tasks]
+        self._contacts = contacts
+        self._tasks, self._rows = tasks, rows = [task for _, tasks in all_levels for task in tasks], []
+        try:
+            for task in tasks:
+                rows.append(task.rows(tick))
+        except InputError:
+            raise
+        except Exception as error:
+            raise InputError(f"task '{task.name}': {type(error).__name__}: {error}") from error
+        try:
+            key: list[object] = [*contacts, *[contact.mode for contact in contacts]]
+            key += [own.A.shape for own in rows]
+            key += [len(own.lower) for own in rows]
+        except (AttributeError, TypeError):
+            raise InvalidRowsError(self.first_invalid()) from None
+        for name, own_tasks in all_levels:
+            key += [name, *own_tasks]
         if self._layout is None or key != self._key:
+            self._layout, self._key = None, key
             form = _FORMS[self.name](self.robot, self.units, sum(contact.force_count for contact in contacts))
-            self._layout, self._key = Layout(form, contacts, all_levels, rows), key
+            self._layout = Layout(form, contacts, all_levels, rows)
         form = self._layout.form
         form.motion[:, : form.nv], form.bias = tick.M.T, tick.h  # M is symmetric, and so it lies in memory like motion
         return self._layout.write(tick, rows)
+
+    def first_invalid(self) -> str:
+        """Which task of the last tick returned rows that cannot be used, and why; empty if none did."""
+        counts = variable_counts(self.robot, sum(contact.force_count for contact in self._contacts))
+        for task, rows in zip(self._tasks, self._rows, strict=True):
+            try:
+                check_rows(task, rows, counts[task.variable])
+            except InvalidRowsError as error:
+                return str(error)
+        return ""
 
     def decode(self, x: Array) -> Decoded:
         """Read a solution of the levels that were assembled last."""

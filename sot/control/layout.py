@@ -11,8 +11,10 @@ from solvers.compiled import compiled
 from solvers.rows import Block, Equality, Level, Rows
 from sot.control.contact import Contact
 from sot.control.forms import Form
+from sot.control.row_check import check_rows
 from sot.control.task import Task
 from sot.control.tick import Tick
+from sot.errors import InvalidRowsError
 
 Array = np.ndarray
 
@@ -38,6 +40,9 @@ class Layout:
             (6, forces).
         contact_of_force: Number of the contact that each of these forces belongs to, shape (forces,).
         contact_positions: Points of the contacts that are not off, world, shape (contacts, 3) [m].
+
+    Raises:
+        InvalidRowsError: If rows have a wrong shape or type, or a value that is not finite.
     """
 
     def __init__(
@@ -64,6 +69,7 @@ class Layout:
                 )
             for task in tasks:
                 k, own = next(asked)
+                check_rows(task, own, form.counts[task.variable])
                 block = Block(
                     task.name, task.unit, task.weight, task.equality, _ROWS_NOT_PLACED, task.gives_way, task.labels
                 )
@@ -81,7 +87,11 @@ class Layout:
         self.levels[0].structure_key = self
 
     def write(self, tick: Tick, rows: Sequence[Rows]) -> list[Level]:
-        """Write the rows of a tick and return its levels; the form has the mass matrix and the bias already."""
+        """Write the rows of a tick and return its levels; the form has the mass matrix and the bias already.
+
+        Raises:
+            InvalidRowsError: If inequalities have bounds of another length than before, or hold nan.
+        """
         form, dynamics = self.form, self._dynamics
         for contact_rows in self._contact_rows:
             contact_rows.write(tick)
@@ -98,9 +108,12 @@ class Layout:
         for k, unit, task, bounds in self._inequalities:
             own = rows[k]
             if unit:
-                bounds.write_rows(own.A, own.weight * unit, own.lower, own.upper, own.weight)
+                valid = bounds.write_rows(own.A, own.weight * unit, own.lower, own.upper, own.weight)
             else:
-                bounds.write_torques(*form.torque_rows(own), own.lower, own.upper, own.weight)
+                valid = bounds.write_torques(*form.torque_rows(own), own.lower, own.upper, own.weight)
+            if not valid:
+                check_rows(task, own, form.counts[task.variable])
+                raise InvalidRowsError(f"task '{task.name}': its rows hold a value that is not finite")
             bounds.block.labels = task.labels
         for level in self.levels:
             level.clear_cache()
@@ -194,30 +207,49 @@ class _InequalityRows:
         """Take the views of the level's matrix and bounds to write to."""
         self._C, self._lower, self._upper = C[:, self._columns], lower, upper
 
-    def write_rows(self, A: Array, matrix_scale: float, lower: Array, upper: Array, bound_scale: float) -> None:
-        """Write ``lower <= A y <= upper``, times a scale of the bounds that is in the one of A already.
+    def write_rows(self, A: Array, matrix_scale: float, lower: Array, upper: Array, bound_scale: float) -> bool:
+        """Write ``lower <= A y <= upper``, the bounds times a scale that A's has in it; returns whether it is valid.
 
         A read-only array that was written last time has not changed since.
         """
         same, (matrix, least, most) = matrix_scale == self._last_scale, self._last_arrays
+        valid = True
         if not (same and (self._constant or (A is matrix and not A.flags.writeable))):
-            np.multiply(A, matrix_scale, out=self._C)
-        if not (same and lower is least and upper is most and not lower.flags.writeable):
-            _write_scaled(lower, upper, self._no_offset, bound_scale, self._lower, self._upper)
-        self._last_scale, self._last_arrays = matrix_scale, (A, lower, upper)
+            valid = _write_matrix(A, matrix_scale, self._C)
+        if valid and not (same and lower is least and upper is most and not lower.flags.writeable):
+            valid = _write_bounds(lower, upper, self._no_offset, bound_scale, self._lower, self._upper)
+        self._last_scale, self._last_arrays = matrix_scale if valid else None, (A, lower, upper)
+        return valid
 
-    def write_torques(self, B: Array, offset: Array, lower: Array, upper: Array, bound_scale: float) -> None:
-        """Write ``lower <= B x + offset <= upper``, times a scale."""
-        np.multiply(B, bound_scale, out=self._C)
-        _write_scaled(lower, upper, offset, bound_scale, self._lower, self._upper)
+    def write_torques(self, B: Array, offset: Array, lower: Array, upper: Array, bound_scale: float) -> bool:
+        """Write ``lower <= B x + offset <= upper``, times a scale; returns whether it is valid."""
+        written: bool = _write_matrix(B, bound_scale, self._C)
+        return written and _write_bounds(lower, upper, offset, bound_scale, self._lower, self._upper)
 
 
 @compiled
-def _write_scaled(
+def _write_matrix(A: Array, scale: float, to: Array) -> bool:
+    """Write a matrix of the same shape, scaled; returns whether all its values are finite."""
+    total = 0.0  # nan as soon as one is not
+    for i in range(A.shape[0]):
+        for k in range(A.shape[1]):
+            to[i, k] = scale * A[i, k]
+            total += 0.0 * A[i, k]
+    return total == 0.0
+
+
+@compiled
+def _write_bounds(
     lower: Array, upper: Array, offset: Array, bound_scale: float, to_lower: Array, to_upper: Array
-) -> None:
+) -> bool:
+    """Write bounds less an offset, scaled; returns whether there are as many as before, none of them nan."""
+    if len(lower) != len(to_lower) or len(upper) != len(to_upper):
+        return False
+    valid = True
     for k in range(len(lower)):
         to_lower[k], to_upper[k] = bound_scale * (lower[k] - offset[k]), bound_scale * (upper[k] - offset[k])
+        valid &= to_lower[k] == to_lower[k] and to_upper[k] == to_upper[k]
+    return valid
 
 
 @compiled
