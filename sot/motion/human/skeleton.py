@@ -11,6 +11,7 @@ import numpy as np
 from sot.errors import InputError
 from sot.motion.human.capture import Capture
 from sot.motion.human.human import SEGMENTS, SIDES, Human, nearest_rotations
+from sot.toml_file import read_toml
 
 LIMB_JOINTS = {"leg": ("hip", "knee", "ankle"), "arm": ("shoulder", "elbow", "wrist")}
 JOINT_ABOVE_TIP = {"wrist": "elbow", "toe": "ankle"}  # an unnamed tip is the farthest joint below this one
@@ -51,15 +52,10 @@ def naming_conventions() -> dict[str, JointAliases]:
     """Known naming conventions: name -> canonical joint -> the names it may have."""
     folder = files("sot.motion.human") / "skeletons"
     found = sorted((entry for entry in folder.iterdir() if entry.name.endswith(".toml")), key=lambda e: e.name)
-    return {entry.name.removesuffix(".toml"): _parse_aliases(entry.read_text("utf-8"), entry.name) for entry in found}
-
-
-def _parse_aliases(text: str, where: str) -> JointAliases:
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{where}: not a mapping of joints: {error}") from error
-    return _checked_aliases(table, where)
+    return {
+        entry.name.removesuffix(".toml"): _checked_aliases(tomllib.loads(entry.read_text("utf-8")), entry.name)
+        for entry in found
+    }
 
 
 def _checked_aliases(table: Mapping[str, object], where: str) -> JointAliases:
@@ -76,11 +72,7 @@ def _checked_aliases(table: Mapping[str, object], where: str) -> JointAliases:
 
 def _joints_from_mapping(capture: Capture, mapping: str | Path | Mapping[str, str]) -> dict[str, int]:
     if isinstance(mapping, str | Path):
-        try:
-            names = _parse_aliases(Path(mapping).read_text("utf-8"), str(mapping))
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"{mapping}: cannot be read as a mapping of joints: {error}") from error
-        where = str(mapping)
+        names, where = _checked_aliases(read_toml(Path(mapping), "a mapping of joints"), str(mapping)), str(mapping)
     else:
         names, where = _checked_aliases(mapping, "mapping"), "mapping"
     table = {name.lower(): index for index, name in enumerate(capture.joints)}
