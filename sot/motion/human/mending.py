@@ -30,7 +30,7 @@ def without_jumps(human: Human) -> Human:
     """The human with the frames bridged in which its tracker was away, and a remark for each such place.
 
     A joint jumps if it moves faster than a joint can for one frame alone. Frames between a jump away and a jump back
-    are interpolated; a jump that nothing takes back stays, and has its remark.
+    are interpolated; a jump of the whole body that nothing takes back stays, and has its remark.
     """
     rate = human.rate
     points = np.stack(list(human.points.values()), axis=1)
@@ -40,13 +40,13 @@ def without_jumps(human: Human) -> Human:
         return human
     longest = max(1, round(RETURN_TIME * human.leg_time * rate))
     away = np.zeros(human.count, dtype=bool)
-    last: list[int] = []
-    for joint in np.flatnonzero(fast.any(axis=0)).tolist():
+    cuts: list[int] = []
+    for joint, name in enumerate(human.points):
         for first, back in _jumps(points[:, joint], moves[:, joint], fast[:, joint], longest):
-            if back is None:
-                last.append(first)
-            else:
+            if back is not None:
                 away[first + 1 : back + 1] = True
+            elif name == "waist":
+                cuts.append(first)
     remarks = [
         Remark(
             human.start + first / rate,
@@ -56,11 +56,12 @@ def without_jumps(human: Human) -> Human:
         )
         for first, end in _runs(away)
     ]
-    for first in sorted(set(last)):
+    for first in cuts:
         when = human.start + (first + 1) / rate
         size = moves[first].max()
         remarks.append(Remark(when, when, f"The recording jumps by {size:.2f} m at {when:.2f} s: is it cut there?"))
-    return replace(_bridged(human, away) if away.any() else human, remarks=(*human.remarks, *remarks))
+    mended = _bridged(human, away) if away.any() else human
+    return replace(mended, remarks=(*human.remarks, *remarks)) if remarks else human
 
 
 def _jumps(points: Array, moves: Array, fast: Flags, longest: int) -> Iterator[tuple[int, int | None]]:
@@ -169,7 +170,7 @@ def _local_lines(times: Array, known: Flags, values: Array) -> Array:
     for _ in range(3):
         at_knots = []
         for knot in knots:
-            near = np.abs(t - knot) / max(DRIFT_WINDOW, float(np.abs(t - knot).min()) + 0.5 * DRIFT_WINDOW)
+            near = np.abs(t - knot) / (max(0.5 * DRIFT_WINDOW, 2.0 * float(np.abs(t - knot).min())))
             weight = trust * np.clip(1.0 - near**3, 1e-9, None) ** 3
             x = t - knot
             total, first, second = weight.sum(), weight @ x, weight @ x**2
