@@ -109,6 +109,8 @@ def replay_command(
     view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
 ) -> int:
     """Let a robot dance a clip under physics; record it and report on it."""
+    if view:
+        viewer.check_display()
     folder = out or Path("runs") / Path(clip).stem
     pushes = tuple(parse_push(text) for text in push or ())
     changed = parse_mismatch(mismatch)

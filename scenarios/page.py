@@ -60,6 +60,8 @@ def _read_run(folder: Path) -> tuple[Mapping[str, Any], Traces]:
         same = report["clip"] == traces.facts["clip"] and report["robot"] == traces.facts["robot"]
         same = same and math.isclose(report["duration_s"], traces.facts["duration_s"], rel_tol=1e-5)
         list(page.report.table_rows([report]))
+        for key in ("command", "seed", "revision"):
+            _ = report[key]
     except (OSError, ValueError, KeyError, TypeError) as error:
         what = f"it has no '{error.args[0]}'" if isinstance(error, KeyError) else str(error)
         raise InputError(f"{folder / REPORT_FILE}: cannot be read as a run's report ({what}); run it again") from None
