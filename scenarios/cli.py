@@ -73,6 +73,10 @@ MismatchText = Annotated[
 ]
 Contacts = Annotated[Path | None, typer.Option(help="File (.toml) of the steps, as `sot retarget -o` writes it.")]
 EditFile = Annotated[Path | None, typer.Option("--edit", help="File (.toml) of edits of the dance: docs/editing.md.")]
+UpAxis = Annotated[
+    str | None,
+    typer.Option("--up", help="Up axis of the clip's file: x, y, z, -x, -y or -z; found in the clip by default."),
+]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
 
 
@@ -97,6 +101,7 @@ def replay_command(
     duration: Duration = None,
     rate: Rate = 1000.0,
     mapping: MappingFile = None,
+    up: UpAxis = None,
     contacts: Contacts = None,
     edit: EditFile = None,
     push: Pushes = None,
@@ -105,10 +110,14 @@ def replay_command(
     view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
 ) -> int:
     """Let a robot dance a clip under physics; record it and report on it."""
+    if view:
+        viewer.check_display()
     folder = out or Path("runs") / Path(clip).stem
     pushes = tuple(parse_push(text) for text in push or ())
     changed = parse_mismatch(mismatch)
-    request = Replay(clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts, edit)
+    request = Replay(
+        clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts, edit, up
+    )
     with _progress() as tell:
         report = replay(request, folder, tell)
     status = _show_report(report, folder)
@@ -165,13 +174,14 @@ def retarget_command(
     duration: Duration = None,
     rate: Rate = 1000.0,
     mapping: MappingFile = None,
+    up: UpAxis = None,
     contacts: Contacts = None,
     out: Annotated[Path, typer.Option("--out", "-o", help="File to write.")] = Path("motion.npz"),
 ) -> int:
     """Plan a robot's motion for a clip, without physics, and write it (.npz), or the dancer's steps (.toml), to a file
     that `sot replay` takes."""
     request = Replay(
-        clip, robot, feet=feet, start=start, duration=duration, rate=rate, mapping=mapping, contacts=contacts
+        clip, robot, feet=feet, start=start, duration=duration, rate=rate, mapping=mapping, contacts=contacts, up=up
     )
     with _progress() as tell:
         planned = retarget(request, out, tell)

@@ -57,6 +57,7 @@ class Replay:
         pushes: forces on the robot while it dances.
         mismatch: how the simulated robot and floor differ from what the controller knows.
         edits: file of edits of the dance.
+        up: the up axis of the clip's file, one of `sot.motion.human.world.UP_AXES`; found in the clip by default.
     """
 
     clip: str
@@ -72,6 +73,7 @@ class Replay:
     mismatch: Mismatch = NO_MISMATCH
     contacts: Path | None = None
     edits: Path | None = None
+    up: str | None = None
 
 
 @dataclass(frozen=True)
@@ -291,7 +293,7 @@ def _plan_of_clip(request: Replay, robot: Robot, tell: ProgressCallback) -> Plan
 
 
 def _human_of_clip(request: Replay) -> Human:
-    human = recognise(read(clips.find_clip(request.clip)), request.mapping)
+    human = recognise(read(clips.find_clip(request.clip), request.up), request.mapping)
     if request.start or request.duration is not None:
         return human.slice(request.start, request.duration)
     return human

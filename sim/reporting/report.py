@@ -13,6 +13,7 @@ from rich.table import Table
 from sim.log import Fallback, RunInfo, RunLog
 from sim.reference import hot_reference_us
 from sim.reporting import figures
+from sim.reporting.provenance import command_line, revision
 from sim.reporting.slides import slide_figures, worst_of_slides
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
@@ -82,6 +83,9 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
     robot = motion.robot
     duration, slid = log.ticks * log.period, slide_figures(log, motion)
     report = {
+        "command": command_line(),
+        "seed": info.mismatch.seed,
+        "revision": revision(),
         "clip": info.clip,
         "robot": info.robot,
         "solver": {

@@ -83,7 +83,8 @@ class Plan:
     @property
     def remarks(self) -> list[str]:
         """What the robot does otherwise than the dancer, a sentence each."""
-        return [flight_remark(self.flights, self.travel is not None)] if self.flights else []
+        told = [one.words for one in self.human.remarks]
+        return [*told, *([flight_remark(self.flights, self.travel is not None)] if self.flights else [])]
 
     @property
     def added_time(self) -> float:
