@@ -58,7 +58,7 @@ def load_stack(path: Path) -> Composer:
         edits = made("edits", list, robot, motion) if hasattr(module, "edits") else []
         if not all(isinstance(edit, Edit) for edit in edits):
             raise InputError(f"{path}: edits(robot, motion) returned a list with something else than Edit in it")
-        return Composition(stack, schedule, tuple(replace(edit, place=edit.place or str(path)) for edit in edits))
+        return Composition(stack, schedule, tuple(replace(edit, source=edit.source or str(path)) for edit in edits))
 
     return compose
 
