@@ -18,7 +18,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.inputs.clips import locate
+from scenarios.inputs.clips import find_clip
 from scenarios.stacks import planted_stack
 from sim.log import RunLog
 from sim.loop import run
@@ -81,7 +81,7 @@ def memory_growth(minutes: float) -> dict[str, Any]:
         their second half; "log_mb_s" that a log takes as long as it is kept.
     """
     robot = Robot.load("hrp2")
-    motion = plan(recognise(read(locate("groove"))), robot).motion
+    motion = plan(recognise(read(find_clip("groove"))), robot).motion
     controller, world = Controller(robot, planted_stack(robot, motion), Cascade()), World(robot)
     readings: list[tuple[float, float]] = []
     while len(readings) * motion.duration < 60.0 * minutes:

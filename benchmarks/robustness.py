@@ -17,9 +17,9 @@ from rich.console import Console
 from rich.table import Table
 
 from scenarios import stacks
-from scenarios.inputs.clips import locate
+from scenarios.inputs.clips import find_clip
 from sim.loop import Run, run
-from sim.mismatch import AS_MODELLED, Mismatch
+from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.push import Push
 from sim.reporting import figures
 from sim.world import World
@@ -33,7 +33,7 @@ from sot.robots.robot import Robot
 TIME_BEFORE_PUSH, TIME_AFTER_PUSH = 0.4, 2.6  # s of the dance before and after the beginning of a push
 UNPUSHED_TIME = 2.0  # s at both ends of the clip in which nobody is pushed
 MISMATCHES = {
-    "none": AS_MODELLED,
+    "none": NO_MISMATCH,
     "mass +10 %": Mismatch(mass=1.1),
     "damping doubled": Mismatch(damping=2.0),
     "torques 2 ms late": Mismatch(delay=0.002),
@@ -50,7 +50,7 @@ def part_around(motion: Motion, t: float) -> Motion:
     return Motion(motion.robot, motion.rate, **parts, phases=(phase,))
 
 
-def run_with_shipped_stack(motion: Motion, mismatch: Mismatch = AS_MODELLED, pushes: tuple[Push, ...] = ()) -> Run:
+def run_with_shipped_stack(motion: Motion, mismatch: Mismatch = NO_MISMATCH, pushes: tuple[Push, ...] = ()) -> Run:
     """Run the shipped stack on a motion."""
     robot, period = motion.robot, 1.0 / motion.rate
     stack, schedule = stacks.stepping_stack(robot, motion), stacks.stepping_schedule(robot, motion)
@@ -85,7 +85,7 @@ def main() -> int:
     parser.add_argument("--rate", type=float, default=500.0, help="of the control [Hz]")
     parser.add_argument("--mismatches", action="store_true", help="try these, and no pushes")
     args = parser.parse_args()
-    motion = plan(recognise(read(locate(args.clip))), Robot.load(args.robot), "planted", args.rate).motion
+    motion = plan(recognise(read(find_clip(args.clip))), Robot.load(args.robot), "planted", args.rate).motion
     console = Console(width=None if sys.stdout.isatty() else 120)
     if args.mismatches:
         table = Table("", "ending", "zmp inside, %", "slip, mm", "infeasible ticks", box=None, padding=(0, 2, 0, 0))

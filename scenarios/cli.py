@@ -36,9 +36,9 @@ from scenarios.replay import (
 from scenarios.studies import MOTION_SCENARIOS, SCENARIOS, default_solver, run_scenario
 from scenarios.suite import SUITES, bench_suite, suite_pieces
 from scenarios.suite import show as show_suite
-from sim.reporting.report import show
+from sim.reporting.report import print_table
 from sot.errors import InputError
-from sot.robots.robot import Robot, robots
+from sot.robots.robot import Robot, robot_names
 
 DONE, FELL, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 TRACEBACK_VARIABLE = "SOT_TRACEBACK"
@@ -198,8 +198,10 @@ def view_command(
     if not path.is_file():
         raise InputError(f"{path}: no such recording; `sot replay CLIP --out DIR` makes one")
     if not web:
-        return DONE if viewer.in_window(path) else FAILED
-    viewer.in_browser(path, lambda url: messages.print(f"Serving {url} to the browser until Ctrl-C", soft_wrap=True))
+        return DONE if viewer.open_in_window(path) else FAILED
+    viewer.serve_to_browser(
+        path, lambda url: messages.print(f"Serving {url} to the browser until Ctrl-C", soft_wrap=True)
+    )
     return DONE
 
 
@@ -288,7 +290,7 @@ def _without_command(context: typer.Context) -> None:
 
 def _show_report(report: dict[str, Any], folder: Path) -> int:
     """Show a report, and say by which status a run ended."""
-    show([report], output)
+    print_table([report], output)
     _print_remarks((*report["remarks"], *report["edits"]))
     output.print(f"\nWritten: {folder / RECORDING_FILE}, {folder / REPORT_FILE}", soft_wrap=True)
     return FELL if report["fell"] else DONE
@@ -338,10 +340,10 @@ def _progress() -> Iterator[ProgressCallback]:
 def _list_rows(kind: Kind) -> Iterator[tuple[str, ...]]:
     match kind:
         case Kind.CLIPS:
-            for clip in clips.clips():
+            for clip in clips.named_clips():
                 yield clip.name, f"{clip.seconds:.1f} s", clip.what, f"{clip.source}, {clip.licence}"
         case Kind.ROBOTS:
-            for name in robots():
+            for name in robot_names():
                 robot = Robot.load(name)
                 yield name, robot.label, f"{robot.na} joints, {robot.mass:.1f} kg"
         case Kind.SCENARIOS:

@@ -41,7 +41,7 @@ def write_page(folders: Sequence[Path], out: Path | None = None) -> Path:
     names = [place.name for place in places]
     if len(set(names)) < len(names):
         names = [str(folder) for folder in folders]
-    page.write(out, names, [report for report, _ in runs], [traces for _, traces in runs])
+    page.write_html(out, names, [report for report, _ in runs], [traces for _, traces in runs])
     return out
 
 
@@ -58,7 +58,7 @@ def _read_run(folder: Path) -> tuple[Mapping[str, Any], Traces]:
         report = json.loads((folder / REPORT_FILE).read_text("utf-8"))
         same = report["clip"] == traces.facts["clip"] and report["robot"] == traces.facts["robot"]
         same = same and math.isclose(report["duration_s"], traces.facts["duration_s"], rel_tol=1e-5)
-        list(page.report.lines([report]))
+        list(page.report.table_rows([report]))
     except (OSError, ValueError, KeyError, TypeError) as error:
         what = f"it has no '{error.args[0]}'" if isinstance(error, KeyError) else str(error)
         raise InputError(f"{folder / REPORT_FILE}: cannot be read as a run's report ({what}); run it again") from None

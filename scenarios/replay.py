@@ -10,10 +10,10 @@ from typing import Any
 
 from scenarios import stacks
 from scenarios.inputs import clips, edit_file
-from scenarios.inputs.stack_file import Composer, Composition, blamed, load_stack
+from scenarios.inputs.stack_file import Composer, Composition, blaming_stack_file, load_stack
 from sim.log import RunInfo
 from sim.loop import Run, run
-from sim.mismatch import AS_MODELLED, Mismatch
+from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.push import Push
 from sim.recording import recorder
 from sim.reporting import report, timeline
@@ -29,7 +29,7 @@ from sot.motion.feet import contact_file
 from sot.motion.plan import Plan, plan
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.whole_file import whole
+from sot.whole_file import atomic_write
 from tasks.editing import edit
 
 ProgressCallback = Callable[[str, float | None], object]
@@ -48,7 +48,7 @@ class Replay:
         robot: name of a robot, or its file.
         stack: file of the user's own stack; None for the one that fits the feet.
         solver: one of `SOLVERS`.
-        feet: one of `sot.motion.plan.FEET`.
+        feet: one of `sot.motion.plan.FEET_MODES`.
         start, duration: part of the clip [s], to its end by default.
         rate: of the control [Hz].
         mapping: file that names the joints of an unknown skeleton.
@@ -68,7 +68,7 @@ class Replay:
     rate: float = 1000.0
     mapping: Path | None = None
     pushes: tuple[Push, ...] = ()
-    mismatch: Mismatch = AS_MODELLED
+    mismatch: Mismatch = NO_MISMATCH
     contacts: Path | None = None
     edits: Path | None = None
 
@@ -118,11 +118,11 @@ def write_outputs(
     tell("recording", None)
     out.mkdir(parents=True, exist_ok=True)
     wall = danced.run.wall_s + danced.write_recording(out / RECORDING_FILE)
-    if timeline.changes(danced.run.log):
-        timeline.draw(out / TIMELINE_FILE, danced.run.log, danced.info, danced.motion.robot)
-    figures = report.report(danced.run.log, danced.info, wall, danced.motion, danced.plan)
+    if timeline.has_changes(danced.run.log):
+        timeline.write_timeline(out / TIMELINE_FILE, danced.run.log, danced.info, danced.motion.robot)
+    figures = report.run_report(danced.run.log, danced.info, wall, danced.motion, danced.plan)
     figures |= {"edits": list(danced.edits)} | dict(extra_figures)
-    report.write(figures, out / REPORT_FILE)
+    report.write_json(figures, out / REPORT_FILE)
     Traces.of(danced.run.log, danced.info, danced.motion).save(out / TRACES_FILE)
     return figures
 
@@ -135,7 +135,7 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
     """
     make_solver(request.solver)  # before any work
     robot = Robot.load(request.robot)
-    edits = edit_file.read(request.edits) if request.edits else ()
+    edits = edit_file.read_edits(request.edits) if request.edits else ()
     for one in edits:
         one.check(robot)
     compose = load_stack(request.stack) if request.stack else _default_stack
@@ -161,7 +161,7 @@ def run_motion(
     world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes)
     tell("starting (the first time on a machine this compiles, for half a minute)", None)
     _compile_tick(motion)
-    with blamed(request.stack):
+    with blaming_stack_file(request.stack):
         done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
     info = RunInfo(
         clip=Path(request.clip).stem,
@@ -171,7 +171,7 @@ def run_motion(
         rate_hz=request.rate,
         fell_at_s=done.fell_at_s,
         speed_min=planned.speed_min if planned else 1.0,
-        stretched_s=planned.stretched if planned else 0.0,
+        stretched_s=planned.added_time if planned else 0.0,
         reason=done.reason,
         mismatch=request.mismatch,
         pushes=request.pushes,
@@ -191,7 +191,7 @@ def composed_stack(
     if not edits:
         return stack, schedule, ()
     schedule = schedule or Schedule()
-    with blamed(request.stack):
+    with blaming_stack_file(request.stack):
         return stack, schedule, tuple(edit(stack, schedule, motion, edits))
 
 
@@ -217,7 +217,7 @@ def retarget(request: Replay, out: Path, tell: ProgressCallback) -> Plan:
     if out.suffix == ".toml":
         contact_file.write(out, planned.travel.dancer if planned.travel else ())
         return planned
-    with whole(out) as place:
+    with atomic_write(out) as place:
         planned.motion.save(place)
     return planned
 
@@ -262,7 +262,7 @@ def _reference_motion(request: Replay, robot: Robot, tell: ProgressCallback) -> 
         raise InputError(
             f"{request.clip}: a planned motion starts and ends at rest and is replayed whole; cut the clip"
         )
-    return Motion.load(clips.locate(request.clip), robot), None
+    return Motion.load(clips.find_clip(request.clip), robot), None
 
 
 def _plan_of_clip(request: Replay, robot: Robot, tell: ProgressCallback) -> Plan:
@@ -274,7 +274,7 @@ def _plan_of_clip(request: Replay, robot: Robot, tell: ProgressCallback) -> Plan
 
 
 def _human_of_clip(request: Replay) -> Human:
-    human = recognise(read(clips.locate(request.clip)), request.mapping)
+    human = recognise(read(clips.find_clip(request.clip)), request.mapping)
     if request.start or request.duration is not None:
         return human.slice(request.start, request.duration)
     return human

@@ -51,8 +51,8 @@ def sliding_stack(robot: Robot, motion: Motion) -> Stack:
     stack = planted_stack(robot, motion)
     for foot in robot.feet:
         if any(foot in phase.sliding for phase in motion.phases):
-            stack.contact(foot).way = way = motion.pose(foot)
-            stack.add(FootSliding(robot, foot, way), level="feet", before="waist")
+            stack.contact(foot).path = path = motion.pose(foot)
+            stack.add(FootSliding(robot, foot, path), level="feet", before="waist")
     return stack
 
 

@@ -77,7 +77,7 @@ def run_scenario(
             raise InputError(f"{name} is no robot under physics: it takes no options but --rate and --out")
         out.mkdir(parents=True, exist_ok=True)
         figures = scenario.study(request.rate, out, tell)
-        report.write(figures, out / REPORT_FILE)
+        report.write_json(figures, out / REPORT_FILE)
         return figures, scenario.show
     make_solver(request.solver)  # before any work
     tell("planning", None)

@@ -60,7 +60,7 @@ def suite_pieces(mocap: Path | None) -> list[Piece]:
         found = [Piece(path.stem, str(path)) for path in sorted([*mocap.glob("*.bvh"), *mocap.glob("*.amc")])]
         if not found:
             raise InputError(f"{mocap}: no clips (.bvh, .amc) there")
-    seconds = next(clip.seconds for clip in clips.clips() if clip.name == LONG_CLIP)
+    seconds = next(clip.seconds for clip in clips.named_clips() if clip.name == LONG_CLIP)
     starts = [
         k * PIECE_DURATION_S
         for k in range(int(seconds // PIECE_DURATION_S) + 1)

@@ -14,12 +14,12 @@ import rerun as rr
 HOST = "127.0.0.1"
 
 
-def in_window(path: Path) -> bool:
+def open_in_window(path: Path) -> bool:
     """Open a recording in rerun's viewer; returns whether that went well, once its window is closed."""
     return subprocess.run([sys.executable, "-m", "rerun", str(path)], check=False).returncode == 0
 
 
-def in_browser(path: Path, tell: Callable[[str], object]) -> None:
+def serve_to_browser(path: Path, tell: Callable[[str], object]) -> None:
     """Open a recording in the browser, which fetches it as one file, and serve it until interrupted.
 
     Rerun's own way, a stream of messages, takes up to twice as long to take in.
@@ -28,8 +28,8 @@ def in_browser(path: Path, tell: Callable[[str], object]) -> None:
         path: the recording.
         tell: told where the recording is served.
     """
-    with server(path) as served:
-        url = address(served, path)
+    with file_server(path) as served:
+        url = file_url(served, path)
         rr.serve_web_viewer(web_port=0, connect_to=url)
         tell(url)
         try:
@@ -38,13 +38,13 @@ def in_browser(path: Path, tell: Callable[[str], object]) -> None:
             return
 
 
-def server(path: Path) -> ThreadingHTTPServer:
+def file_server(path: Path) -> ThreadingHTTPServer:
     """A server, to be run, of one file to pages of any origin on this machine, at a port that is free."""
     return ThreadingHTTPServer((HOST, 0), partial(_OneFile, path))
 
 
-def address(served: ThreadingHTTPServer, path: Path) -> str:
-    """Where a server has its file."""
+def file_url(served: ThreadingHTTPServer, path: Path) -> str:
+    """URL of the file that a server serves."""
     return f"http://{HOST}:{served.server_address[1]}/{quote(path.name)}"
 
 

@@ -1,4 +1,4 @@
-"""What a run leaves behind: one row a control tick, and the facts that hold for the whole run."""
+"""The log of a run: one row a control tick, and the facts that hold for the whole run."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from sim.mismatch import AS_MODELLED, Mismatch
+from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.push import Push
 from sot.robots.robot import Robot
 
@@ -156,7 +156,7 @@ class RunLog:
         return np.round(np.arange(0.0, self.ticks - 0.5, step)).astype(int).clip(max=self.ticks - 1)
 
 
-def stretches(values: np.ndarray) -> list[tuple[int, slice]]:
+def constant_stretches(values: np.ndarray) -> list[tuple[int, slice]]:
     """Stretches in which a column (T,) of whole numbers keeps its value: the value and its rows, in order."""
     ends = [0, *(np.flatnonzero(np.diff(values)) + 1).tolist(), len(values)]
     return [(int(values[start]), slice(start, end)) for start, end in pairwise(ends) if start < end]
@@ -190,5 +190,5 @@ class RunInfo:
     stretched_s: float = 0.0
     fell_at_s: float | None = None
     reason: str = ""
-    mismatch: Mismatch = AS_MODELLED
+    mismatch: Mismatch = NO_MISMATCH
     pushes: tuple[Push, ...] = ()

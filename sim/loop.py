@@ -1,4 +1,4 @@
-"""The loop that closes: state from the world, torques from the controller, a row of the log a tick."""
+"""The closed loop: state from the world, torques from the controller, one row of the log a tick."""
 
 import gc
 from collections.abc import Callable, Iterator
@@ -17,12 +17,12 @@ from solvers.rows import Level, Solution, Status
 from sot.control.controller import Command, Controller
 from sot.motion.trajectory import Motion
 
-LOW_WAIST = 0.6
-"""Fallen: waist below this share of its reference height."""
-TILTED_TRUNK = np.cos(np.deg2rad(60.0))
-"""Fallen: cosine of the largest angle between the chest's axis and its reference."""
-SLOW_RATE = 60.0
-"""Rate of what is costly to measure and of the progress told [Hz]."""
+MIN_WAIST_HEIGHT_RATIO = 0.6
+"""Height of the waist over its reference height below which the robot counts as fallen."""
+MIN_TRUNK_TILT_COSINE = np.cos(np.deg2rad(60.0))
+"""Cosine of the angle between the chest's axis and its reference beyond which the robot counts as fallen."""
+SLOW_SENSOR_RATE = 60.0
+"""Rate at which costly quantities are measured and progress is told [Hz]."""
 
 _MODES = {"off": FOOT_OFF, "fixed": FOOT_FIXED, "sliding": FOOT_SLIDING}
 
@@ -69,14 +69,14 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
     columns = {task.name: k for k, (_, task) in enumerate(entries)}
     unsolved: list[tuple[float, Level]] = []
     # The matrices of a tick are far too small to share between threads.
-    with threadpool_limits(1), _uncollected():
-        done = _loop(controller, world, motion, log, columns, unsolved, progress or (lambda t: None))
+    with threadpool_limits(1), _garbage_collection_off():
+        done = _run_ticks(controller, world, motion, log, columns, unsolved, progress or (lambda t: None))
     explained = ((t, find_conflict([level])) for t, level in unsolved)  # now that nobody waits for a torque
     log.conflicts = [(t, str(conflict)) for t, conflict in explained if conflict is not None]
     return done
 
 
-def _loop(
+def _run_ticks(
     controller: Controller,
     world: World,
     motion: Motion,
@@ -85,8 +85,8 @@ def _loop(
     unsolved: list[tuple[float, Level]],
     progress: Callable[[float], object],
 ) -> Run:
-    """Tick by tick, to the end or to the fall."""
-    every = max(1, round(1.0 / (SLOW_RATE * world.timestep)))
+    """Run tick by tick, to the end or to a fall."""
+    ticks_per_slow_sample = max(1, round(1.0 / (SLOW_SENSOR_RATE * world.timestep)))
     watch = _FallWatch(world, motion)
     start = perf_counter()
     wrenches = world.foot_wrenches()
@@ -102,11 +102,11 @@ def _loop(
         log.tick_us[k] = 1e6 * (perf_counter() - begin)
         world.step(command.torque)
         wrenches = world.foot_wrenches()
-        _write(log, k, t, q, v, command, wrenches, controller, world, motion, columns)
+        _write_log_row(log, k, t, q, v, command, wrenches, controller, world, motion, columns)
         if command.unsolved is not None:
             unsolved.append((t, command.unsolved))
         log.ticks = k + 1
-        if k % every == 0:
+        if k % ticks_per_slow_sample == 0:
             log.self_distance[k] = world.self_distance()
             progress(t)
             if reason := watch(t, controller):
@@ -115,8 +115,8 @@ def _loop(
 
 
 @contextmanager
-def _uncollected() -> Iterator[None]:
-    """No collection of cycles meanwhile: a tick makes none, and looking for them takes several ticks' time."""
+def _garbage_collection_off() -> Iterator[None]:
+    """Turn the garbage collector off: a tick makes no cycles, and looking for them takes several ticks' time."""
     was = gc.isenabled()
     gc.collect()
     gc.disable()
@@ -128,7 +128,7 @@ def _uncollected() -> Iterator[None]:
 
 
 class _FallWatch:
-    """Looks for the signs of a fall."""
+    """Tells whether the robot has fallen, and by which sign."""
 
     def __init__(self, world: World, motion: Motion) -> None:
         self._world, self._motion = world, motion
@@ -137,16 +137,16 @@ class _FallWatch:
     def __call__(self, t: float, controller: Controller) -> str:
         k = min(round(t * self._motion.rate), len(self._motion.q) - 1)
         waist, chest = controller.tick.frame("waist"), controller.tick.frame("chest")
-        if waist.position[2] < LOW_WAIST * self._waist.position[k, 2]:
+        if waist.position[2] < MIN_WAIST_HEIGHT_RATIO * self._waist.position[k, 2]:
             return "the waist sank below 60 % of its reference height"
-        if chest.rotation[:, 2] @ self._chest.rotation[k][:, 2] < TILTED_TRUNK:
+        if chest.rotation[:, 2] @ self._chest.rotation[k][:, 2] < MIN_TRUNK_TILT_COSINE:
             return "the trunk tilted by more than 60° from its reference"
         if bodies := self._world.touching():
             return f"{', '.join(bodies)} touched the floor"
         return ""
 
 
-def _write(
+def _write_log_row(
     log: RunLog,
     k: int,
     t: float,
@@ -159,7 +159,7 @@ def _write(
     motion: Motion,
     columns: dict[str, int],
 ) -> None:
-    """One row of the log. The forces are those of the step that the command has just driven."""
+    """Write one row of the log. The forces are those of the physics step that the command has just driven."""
     log.time[k], log.q[k], log.v[k] = t, q, v
     log.torque[k], log.acceleration[k] = command.torque, command.acceleration
     log.zmp_control[k], log.zmp_measured[k] = command.zmp, world.zmp()
@@ -174,8 +174,8 @@ def _write(
     log.status[k], log.hard_status[k] = command.status, solution.levels[0].status
     log.residual[k] = max(level.residual for level in solution.levels)
     if command.status in (Status.SECOND_SOLVER, Status.FAILED):
-        log.fallbacks.append(_fallback(t, solution))
-    underway = controller.schedule.underway if controller.schedule is not None else {}
+        log.fallbacks.append(_describe_fallback(t, solution))
+    shares = controller.schedule.transition_shares if controller.schedule is not None else {}
     for place, ((_, tasks), level) in enumerate(zip(controller.stack.levels, solution.levels[1:], strict=True), 1):
         slack = level.error
         active = np.count_nonzero(level.active) if len(level.level.lower) else 0
@@ -184,12 +184,12 @@ def _write(
             if column is not None:
                 log.level_error[k, column] = sqrt(task.error @ task.error)
                 log.level_slack[k, column], log.level_active[k, column] = slack, active
-                log.level_place[k, column], log.level_share[k, column] = place, underway.get(task.name, 1.0)
+                log.level_place[k, column], log.level_share[k, column] = place, shares.get(task.name, 1.0)
     log.model_us[k], log.assemble_us[k], log.solve_us[k] = command.model_us, command.assemble_us, command.solve_us
 
 
-def _fallback(t: float, solution: Solution) -> Fallback:
-    """What served instead of the solver's own answer."""
+def _describe_fallback(t: float, solution: Solution) -> Fallback:
+    """The record of a tick whose answer was not the solver's own."""
     worst = max(solution.levels, key=lambda level: level.status)
     served = ""
     if worst.status == Status.FAILED:

@@ -1,4 +1,4 @@
-"""A plant that differs from what the controller knows of it."""
+"""Differences between the simulated plant and the controller's model of it."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import mujoco
 
 from sot.errors import InputError
 
-LIMITS = {
+VALUE_RANGES = {
     "mass": (0.1, 10.0),
     "damping": (0.0, 100.0),
     "delay": (0.0, 0.1),
@@ -14,7 +14,7 @@ LIMITS = {
     "friction": (0.01, 0.7),
     "seed": (0, 2**32 - 1),
 }
-"""What the numbers may be; no floor holds better than 0.7."""
+"""Least and greatest value of each number; no floor holds better than 0.7."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Mismatch:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name, (low, high) in LIMITS.items():
+        for name, (low, high) in VALUE_RANGES.items():
             if not low <= getattr(self, name) <= high:
                 raise InputError(f"mismatch {name}={getattr(self, name):g}: must be between {low:g} and {high:g}")
 
@@ -55,5 +55,5 @@ class Mismatch:
         model.dof_damping *= self.damping
 
 
-AS_MODELLED = Mismatch()
-"""Nothing that the controller does not know."""
+NO_MISMATCH = Mismatch()
+"""The plant is as the controller knows it."""

@@ -44,7 +44,7 @@ class Push:
         """Force times duration [N s]."""
         return hypot(*self.force) * self.duration
 
-    def acts(self, t: float) -> bool:
+    def is_acting(self, t: float) -> bool:
         """Whether it acts in the physics step that begins at a time [s]."""
         return self.t - 1e-9 <= t < self.end - 1e-9
 
@@ -63,7 +63,7 @@ class Pusher:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, robot: Robot, pushes: Sequence[Push]):
         self._data = data
-        self._pushes = [(push, np.array(push.force), _body(model, robot, push.body)) for push in pushes]
+        self._pushes = [(push, np.array(push.force), _body_of_point(model, robot, push.body)) for push in pushes]
         self._bodies = sorted({body for _, _, body in self._pushes})
 
     def __call__(self) -> None:
@@ -72,11 +72,11 @@ class Pusher:
             return
         self._data.xfrc_applied[self._bodies] = 0.0
         for push, force, body in self._pushes:
-            if push.acts(self._data.time):
+            if push.is_acting(self._data.time):
                 self._data.xfrc_applied[body, :3] += force
 
 
-def _body(model: mujoco.MjModel, robot: Robot, point: str) -> int:
+def _body_of_point(model: mujoco.MjModel, robot: Robot, point: str) -> int:
     """MuJoCo's body that carries an operational point: the one that the point's joint moves."""
     joint = robot.model.frames[robot.point(point)].parentJoint
     name = robot.model.names[joint]

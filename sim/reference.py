@@ -5,7 +5,7 @@ from time import perf_counter
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-SHAPE = (62, 18)
+MATRIX_SHAPE = (62, 18)
 HOT_RUNS = 200
 
 
@@ -18,7 +18,7 @@ class Reference:
 
     def __init__(self) -> None:
         self.times_us: list[float] = []
-        self._matrix = np.random.default_rng(0).normal(size=SHAPE)
+        self._matrix = np.random.default_rng(0).normal(size=MATRIX_SHAPE)
 
     def __call__(self) -> None:
         """Compute it once, and note the time."""

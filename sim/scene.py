@@ -12,11 +12,11 @@ IMPRATIO = 10.0  # friction is that much stiffer than the normal force
 # acceleration that the other joints' motion gives a sole: a standing foot creeps at J̇ v over that rate. Being mostly
 # centripetal, it does not average out, and feet walk off under a body that twists; on the default floor, soft with its
 # 20 ms, by centimetres a minute.
-FLOOR = (0.005, 1.0)  # time constant [s] and damping ratio
-ALL_BITS = 0x7FFFFFFF
+FLOOR_SOLREF = (0.005, 1.0)  # time constant [s] and damping ratio
+ALL_COLLISION_BITS = 0x7FFFFFFF
 
 
-def read(robot: Robot) -> mujoco.MjSpec:
+def robot_spec(robot: Robot) -> mujoco.MjSpec:
     """The robot alone, as its model file has it.
 
     Raises:
@@ -27,7 +27,7 @@ def read(robot: Robot) -> mujoco.MjSpec:
     return mujoco.MjSpec.from_file(str(robot.path))
 
 
-def build(robot: Robot, timestep: float, friction: float) -> mujoco.MjModel:
+def build_model(robot: Robot, timestep: float, friction: float) -> mujoco.MjModel:
     """The robot, driven by one torque motor a joint (Pinocchio's order), on a plane at z = 0.
 
     Args:
@@ -39,8 +39,8 @@ def build(robot: Robot, timestep: float, friction: float) -> mujoco.MjModel:
         InputError: MuJoCo cannot read the model, or does not see the joints that Pinocchio sees.
     """
     try:
-        spec = read(robot)
-        _drive(spec, robot)
+        spec = robot_spec(robot)
+        _add_motors(spec, robot)
         _add_floor(spec, friction)
         _add_lights(spec)
         _add_sensors(spec, robot)
@@ -50,7 +50,7 @@ def build(robot: Robot, timestep: float, friction: float) -> mujoco.MjModel:
         raise InputError(f"{robot.path}: MuJoCo cannot read it: {str(error).splitlines()[0]}") from None
 
 
-def _drive(spec: mujoco.MjSpec, robot: Robot) -> None:
+def _add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:
     """Ideal torque motors with the robot's effort limits."""
     for unwanted in (*spec.actuators, *spec.keys):
         spec.delete(unwanted)
@@ -98,8 +98,8 @@ def _add_floor(spec: mujoco.MjSpec, friction: float) -> None:
         friction=[friction, 0.005, 0.0001],
         priority=1,
         condim=3,
-        solref=FLOOR,
-        conaffinity=ALL_BITS,
+        solref=FLOOR_SOLREF,
+        conaffinity=ALL_COLLISION_BITS,
     )
 
 

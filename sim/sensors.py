@@ -1,4 +1,4 @@
-"""What a world measures: forces between floor and robot, and how near the robot's parts come to one another."""
+"""Sensors of a world: forces between floor and robot, and least distances between the robot's parts."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import nan
@@ -6,13 +6,13 @@ from math import nan
 import mujoco
 import numpy as np
 
-ROBOT = 1  # the body at the root of the robot: the first of the world
-FAR = 10.0  # m, where MuJoCo may stop measuring a distance
-WHOLE = "robot"  # the sensor of the whole robot, beside one a foot
-_FIELDS = ("FOUND", "FORCE", "TORQUE", "POS")
-_WIDTH = 10  # numbers of these fields: 1 + 3 + 3 + 3
-_HIDDEN = 5  # a group that viewers do not show
-_NET_FORCE = 3  # MuJoCo's code for contacts reduced to one wrench
+ROBOT_BODY = 1  # the body at the root of the robot: the first of the world
+DISTANCE_LIMIT_M = 10.0  # MuJoCo may stop measuring a distance here
+WHOLE_ROBOT = "robot"  # the sensor of the whole robot, beside one a foot
+_SENSOR_FIELDS = ("FOUND", "FORCE", "TORQUE", "POS")
+_SENSOR_WIDTH = 10  # numbers of these fields: 1 + 3 + 3 + 3
+_HIDDEN_GROUP = 5  # a group that viewers do not show
+_NET_WRENCH_REDUCTION = 3  # MuJoCo's code for contacts reduced to one wrench
 
 
 class FloorSensors:
@@ -26,8 +26,8 @@ class FloorSensors:
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, feet: Sequence[str]):
         self._model, self._data = model, data
         # Live views: to ask MuJoCo for its arrays anew takes longer than to read them.
-        self._sensed = {name: data.sensordata[_slice(model, name)] for name in (WHOLE, *feet)}
-        sites = {foot: model.site(_site(foot)).id for foot in feet}
+        self._sensed = {name: data.sensordata[_sensor_slice(model, name)] for name in (WHOLE_ROBOT, *feet)}
+        sites = {foot: model.site(_site_name(foot)).id for foot in feet}
         self._origins = {foot: data.site_xpos[site] for foot, site in sites.items()}
         self._foot_bodies = set(model.body_weldid[model.site_bodyid[list(sites.values())]].tolist())
 
@@ -39,10 +39,10 @@ class FloorSensors:
             spec: of the scene.
             feet: name of a foot -> its body and the origin of the foot frame in it [m].
         """
-        _add_contact_sensor(spec, WHOLE, spec.worldbody.first_body())
+        _add_contact_sensor(spec, WHOLE_ROBOT, spec.worldbody.first_body())
         for foot, (body, origin) in feet.items():
             _add_contact_sensor(spec, foot, body)
-            body.add_site(name=_site(foot), pos=origin, group=_HIDDEN)
+            body.add_site(name=_site_name(foot), pos=origin, group=_HIDDEN_GROUP)
 
     def wrenches(self) -> dict[str, np.ndarray]:
         """Force and moment about the foot frame's origin, by foot (6,), world axes [N, N m]."""
@@ -56,20 +56,20 @@ class FloorSensors:
 
     def zmp(self) -> np.ndarray:
         """Point (2,) of z = 0 about which the floor's forces have no horizontal moment [m]; nan where none carries."""
-        _, fx, fy, fz, mx, my, _, x, y, z = self._sensed[WHOLE].tolist()
+        _, fx, fy, fz, mx, my, _, x, y, z = self._sensed[WHOLE_ROBOT].tolist()
         if not fz > 0.0:
             return np.array((nan, nan))
         return np.array((x - (my + z * fx) / fz, y + (mx - z * fy) / fz))
 
-    def touching(self) -> tuple[str, ...]:
+    def bodies_touching(self) -> tuple[str, ...]:
         """Sorted names of the robot's bodies in contact with the floor, feet left out."""
         found = {name: float(sensed[0]) for name, sensed in self._sensed.items()}
-        if found.pop(WHOLE) == sum(found.values()):
+        if found.pop(WHOLE_ROBOT) == sum(found.values()):
             return ()
         bodies = {body for _, body, _ in self._contacts() if self._model.body_weldid[body] not in self._foot_bodies}
         return tuple(sorted(self._model.body(body).name for body in bodies))
 
-    def points(self) -> np.ndarray:
+    def contact_points(self) -> np.ndarray:
         """Position and force on the robot of each contact with the floor (n, 6), world frame [m, N]."""
         contacts = list(self._contacts())
         position, frame = self._data.contact.pos, self._data.contact.frame.reshape(-1, 3, 3)
@@ -85,7 +85,7 @@ class FloorSensors:
         """Index, body of the robot, and the sign that turns MuJoCo's force, on the second geom, into the robot's."""
         bodies = self._model.geom_bodyid[self._data.contact.geom]
         static = (self._model.body_weldid[bodies] == 0).tolist()
-        own = (self._model.body_rootid[bodies] == ROBOT).tolist()
+        own = (self._model.body_rootid[bodies] == ROBOT_BODY).tolist()
         for k, (first, second) in enumerate(bodies.tolist()):
             if static[k][0] and own[k][1]:
                 yield k, second, 1.0
@@ -93,18 +93,18 @@ class FloorSensors:
                 yield k, first, -1.0
 
 
-def _site(foot: str) -> str:
+def _site_name(foot: str) -> str:
     return f"{foot}_sensor"
 
 
-def _slice(model: mujoco.MjModel, sensor: str) -> slice:
+def _sensor_slice(model: mujoco.MjModel, sensor: str) -> slice:
     start = int(model.sensor(sensor).adr[0])
-    return slice(start, start + _WIDTH)
+    return slice(start, start + _SENSOR_WIDTH)
 
 
 def _add_contact_sensor(spec: mujoco.MjSpec, name: str, body: mujoco.MjsBody) -> None:
     """A sensor of the net wrench that the world's static geoms put on a body and all that it carries."""
-    fields = sum(1 << int(getattr(mujoco.mjtConDataField, f"mjCONDATA_{field}")) for field in _FIELDS)
+    fields = sum(1 << int(getattr(mujoco.mjtConDataField, f"mjCONDATA_{field}")) for field in _SENSOR_FIELDS)
     spec.add_sensor(
         name=name,
         type=mujoco.mjtSensor.mjSENS_CONTACT,
@@ -112,7 +112,7 @@ def _add_contact_sensor(spec: mujoco.MjSpec, name: str, body: mujoco.MjsBody) ->
         objname="world",
         reftype=mujoco.mjtObj.mjOBJ_XBODY,
         refname=body.name,
-        intprm=[fields, _NET_FORCE, 1],
+        intprm=[fields, _NET_WRENCH_REDUCTION, 1],
     )
 
 
@@ -127,7 +127,7 @@ class SelfDistance:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData):
         self._model, self._data = model, data
-        own = np.flatnonzero(model.body_rootid[model.geom_bodyid] == ROBOT).tolist()
+        own = np.flatnonzero(model.body_rootid[model.geom_bodyid] == ROBOT_BODY).tolist()
         pairs = [(a, b) for a in own for b in own if a < b and _may_collide(model, a, b)]
         self._first, self._second = np.array(pairs, dtype=int).reshape(-1, 2).T
         self._radii = model.geom_rbound[self._first] + model.geom_rbound[self._second]
@@ -141,7 +141,7 @@ class SelfDistance:
             if apart[k] >= least:
                 break
             pair = int(self._first[k]), int(self._second[k])
-            least = min(least, mujoco.mj_geomDistance(self._model, self._data, *pair, FAR, None))
+            least = min(least, mujoco.mj_geomDistance(self._model, self._data, *pair, DISTANCE_LIMIT_M, None))
         return least
 
 

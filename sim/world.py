@@ -1,4 +1,4 @@
-"""MuJoCo with a robot on a floor: torques in, state and what the floor feels out. It never helps the robot."""
+"""MuJoCo with a robot on a floor: torques in, state and contact forces out. It never helps the robot."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -8,13 +8,13 @@ import mujoco
 import numpy as np
 
 from sim.convert import joint_order, state_from_mujoco, state_to_mujoco
-from sim.mismatch import AS_MODELLED, Mismatch
+from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.push import Push, Pusher
-from sim.scene import build
+from sim.scene import build_model
 from sim.sensors import FloorSensors, SelfDistance
 from sot.robots.robot import Robot
 
-PHYSICS_TIMESTEP = 0.001
+MAX_PHYSICS_TIMESTEP = 0.001
 
 
 class World:
@@ -26,7 +26,7 @@ class World:
     Args:
         robot: the robot; MuJoCo reads the same model file as Pinocchio.
         timestep: time that one `step` advances, the control period [s]. It is cut into equal physics steps of at
-            most `PHYSICS_TIMESTEP`, the torque held.
+            most `MAX_PHYSICS_TIMESTEP`, the torque held.
         mismatch: how the real robot and floor differ from the model that the controller has.
         pushes: forces on the robot's bodies over time.
 
@@ -42,22 +42,22 @@ class World:
         self,
         robot: Robot,
         timestep: float = 0.001,
-        mismatch: Mismatch = AS_MODELLED,
+        mismatch: Mismatch = NO_MISMATCH,
         pushes: Sequence[Push] = (),
     ):
         self.robot = robot
         self.timestep = timestep
         self.mismatch = mismatch
         self.pushes = tuple(pushes)
-        self._substeps = max(1, ceil(timestep / PHYSICS_TIMESTEP - 1e-9))
-        self.model = build(robot, timestep / self._substeps, self.mismatch.friction)
+        self._substeps = max(1, ceil(timestep / MAX_PHYSICS_TIMESTEP - 1e-9))
+        self.model = build_model(robot, timestep / self._substeps, self.mismatch.friction)
         self.mismatch.apply(self.model)
         self.data = mujoco.MjData(self.model)
         # Live views: to ask MuJoCo for its arrays anew takes longer than to read them.
         self._qpos, self._qvel = self.data.qpos[: robot.nq], self.data.qvel[: robot.nv]
         self._order = joint_order(robot.joints, [self.model.joint(1 + k).name for k in range(robot.na)])
-        self._push = Pusher(self.model, self.data, robot, self.pushes)
-        self._lag = round(self.mismatch.delay * self._substeps / timestep)
+        self._apply_pushes = Pusher(self.model, self.data, robot, self.pushes)
+        self._delay_steps = round(self.mismatch.delay * self._substeps / timestep)
         self.reset(robot.rest)
         self._floor = FloorSensors(self.model, self.data, robot.feet)
         self._self_distance = SelfDistance(self.model, self.data)
@@ -69,7 +69,7 @@ class World:
         self.data.qpos[: self.robot.nq], self.data.qvel[: self.robot.nv] = state_to_mujoco(q, v, self._order)
         mujoco.mj_forward(self.model, self.data)
         self._random = np.random.default_rng(self.mismatch.seed)
-        self._underway: deque[np.ndarray] = deque()
+        self._delayed_torques: deque[np.ndarray] = deque()
 
     @property
     def time(self) -> float:
@@ -93,9 +93,13 @@ class World:
         With a delay, what was commanded first acts from the start, as if it had been commanded before.
         """
         for _ in range(self._substeps):
-            self._underway.append(np.array(tau))
-            self.data.ctrl[:] = self._underway.popleft() if len(self._underway) > self._lag else self._underway[0]
-            self._push()
+            self._delayed_torques.append(np.array(tau))
+            self.data.ctrl[:] = (
+                self._delayed_torques.popleft()
+                if len(self._delayed_torques) > self._delay_steps
+                else self._delayed_torques[0]
+            )
+            self._apply_pushes()
             mujoco.mj_step(self.model, self.data)
 
     def foot_wrenches(self) -> dict[str, np.ndarray]:
@@ -104,7 +108,7 @@ class World:
 
     def contact_points(self) -> np.ndarray:
         """Position [m] and force of the floor on the robot [N] of each of their contacts (n, 6), world frame."""
-        return self._floor.points()
+        return self._floor.contact_points()
 
     def zmp(self) -> np.ndarray:
         """Measured zero-moment point (2,) on z = 0 [m], not a number where nothing is carried."""
@@ -112,7 +116,7 @@ class World:
 
     def touching(self) -> tuple[str, ...]:
         """Names of the bodies other than the feet that touch the floor, sorted."""
-        return self._floor.touching()
+        return self._floor.bodies_touching()
 
     def self_distance(self) -> float:
         """Least distance [m] between two parts of the robot that may collide, negative in collision; for low rates."""

@@ -8,8 +8,8 @@ from solvers.compiled import compiled
 
 Array = np.ndarray
 
-GRID = 2.0**-40
-"""Points are told apart from this distance on [m]."""
+POINT_GRID_M = 2.0**-40
+"""Points nearer to each other than this count as one [m]."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Polygon:
     @classmethod
     def hull(cls, points: Array) -> "Polygon":
         """The convex hull of points (m, 2), which must not all lie on one line."""
-        return cls(*_hull(np.ascontiguousarray(points)))
+        return cls(*_hull_edges(np.ascontiguousarray(points)))
 
     @property
     def vertices(self) -> Array:
@@ -51,27 +51,27 @@ class Polygon:
         return np.min(self.offsets - points @ self.normals.T, axis=-1)
 
     def shrunk(self, x: float, y: float, heading: float = 0.0) -> "Polygon":
-        """With its edges moved inward by up to x along X and y along Y of axes turned by a heading [rad]."""
+        """The polygon with edges moved inward by up to x along X and y along Y of axes turned by a heading [rad]."""
         cosine, sine = np.cos(heading), np.sin(heading)
         along, across = self.normals @ [cosine, sine], self.normals @ [-sine, cosine]
         return Polygon(self.normals, self.offsets - np.hypot(along * x, across * y))
 
     def inset(self, by: float) -> "Polygon":
-        """With its edges moved inward by a distance [m]."""
+        """The polygon with its edges moved inward by a distance [m]."""
         return Polygon(self.normals, self.offsets - by)
 
-    def nearest(self, point: Array) -> Array:
+    def nearest_point(self, point: Array) -> Array:
         """The point of the polygon that is nearest to a point (2,); the point itself if the polygon is empty."""
-        return nearest(self.normals, self.offsets, point)
+        return nearest_point(self.normals, self.offsets, point)
 
 
-ANYWHERE = Polygon(np.zeros((0, 2)), np.zeros(0))
+WHOLE_FLOOR = Polygon(np.zeros((0, 2)), np.zeros(0))
 """The whole floor."""
 
 
 @compiled
-def nearest(normals: Array, offsets: Array, point: Array) -> Array:
-    """`Polygon.nearest`."""
+def nearest_point(normals: Array, offsets: Array, point: Array) -> Array:
+    """`Polygon.nearest_point`."""
     x, y = point[0], point[1]
     best_x, best_y, least = x, y, np.inf
     for k in range(len(normals)):
@@ -98,15 +98,15 @@ def nearest(normals: Array, offsets: Array, point: Array) -> Array:
 
 
 @compiled
-def _hull(points: Array) -> tuple[Array, Array]:
-    """Edges around points (m, 2): by x, then y, the lower chain of them and the upper chain, each turning left."""
-    points = _sorted(points)
+def _hull_edges(points: Array) -> tuple[Array, Array]:
+    """Normals and offsets of the hull's edges: sorted by x, then y, points form a lower and an upper chain (Andrew)."""
+    points = _sorted_on_grid(points)
     corners, count = np.empty((2 * len(points), 2)), 0
     for way in (1, -1):
         first = count
         for k in range(len(points)):
             point = points[k if way > 0 else len(points) - 1 - k]
-            while count - first >= 2 and _turn(corners[count - 2], corners[count - 1], point) <= 0.0:
+            while count - first >= 2 and _turn_direction(corners[count - 2], corners[count - 1], point) <= 0.0:
                 count -= 1
             corners[count] = point
             count += 1
@@ -122,11 +122,11 @@ def _hull(points: Array) -> tuple[Array, Array]:
 
 
 @compiled
-def _sorted(points: Array) -> Array:
+def _sorted_on_grid(points: Array) -> Array:
     """Points by x, then y, on a grid: so that differences are exact, and lines found to be lines."""
     out = np.empty_like(points)
     for k in range(len(points)):
-        x, y = np.rint(points[k, 0] / GRID) * GRID, np.rint(points[k, 1] / GRID) * GRID
+        x, y = np.rint(points[k, 0] / POINT_GRID_M) * POINT_GRID_M, np.rint(points[k, 1] / POINT_GRID_M) * POINT_GRID_M
         place = k
         while place and (out[place - 1, 0] > x or (out[place - 1, 0] == x and out[place - 1, 1] > y)):
             out[place] = out[place - 1]
@@ -136,6 +136,6 @@ def _sorted(points: Array) -> Array:
 
 
 @compiled
-def _turn(a: Array, b: Array, c: Array) -> float:
+def _turn_direction(a: Array, b: Array, c: Array) -> float:
     """Positive if the way from a over b to c turns left."""
     return (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])

@@ -11,7 +11,7 @@ from sot.robots.robot import Robot
 Array = np.ndarray
 
 LIMBS = ("left_arm", "right_arm", "left_leg", "right_leg")
-ROOM = 0.02
+NEIGHBOUR_DISTANCE = 0.02
 """Pairs that are nearer at rest [m] are neighbours in the tree, or made to touch: they do not count."""
 
 GJK_TOLERANCE = 1e-10
@@ -38,30 +38,32 @@ class Proximity:
         self._model, data = robot.model, robot.model.createData()
         self._geometry = robot.shapes.copy()
         self._geometry.removeAllCollisionPairs()
-        for first, second in _candidates(robot):
+        for first, second in _limb_pairs(robot):
             self._geometry.addCollisionPair(pin.CollisionPair(first, second))
-        self._open()
+        self._renew_results()
         pin.computeDistances(self._model, data, self._geometry, self._results, robot.rest)
-        apart = [result.min_distance for result in self._each]
-        for k in np.flatnonzero(np.array(apart) < ROOM)[::-1].tolist():
+        apart = [result.min_distance for result in self._distance_results]
+        for k in np.flatnonzero(np.array(apart) < NEIGHBOUR_DISTANCE)[::-1].tolist():
             self._geometry.removeCollisionPair(self._geometry.collisionPairs[k])
-        self._open()
+        self._renew_results()
         shapes = self._geometry.geometryObjects
         pairs = [(shapes[pair.first], shapes[pair.second]) for pair in self._geometry.collisionPairs]
         self.pairs = [(first.name, second.name) for first, second in pairs]
-        moves = [_moves(self._model, second) - _moves(self._model, first) for first, second in pairs]
-        self._moves = np.array(moves).reshape(len(pairs), robot.nv)
-        reaches = [reach(self._model, first, second) for first, second in pairs]
-        self._reach = np.array(reaches).reshape(len(pairs), robot.na)
-        self._seen = np.zeros((len(pairs), robot.na))
-        self._apart = np.full(len(pairs), -np.inf)
+        relative_motion = [
+            _moving_velocities(self._model, second) - _moving_velocities(self._model, first) for first, second in pairs
+        ]
+        self._relative_motion = np.array(relative_motion).reshape(len(pairs), robot.nv)
+        reaches = [lever_arm_bounds(self._model, first, second) for first, second in pairs]
+        self._lever_bounds = np.array(reaches).reshape(len(pairs), robot.na)
+        self._joints_when_measured = np.zeros((len(pairs), robot.na))
+        self._latest_distances = np.full(len(pairs), -np.inf)
 
-    def fastest(self, v: Array) -> Array:
-        """What the distances' rates do not exceed at a velocity (nv,), shape (pairs,) [m/s]."""
-        return _fastest(self._reach, v)
+    def rate_bounds(self, v: Array) -> Array:
+        """Upper bounds of the rates of all distances at a velocity (nv,), shape (pairs,) [m/s]."""
+        return _rate_bounds(self._lever_bounds, v)
 
-    def near(self, data: pin.Data, q: Array, within: Array) -> list[int]:
-        """Indices of the pairs that are less than `within` apart.
+    def pairs_within(self, data: pin.Data, q: Array, within: Array) -> list[int]:
+        """Indices of the pairs whose shapes are less than `within` apart.
 
         Args:
             data: Pinocchio's, with the places of the joints at q.
@@ -69,17 +71,19 @@ class Proximity:
             within: Distance of each pair, shape (pairs,) [m].
         """
         joints = q[7:]
-        due = _due(self._apart, self._reach, self._seen, joints, within)
+        due = _pairs_possibly_within(
+            self._latest_distances, self._lever_bounds, self._joints_when_measured, joints, within
+        )
         if not len(due):
             return []
         pin.updateGeometryPlacements(self._model, data, self._geometry, self._results)
         for k in due.tolist():
             pin.computeDistance(self._geometry, self._results, k)
-            self._apart[k] = self._each[k].min_distance
-        self._seen[due] = joints
-        return due[(self._apart < within)[due]].tolist()
+            self._latest_distances[k] = self._distance_results[k].min_distance
+        self._joints_when_measured[due] = joints
+        return due[(self._latest_distances < within)[due]].tolist()
 
-    def measure(self, data: pin.Data, pairs: Sequence[int]) -> tuple[Array, Array]:
+    def distances_and_jacobian(self, data: pin.Data, pairs: Sequence[int]) -> tuple[Array, Array]:
         """Distances of n pairs, negative where shapes overlap, shape (n,) [m], and their Jacobian, shape (n, nv).
 
         Args:
@@ -89,48 +93,54 @@ class Proximity:
         pin.updateGeometryPlacements(self._model, data, self._geometry, self._results)
         for k in pairs:
             pin.computeDistance(self._geometry, self._results, k)
-        return self.found(data, pairs)
+        return self.latest_distances_and_jacobian(data, pairs)
 
-    def found(self, data: pin.Data, pairs: Sequence[int]) -> tuple[Array, Array]:
-        """The same of pairs that `near` has just found."""
+    def latest_distances_and_jacobian(self, data: pin.Data, pairs: Sequence[int]) -> tuple[Array, Array]:
+        """Distances and Jacobian, as `distances_and_jacobian`, of pairs that `pairs_within` has just measured."""
         distances, normals, points = np.empty(len(pairs)), np.empty((len(pairs), 3)), np.empty((len(pairs), 3))
         for n, k in enumerate(pairs):
-            distances[n], normals[n] = self._each[k].min_distance, self._normals[k]
-            points[n] = self._each[k].getNearestPoint2()
-        return distances, _slopes(normals, points, data.J, self._moves, np.array(pairs, dtype=int))
+            distances[n], normals[n] = self._distance_results[k].min_distance, self._normals[k]
+            points[n] = self._distance_results[k].getNearestPoint2()
+        return distances, _distance_jacobian(normals, points, data.J, self._relative_motion, np.array(pairs, dtype=int))
 
-    def _open(self) -> None:
+    def _renew_results(self) -> None:
         self._results = self._geometry.createData()
-        self._each = list(self._results.distanceResults)  # views: looking them up costs more than a distance
-        self._normals = [result.normal for result in self._each]  # from the first shape to the second; views as well
+        self._distance_results = list(
+            self._results.distanceResults
+        )  # views: looking them up costs more than a distance
+        self._normals = [
+            result.normal for result in self._distance_results
+        ]  # from the first shape to the second; views as well
         for request in self._results.distanceRequests:
             request.gjk_tolerance = GJK_TOLERANCE
 
 
 @compiled
-def _fastest(reach: Array, v: Array) -> Array:
-    fastest = np.zeros(len(reach))
-    for k in range(len(reach)):
-        for i in range(reach.shape[1]):
-            fastest[k] += reach[k, i] * abs(v[6 + i])
-    return fastest
+def _rate_bounds(lever_bounds: Array, v: Array) -> Array:
+    bounds = np.zeros(len(lever_bounds))
+    for k in range(len(lever_bounds)):
+        for i in range(lever_bounds.shape[1]):
+            bounds[k] += lever_bounds[k, i] * abs(v[6 + i])
+    return bounds
 
 
 @compiled
-def _due(apart: Array, reach: Array, seen: Array, joints: Array, within: Array) -> Array:
-    """Pairs that may have come nearer than `within` since they were looked at."""
-    near = np.empty(len(apart), np.bool_)
-    for k in range(len(apart)):
-        least = apart[k]
+def _pairs_possibly_within(
+    latest: Array, lever_bounds: Array, joints_then: Array, joints: Array, within: Array
+) -> Array:
+    """Indices of the pairs that may have come nearer than `within` since they were last measured."""
+    near = np.empty(len(latest), np.bool_)
+    for k in range(len(latest)):
+        least = latest[k]
         for i in range(len(joints)):
-            least -= reach[k, i] * abs(seen[k, i] - joints[i])
+            least -= lever_bounds[k, i] * abs(joints_then[k, i] - joints[i])
         near[k] = least < within[k]
     return np.flatnonzero(near)
 
 
 @compiled
-def _slopes(normals: Array, points: Array, J: Array, moves: Array, pairs: Array) -> Array:
-    """Jacobian of the distances of some pairs, from what two unit forces along the normals at the points do."""
+def _distance_jacobian(normals: Array, points: Array, J: Array, relative_motion: Array, pairs: Array) -> Array:
+    """Jacobian of the distances of some pairs, from the normals and the nearest points of the second shapes."""
     out = np.empty((len(pairs), J.shape[1]))
     for n in range(len(pairs)):
         nx, ny, nz = normals[n]
@@ -138,12 +148,12 @@ def _slopes(normals: Array, points: Array, J: Array, moves: Array, pairs: Array)
         a, b, c = y * nz - z * ny, z * nx - x * nz, x * ny - y * nx
         for i in range(J.shape[1]):
             slope = nx * J[0, i] + ny * J[1, i] + nz * J[2, i] + a * J[3, i] + b * J[4, i] + c * J[5, i]
-            out[n, i] = slope * moves[pairs[n], i]
+            out[n, i] = slope * relative_motion[pairs[n], i]
     return out
 
 
-def _candidates(robot: Robot) -> Iterator[tuple[int, int]]:
-    """Pairs of shapes of different parts of the body, at least one of them a limb."""
+def _limb_pairs(robot: Robot) -> Iterator[tuple[int, int]]:
+    """Indices of pairs of shapes that belong to different parts of the body, at least one of them to a limb."""
     part = {2 + joint: limb for limb in LIMBS for joint in robot.groups[limb]}
     owners = [
         part.get(shape.parentJoint, "base" if shape.parentJoint <= 1 else "trunk")
@@ -155,7 +165,7 @@ def _candidates(robot: Robot) -> Iterator[tuple[int, int]]:
                 yield first, second
 
 
-def _moves(model: pin.Model, shape: pin.GeometryObject) -> Array:
+def _moving_velocities(model: pin.Model, shape: pin.GeometryObject) -> Array:
     """1 for each velocity that moves a shape, 0 for the others; shape (nv,)."""
     moves = np.zeros(model.nv)
     for joint in model.supports[shape.parentJoint]:
@@ -163,16 +173,16 @@ def _moves(model: pin.Model, shape: pin.GeometryObject) -> Array:
     return moves
 
 
-def reach(model: pin.Model, first: pin.GeometryObject, second: pin.GeometryObject) -> Array:
-    """How far a shape is moved in the view of another when each joint turns by one radian, at most; shape (na,) [m]."""
-    reach = np.zeros(model.nv - 6)
+def lever_arm_bounds(model: pin.Model, first: pin.GeometryObject, second: pin.GeometryObject) -> Array:
+    """Upper bounds of how far each joint moves one shape relative to another, shape (na,) [m/rad]."""
+    bounds = np.zeros(model.nv - 6)
     chains = [set(model.supports[shape.parentJoint]) for shape in (first, second)]
     for shape, own, other in ((first, *chains), (second, *chains[::-1])):
         shape.geometry.computeLocalAABB()
         length = float(np.linalg.norm(shape.placement.act(shape.geometry.aabb_center))) + shape.geometry.aabb_radius
         joint = shape.parentJoint
         while joint in own - other:
-            reach[joint - 2] = length
+            bounds[joint - 2] = length
             length += float(np.linalg.norm(model.jointPlacements[joint].translation))
             joint = model.parents[joint]
-    return reach
+    return bounds

@@ -1,4 +1,4 @@
-"""Files that appear under their name once they are complete."""
+"""Atomic writing: a file appears under its name only once it is complete."""
 
 import os
 from collections.abc import Iterator
@@ -7,9 +7,8 @@ from pathlib import Path
 
 
 @contextmanager
-def whole(path: Path) -> Iterator[Path]:
-    """A place to write to, beside the path. What is there in the end takes the path's name; after an error, nothing is
-    left."""
+def atomic_write(path: Path) -> Iterator[Path]:
+    """A temporary path beside the given one; the file written there is renamed at the end, or removed on an error."""
     partial = path.with_name(f".{path.stem}.part{path.suffix}")
     try:
         yield partial

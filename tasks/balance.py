@@ -10,18 +10,19 @@ from solvers.rows import Rows
 from sot.behaviours.displacement import Displacement
 from sot.control.task import Task
 from sot.control.tick import GRAVITY, Tick
-from sot.polygon import ANYWHERE, Polygon, nearest
+from sot.polygon import WHOLE_FLOOR, Polygon, nearest_point
 
 Array = np.ndarray
 PlaceReference = Callable[[float], Array]
 MomentumReference = Callable[[float], Array]
 BalanceReference = Callable[[float], tuple[Array, Array, Array, Array]]
 
-CATCHING = 0.009
-"""What the margin grows by while one foot catches the robot [m]: on an edge, the other has no friction to turn with."""
-NONE = np.zeros(2)
-LOOK = 0.01
-"""Interval at which it is looked where the contacts are [s]; at once if one of them carries more or less."""
+CATCHING_MARGIN = 0.009
+"""Increase of the support margin while one foot makes a step of recovery [m]: on its very edge, the other foot has no
+friction left to turn with."""
+NO_EXCESS = np.zeros(2)
+SUPPORT_UPDATE_INTERVAL = 0.01
+"""Interval at which the support polygon is computed anew [s]; at once if the load ramp of a contact changes."""
 
 
 class Balance(Task):
@@ -37,9 +38,9 @@ class Balance(Task):
     the body has beyond the plan, ΔL, has to go as well: at the rate ω + k that takes the zero-moment point
     (ω + k) / (m g) (ΔL_y, −ΔL_x) away from z*, and that, too, is to be inside.
 
-    While a foot steps as nobody planned (its contact is off and has a `way`), the other one alone does not lead ξ back,
-    the step does. The zero-moment point itself is then commanded to z*, and what becomes of the centre of mass is left
-    to how the posture brings the body upright:
+    While a foot makes a step that was not planned (its contact is off and has a `path`), the other one alone does not
+    lead ξ back, the step does. The zero-moment point itself is then commanded to z*, and the centre of mass is left to
+    how the posture brings the body upright:
 
         c_z c̈ + (L̇_y, −L̇_x) / m = (g + c̈_z) (c − z*).
 
@@ -68,41 +69,41 @@ class Balance(Task):
     ) -> None:
         super().__init__("Balance", "m/s²", "m", weight)
         self.labels = axes
-        self._of = slice(len(axes))
+        self._axes = slice(len(axes))
         self._reference = reference
         self._feet = dict(feet or {})
         self._momentum = momentum
         self.k, self.kp, self.margin = k, kp, margin
-        self._polygon, self._moved_by = ANYWHERE, Displacement.of(())
-        self._loads, self._looked = [-1.0], -np.inf
+        self._polygon, self._displacement = WHOLE_FLOOR, Displacement.of(())
+        self._ramps, self._updated_at = [-1.0], -np.inf
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
-        self._look(tick)
+        self._update_support(tick)
         plan, state = self._reference(tick.t), (tick.com, tick.com_velocity, tick.com_drift)
-        polygon, of = self._polygon, self._of
-        turning = NONE if self._momentum is None else tick.turning(self._momentum(tick.t))
-        catching = any(contact.mode == "off" and contact.way is not None for contact in tick.contacts)
+        polygon, of = self._polygon, self._axes
+        turning = NO_EXCESS if self._momentum is None else tick.momentum_excess_per_weight(self._momentum(tick.t))
+        catching = any(contact.mode == "off" and contact.path is not None for contact in tick.contacts)
         if catching:
-            polygon = polygon.inset(CATCHING)
-        error, wanted, z = _led_back(
-            *plan, *state, *self._moved_by, turning, self.k, self.kp, polygon.normals, polygon.offsets
+            polygon = polygon.inset(CATCHING_MARGIN)
+        error, wanted, z = _wanted_acceleration_and_zmp(
+            *plan, *state, *self._displacement, turning, self.k, self.kp, polygon.normals, polygon.offsets
         )
         self.error, J = error[of], tick.com_jacobian
         if catching:
-            J, wanted = _pressed(tick, z, wanted)
-        return self._rows(J[of], wanted[of], wanted[of])
+            J, wanted = _zmp_rows(tick, z, wanted)
+        return self.make_rows(J[of], wanted[of], wanted[of])
 
-    def _look(self, tick: Tick) -> None:
-        """See where the contacts are: standing feet creep by fractions of a millimetre, which can wait a few ticks."""
+    def _update_support(self, tick: Tick) -> None:
+        """Compute support polygon and displacement anew if due: standing feet creep by little."""
         loads = [contact.load if contact.mode == "fixed" else 0.0 for contact in tick.contacts]
-        if loads != self._loads or not 0.0 < tick.t - self._looked < LOOK:
-            self._polygon, self._moved_by = self._carried(tick), self._displaced(tick)
-            self._loads, self._looked = loads, tick.t
+        if loads != self._ramps or not 0.0 < tick.t - self._updated_at < SUPPORT_UPDATE_INTERVAL:
+            self._polygon, self._displacement = self._support_polygon(tick), self._plan_displacement(tick)
+            self._ramps, self._updated_at = loads, tick.t
 
-    def _displaced(self, tick: Tick) -> Displacement:
-        """How the feet that stand are off their planned places, by the load they may take: where a foot comes down
-        beside its place, the plan is to move over as gradually as it takes its load."""
+    def _plan_displacement(self, tick: Tick) -> Displacement:
+        """Displacement of the standing feet from their planned places, weighted by the load that they may take: where a
+        foot lands beside its place, the plan moves over as gradually as the foot takes its load."""
         standing = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load > 0.0]
         return Displacement.of(
             [
@@ -112,27 +113,27 @@ class Balance(Task):
             ]
         )
 
-    def _carried(self, tick: Tick) -> Polygon:
-        """Where the contacts let the zero-moment point be, drawn in by the margin; anywhere if nothing carries.
+    def _support_polygon(self, tick: Tick) -> Polygon:
+        """Support polygon of the contacts, inset by the margin; the whole plane if nothing carries.
 
-        A contact in a ramp widens the support of the others by as much as it may bear: no jump when the ramp ends.
+        A contact in its load ramp widens the support of the others by as much as it may bear: no jump at its end.
         """
         standing = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load > 0.0]
         if not standing:
-            return ANYWHERE
-        soles = [tick.frame(contact.point).below(contact.vertices) for contact in standing]
+            return WHOLE_FLOOR
+        soles = [tick.frame(contact.point).floor_projection(contact.vertices) for contact in standing]
         most = max(contact.load for contact in standing)
         full = np.concatenate([sole for sole, contact in zip(soles, standing, strict=True) if contact.load == most])
         corners = [full]
         for sole, contact in zip(soles, standing, strict=True):
             if contact.load < most:
-                share = min(contact.largest(1.0), 1.0)
+                share = min(contact.max_normal_force(1.0), 1.0)
                 corners.append(((1.0 - share) * full[:, None] + share * sole).reshape(-1, 2))
         return Polygon.hull(np.concatenate(corners)).inset(self.margin)
 
 
-def _pressed(tick: Tick, z: Array, wanted: Array) -> tuple[Array, Array]:
-    """Rows (3, nv), and what they are to be (3,), by which the zero-moment point is at z (2,); the height as wanted."""
+def _zmp_rows(tick: Tick, z: Array, wanted: Array) -> tuple[Array, Array]:
+    """Matrix (3, nv) and right-hand side (3,) that put the zero-moment point at z (2,); the height's row is kept."""
     _, A, drift = tick.centroidal()
     J, wanted = tick.com_jacobian.copy(), wanted.copy()
     lever, lean = 1.0 / (tick.mass * tick.com[2]), (tick.com[:2] - z) / tick.com[2]
@@ -143,7 +144,7 @@ def _pressed(tick: Tick, z: Array, wanted: Array) -> tuple[Array, Array]:
 
 
 @compiled
-def _led_back(
+def _wanted_acceleration_and_zmp(
     c: Array,
     velocity: Array,
     acceleration: Array,
@@ -159,40 +160,40 @@ def _led_back(
     normals: Array,
     offsets: Array,
 ) -> tuple[Array, Array, Array]:
-    """The error c − com of a plan that moves with the feet, the wanted acceleration less its drift, (3,) each, and the
-    zero-moment point with the momentum that has to go (2,)."""
+    """Error c − com of the plan moved along with the feet (3,), wanted acceleration less its drift (3,), and commanded
+    zero-moment point, with what the excess angular momentum takes (2,)."""
     c, velocity, acceleration, z = c.copy(), velocity.copy(), acceleration.copy(), z.copy()
-    z += shift + _turned(tilt, z)
-    c[:2] += shift + _turned(tilt, c)
-    velocity[:2] += _turned(tilt, velocity)
-    acceleration[:2] += _turned(tilt, acceleration)
+    z += shift + _times(tilt, z)
+    c[:2] += shift + _times(tilt, c)
+    velocity[:2] += _times(tilt, velocity)
+    acceleration[:2] += _times(tilt, acceleration)
     error, rate, wanted = c - com, velocity - com_velocity, acceleration - com_drift
     omega = np.sqrt(GRAVITY / max(com[2], 0.1))
     # The deviation from the plan, and the zero-moment point's lag that leads the divergent component back.
     lag = -(1.0 + k / omega) * (error[:2] + rate[:2] / omega)
     turned = (omega + k) * turning
     pivot = c[:2] - acceleration[:2] * c[2] / (GRAVITY + acceleration[2])
-    lag = _admitted(lag, turned, z, pivot, normals, offsets)
+    lag = _feasible_lag(lag, turned, z, pivot, normals, offsets)
     for i in range(2):
         wanted[i] -= omega**2 * (error[i] + lag[i])
     wanted[2] += kp * error[2] + 2.0 * np.sqrt(kp) * rate[2]
-    return error, wanted, nearest(normals, offsets, z + lag + turned)
+    return error, wanted, nearest_point(normals, offsets, z + lag + turned)
 
 
 @compiled
-def _turned(tilt: Array, x: Array) -> Array:
-    """A matrix (2, 2) times the first two of a vector."""
+def _times(tilt: Array, x: Array) -> Array:
+    """Product of a matrix (2, 2) and the first two entries of a vector."""
     return np.array((tilt[0, 0] * x[0] + tilt[0, 1] * x[1], tilt[1, 0] * x[0] + tilt[1, 1] * x[1]))
 
 
 @compiled
-def _admitted(lag: Array, turned: Array, z: Array, pivot: Array, normals: Array, offsets: Array) -> Array:
-    """As much of a wanted lag of the zero-moment point (2,) [m] as the support admits beside what it is turned by.
+def _feasible_lag(lag: Array, turned: Array, z: Array, pivot: Array, normals: Array, offsets: Array) -> Array:
+    """Lag of the zero-moment point (2,) [m] closest to the wanted one for which the support polygon contains it.
 
     The plan's zero-moment point z differs from its pivot, the point that the floor's force on the centre of mass comes
     from, by what its angular momentum changes. When that leaves too little room, the change is given up: then the
     pivot alone has to stay inside.
     """
     whole, part = z + lag + turned, pivot + lag + turned
-    kept, given_up = nearest(normals, offsets, whole) - whole, nearest(normals, offsets, part) - part
+    kept, given_up = nearest_point(normals, offsets, whole) - whole, nearest_point(normals, offsets, part) - part
     return lag + (kept if kept @ kept <= given_up @ given_up else given_up)

@@ -1,4 +1,4 @@
-"""What motors and joints can do: torque, range, velocity and acceleration at once."""
+"""Limits of motors and joints: torque; range, velocity and acceleration together."""
 
 import numpy as np
 
@@ -11,9 +11,9 @@ from sot.robots.robot import Robot
 Array = np.ndarray
 
 RETURN_RATE = 10.0
-"""Rate [1/s] at which a joint that starts outside its range is led back."""
-SOFT = 0.015
-"""What braking gently costs of a joint's range when it is fast [rad]: within what plans leave free at the ends."""
+"""Rate [1/s] at which a joint that starts outside its range returns into it."""
+SOFT_BRAKING_RANGE = 0.015
+"""Part of a joint's range that braking gently takes when the joint is fast [rad]; plans leave more at both ends."""
 
 
 class TorqueBounds(Task):
@@ -21,10 +21,10 @@ class TorqueBounds(Task):
 
     Args:
         robot: The robot.
-        fraction: Of the limit that may be used.
+        fraction: Part of the limits that may be used.
     """
 
-    on = "torque"
+    variable = "torque"
     equality = False
     gives_way = 2
 
@@ -38,7 +38,7 @@ class TorqueBounds(Task):
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``−limit <= τ <= limit``."""
-        return self._rows(self._A, self._lower, self._upper)
+        return self.make_rows(self._A, self._lower, self._upper)
 
 
 class JointBounds(Task):
@@ -47,7 +47,7 @@ class JointBounds(Task):
     Args:
         robot: The robot.
         range_margin: Distance kept from the ends of the range, for what the model does not know [rad].
-        velocity_fraction: Of the velocity limit that may be used.
+        velocity_fraction: Part of the velocity limits that may be used.
     """
 
     equality = False
@@ -62,7 +62,7 @@ class JointBounds(Task):
             velocity_fraction * robot.velocity,
             robot.acceleration,
             robot.acceleration_hard,
-            SOFT,
+            SOFT_BRAKING_RANGE,
         )
         self._A = np.hstack([np.zeros((robot.na, 6)), np.eye(robot.na)])
         self.selects = slice(6, robot.nv)
@@ -71,7 +71,7 @@ class JointBounds(Task):
         """Rows on the joint accelerations; `error` is how far each joint is outside its range."""
         lower, upper = self._bounds(tick.q[7:], tick.v[6:], tick.period)
         self.error = self._bounds.outside
-        return self._rows(self._A, lower, upper)
+        return self.make_rows(self._A, lower, upper)
 
 
 class AccelerationBounds:
@@ -93,7 +93,7 @@ class AccelerationBounds:
         velocity: Velocity limits, symmetric, shape (n,).
         brake: Deceleration that is relied upon to stop before the end of the range, shape (n,).
         hard: Acceleration limits, symmetric, not below `brake`, shape (n,).
-        soft: What that costs of the range where a joint is fast, in the unit of the range.
+        soft: Part of the range that braking in proportion takes, in the unit of the range.
 
     Attributes:
         outside: How far the last positions were outside the range, shape (n,).
@@ -108,25 +108,32 @@ class AccelerationBounds:
 
     def __call__(self, q: Array, v: Array, period: float) -> tuple[Array, Array]:
         """Smallest and largest acceleration of joints at q, moving with v, for a period [s]; shapes (n,)."""
-        low, high, self.outside = _viable(q, v, period, self._limits, self._soft)
+        low, high, self.outside = _viable_accelerations(q, v, period, self._limits, self._soft)
         return low, high
 
 
 @compiled
-def _viable(q: Array, v: Array, period: float, limits: Array, soft: float) -> Array:
-    """Least and greatest accelerations, and how far outside the joints are, (3, n)."""
+def _viable_accelerations(q: Array, v: Array, period: float, limits: Array, soft: float) -> Array:
+    """Smallest and largest viable accelerations, and how far outside their ranges the joints are, (3, n)."""
     lower, upper, velocity, brake, hard = limits
     out = np.empty((3, len(q)))
     for k in range(len(q)):
-        high = min(max(_largest(upper[k] - q[k], v[k], period, velocity[k], brake[k], soft), -hard[k]), hard[k])
-        low = -min(max(_largest(q[k] - lower[k], -v[k], period, velocity[k], brake[k], soft), -hard[k]), hard[k])
+        high = min(
+            max(_max_viable_acceleration(upper[k] - q[k], v[k], period, velocity[k], brake[k], soft), -hard[k]), hard[k]
+        )
+        low = -min(
+            max(_max_viable_acceleration(q[k] - lower[k], -v[k], period, velocity[k], brake[k], soft), -hard[k]),
+            hard[k],
+        )
         out[0, k], out[1, k] = min(low, high), high
         out[2, k] = max(q[k] - upper[k], 0.0) - max(lower[k] - q[k], 0.0)
     return out
 
 
 @compiled
-def _largest(distance: float, v: float, period: float, velocity: float, brake: float, soft: float) -> float:
+def _max_viable_acceleration(
+    distance: float, v: float, period: float, velocity: float, brake: float, soft: float
+) -> float:
     """Largest acceleration towards an end of the range that is a distance away, moving towards it with v."""
     # With w = v + a T: w² + brake T w = 2 brake (distance − (v + w) T / 2), the larger root. The second term is what
     # braking for whole periods takes beyond w² = 2 brake distance; without it the last of them is a kick.

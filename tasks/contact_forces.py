@@ -1,4 +1,4 @@
-"""Contact forces no larger than they need to be."""
+"""The smallest contact forces among those that the levels above leave open."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ class LeastForces(Task):
         weight: Scale within the level [1/N].
     """
 
-    on = "force"
+    variable = "force"
 
     def __init__(self, weight: float = 0.01, name: str = "LeastForces") -> None:
         super().__init__(name, "N", "N", weight)
@@ -29,4 +29,4 @@ class LeastForces(Task):
             count += contact.force_count
         if count != len(self._A):
             self._A, self._nothing, self.selects = np.eye(count), np.zeros(count), slice(0, count)
-        return self._rows(self._A, self._nothing, self._nothing)
+        return self.make_rows(self._A, self._nothing, self._nothing)

@@ -15,7 +15,7 @@ class FootSliding(OperationalPoint):
 
     Args:
         robot: The robot.
-        foot: One of its feet; its contact's `way` should be the reference, for the friction that is met on it.
+        foot: One of its feet; its contact's `path` should be the reference: friction acts against its velocity.
         reference: Trajectory ``t -> Pose`` of the foot's point; its x, y and yaw count.
         kp, kd, weight: As for `MotionTask`.
     """
@@ -30,9 +30,9 @@ class FootSliding(OperationalPoint):
         weight: float = 1.0,
     ) -> None:
         super().__init__(robot, foot, reference, "xyY", kp, kd, weight, name=f"FootSliding {foot}")
-        self._none = np.zeros(0), np.zeros(0), np.zeros((0, robot.nv)), np.zeros(0), np.zeros(0)
+        self._no_rows = np.zeros(0), np.zeros(0), np.zeros((0, robot.nv)), np.zeros(0), np.zeros(0)
 
     def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
         """As an `OperationalPoint` while the contact slides; no rows otherwise."""
         slides = any(contact.point == self.point and contact.mode == "sliding" for contact in tick.contacts)
-        return super().observe(tick) if slides else self._none
+        return super().observe(tick) if slides else self._no_rows

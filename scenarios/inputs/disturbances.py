@@ -7,7 +7,7 @@ from sim.mismatch import Mismatch
 from sim.push import Push
 from sot.errors import InputError
 
-Kinds = Mapping[str, Callable[[str], Any]]
+ParserByName = Mapping[str, Callable[[str], Any]]
 
 
 def parse_push(text: str) -> Push:
@@ -16,7 +16,7 @@ def parse_push(text: str) -> Push:
     Raises:
         InputError: anything else.
     """
-    words = _words("--push", text, {"t": float, "force": _vector, "duration": float, "body": str})
+    words = _parse_assignments("--push", text, {"t": float, "force": _parse_vector, "duration": float, "body": str})
     if missing := {"t", "force"} - set(words):
         raise InputError(
             f'--push "{text}": {min(missing)} is missing, as in "t=5 force=80,0,0 duration=0.1 body=chest"'
@@ -30,11 +30,11 @@ def parse_mismatch(text: str) -> Mismatch:
     Raises:
         InputError: anything else.
     """
-    numbers: Kinds = dict.fromkeys(("mass", "damping", "delay", "noise", "friction"), float)
-    return Mismatch(**_words("--mismatch", text, {**numbers, "seed": int}))
+    numbers: ParserByName = dict.fromkeys(("mass", "damping", "delay", "noise", "friction"), float)
+    return Mismatch(**_parse_assignments("--mismatch", text, {**numbers, "seed": int}))
 
 
-def _words(option: str, text: str, kinds: Kinds) -> dict[str, Any]:
+def _parse_assignments(option: str, text: str, kinds: ParserByName) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for word in text.split():
         name, equals, value = word.partition("=")
@@ -45,13 +45,13 @@ def _words(option: str, text: str, kinds: Kinds) -> dict[str, Any]:
         try:
             found[name] = kinds[name](value)
         except ValueError:
-            raise InputError(f"{option} \"{text}\": {name} is no {_nouns[kinds[name]]}: '{value}'") from None
+            raise InputError(f"{option} \"{text}\": {name} is no {_PARSER_NOUNS[kinds[name]]}: '{value}'") from None
     return found
 
 
-def _vector(text: str) -> tuple[float, ...]:
+def _parse_vector(text: str) -> tuple[float, ...]:
     x, y, z = map(float, text.split(","))
     return x, y, z
 
 
-_nouns: dict[Callable[[str], Any], str] = {float: "number", int: "whole number", _vector: "force x,y,z"}
+_PARSER_NOUNS: dict[Callable[[str], Any], str] = {float: "number", int: "whole number", _parse_vector: "force x,y,z"}

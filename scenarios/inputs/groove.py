@@ -13,16 +13,16 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from sot.smooth import ease
+from sot.smooth import minimum_jerk
 
-RATE = 50.0  # Hz
-BEAT = 0.6  # s
+RATE_HZ = 50.0  # Hz
+BEAT_S = 0.6  # s
 BEATS = 20
-STANCE = 0.13  # m, of each ankle from the middle
-TOES_OUT = 10.0  # deg
-THIGH, SHANK, ANKLE = 0.43, 0.42, 0.09  # m
-HIP = 0.09  # m, of each hip from the middle
-REST_DROP = 0.015  # m, by which the knees are bent at rest
+ANKLE_FROM_MIDDLE_M = 0.13  # m, of each ankle from the middle
+TOES_OUT_DEG = 10.0  # deg
+THIGH_M, SHANK_M, ANKLE_HEIGHT_M = 0.43, 0.42, 0.09  # m
+HIP_FROM_MIDDLE_M = 0.09  # m, of each hip from the middle
+HIP_DROP_AT_REST_M = 0.015  # m, by which the knees are bent at rest
 
 # Joint, parent, offset [m] in the T-pose: X left, Y up, Z forward. The left side is mirrored to the right.
 _SPINE = (
@@ -40,35 +40,35 @@ _LEFT = (
     ("ForeArm", "Arm", (0.29, 0.0, 0.0)),
     ("Hand", "ForeArm", (0.25, 0.0, 0.0)),
     ("Hand_end", "Hand", (0.17, 0.0, 0.0)),
-    ("UpLeg", "Hips", (HIP, 0.0, 0.0)),
-    ("Leg", "UpLeg", (0.0, -THIGH, 0.0)),
-    ("Foot", "Leg", (0.0, -SHANK, 0.0)),
-    ("ToeBase", "Foot", (0.0, 0.02 - ANKLE, 0.14)),
+    ("UpLeg", "Hips", (HIP_FROM_MIDDLE_M, 0.0, 0.0)),
+    ("Leg", "UpLeg", (0.0, -THIGH_M, 0.0)),
+    ("Foot", "Leg", (0.0, -SHANK_M, 0.0)),
+    ("ToeBase", "Foot", (0.0, 0.02 - ANKLE_HEIGHT_M, 0.14)),
     ("ToeBase_end", "ToeBase", (0.0, 0.0, 0.06)),
 )
 _SIDES = {"Left": 1.0, "Right": -1.0}
 _CHANNELS = "Yrotation Xrotation Zrotation"  # and Euler angles "YXZ"
 
 
-def write(path: Path) -> None:
+def write_groove(path: Path) -> None:
     """Write the clip to a file."""
-    path.write_text(groove(), encoding="ascii", newline="\n")
+    path.write_text(groove_bvh(), encoding="ascii", newline="\n")
 
 
-def groove() -> str:
+def groove_bvh() -> str:
     """The clip as the text of a .bvh file, in centimetres, Y up."""
-    beat = np.arange(round(BEATS * BEAT * RATE) + 1) / (BEAT * RATE)
-    hips, angles = _dance(beat)
-    joints = _skeleton()
-    hierarchy = _hierarchy(joints, "Hips", 0)
+    beat = np.arange(round(BEATS * BEAT_S * RATE_HZ) + 1) / (BEAT_S * RATE_HZ)
+    hips, angles = _hip_way_and_angles(beat)
+    joints = _joint_offsets()
+    hierarchy = _hierarchy_lines(joints, "Hips", 0)
     names = [line.split()[1] for line in hierarchy if line.split()[0] in ("ROOT", "JOINT")]
     columns = [100.0 * hips] + [np.degrees(angles.get(name, np.zeros((len(beat), 3)))) for name in names]
     rows = [" ".join(f"{value:.3f}" for value in row) for row in np.concatenate(columns, axis=1) + 0.0]
-    head = ["HIERARCHY", *hierarchy, "MOTION", f"Frames: {len(rows)}", f"Frame Time: {1 / RATE:g}"]
+    head = ["HIERARCHY", *hierarchy, "MOTION", f"Frames: {len(rows)}", f"Frame Time: {1 / RATE_HZ:g}"]
     return "\n".join([*head, *rows, ""])
 
 
-def _skeleton() -> list[tuple[str, str, tuple[float, float, float]]]:
+def _joint_offsets() -> list[tuple[str, str, tuple[float, float, float]]]:
     joints = list(_SPINE)
     own = {name for name, _, _ in _LEFT}
     for side, sign in _SIDES.items():
@@ -77,7 +77,7 @@ def _skeleton() -> list[tuple[str, str, tuple[float, float, float]]]:
     return joints
 
 
-def _hierarchy(joints: list[tuple[str, str, tuple[float, float, float]]], name: str, depth: int) -> list[str]:
+def _hierarchy_lines(joints: list[tuple[str, str, tuple[float, float, float]]], name: str, depth: int) -> list[str]:
     """The lines of a joint and all below it."""
     offset = next(o for n, _, o in joints if n == name)
     children = [n for n, parent, _ in joints if parent == name]
@@ -88,28 +88,28 @@ def _hierarchy(joints: list[tuple[str, str, tuple[float, float, float]]], name: 
         channels = f"3 {_CHANNELS}" if depth else f"6 Xposition Yposition Zposition {_CHANNELS}"
         lines.append(f"{pad}  CHANNELS {channels}")
     for child in children:
-        lines += _hierarchy(joints, child, depth + 1)
+        lines += _hierarchy_lines(joints, child, depth + 1)
     return [*lines, f"{pad}}}"]
 
 
-def _ramp(beat: np.ndarray, start: float, end: float) -> np.ndarray:
-    """From 0 at `start` to 1 at `end`, with no velocity or acceleration at either."""
-    return ease((beat - start) / (end - start))
+def _ramp_between(beat: np.ndarray, start: float, end: float) -> np.ndarray:
+    """Minimum-jerk ramp from 0 at beat `start` to 1 at beat `end`."""
+    return minimum_jerk((beat - start) / (end - start))
 
 
-def _during(beat: np.ndarray, start: float, end: float) -> np.ndarray:
-    """1 between two beats, 0 outside, with a beat and a half to come and go around each."""
-    return _ramp(beat, start - 0.75, start + 0.75) - _ramp(beat, end - 0.75, end + 0.75)
+def _on_between(beat: np.ndarray, start: float, end: float) -> np.ndarray:
+    """1 between two beats and 0 outside; it rises and falls over a beat and a half around each."""
+    return _ramp_between(beat, start - 0.75, start + 0.75) - _ramp_between(beat, end - 0.75, end + 0.75)
 
 
-def _dance(beat: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def _hip_way_and_angles(beat: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Hip positions (T, 3) [m] and joint angles, name -> (T, 3) about Y, X, Z [rad]."""
-    dancing = _during(beat, 2.0, BEATS - 2.5)
+    dancing = _on_between(beat, 2.0, BEATS - 2.5)
     sway, swing, wave, twist = (
         dancing,
-        _during(beat, 2.0, 7.0),
-        _during(beat, 7.0, 13.0),
-        _during(beat, 13.0, BEATS - 2.5),
+        _on_between(beat, 2.0, 7.0),
+        _on_between(beat, 7.0, 13.0),
+        _on_between(beat, 13.0, BEATS - 2.5),
     )
 
     def cycle(beats: float, late: float = 0.0) -> np.ndarray:
@@ -120,7 +120,7 @@ def _dance(beat: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     hips = np.stack(
         [
             sway * 0.055 * cycle(4.0),
-            ANKLE + THIGH + SHANK - REST_DROP - dancing * (0.045 + 0.035 * bounce),
+            ANKLE_HEIGHT_M + THIGH_M + SHANK_M - HIP_DROP_AT_REST_M - dancing * (0.045 + 0.035 * bounce),
             sway * 0.012 * cycle(2.0, 0.5),
         ],
         axis=1,
@@ -139,13 +139,13 @@ def _dance(beat: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         "Head": turned(-0.5 * torso_turn, dancing * (6.0 * bounce - 4.0), -0.5 * lean),
     }
     for side, sign in _SIDES.items():
-        for joint, (y, x, z) in _arm(beat, sign, swing, wave, twist, cycle).items():
+        for joint, (y, x, z) in _arm_angles(beat, sign, swing, wave, twist, cycle).items():
             angles[side + joint] = turned(sign * y, x, sign * z)
-        angles.update({side + joint: angle for joint, angle in _leg(hips, angles["Hips"], sign).items()})
+        angles.update({side + joint: angle for joint, angle in _leg_angles(hips, angles["Hips"], sign).items()})
     return hips, angles
 
 
-def _arm(
+def _arm_angles(
     beat: np.ndarray,
     sign: float,
     swing: np.ndarray,
@@ -174,18 +174,20 @@ def _arm(
     }
 
 
-def _leg(hips: np.ndarray, pelvis: np.ndarray, sign: float) -> dict[str, np.ndarray]:
+def _leg_angles(hips: np.ndarray, pelvis: np.ndarray, sign: float) -> dict[str, np.ndarray]:
     """Joint angles (T, 3) [rad] that hold one foot flat on its spot under hips (T, 3) and pelvis angles (T, 3)."""
     base = Rotation.from_euler("YXZ", pelvis)
-    foot = Rotation.from_euler("Y", sign * np.radians(TOES_OUT))
-    down = np.array([sign * STANCE, ANKLE, 0.0]) - (hips + base.apply([sign * HIP, 0.0, 0.0]))
+    foot = Rotation.from_euler("Y", sign * np.radians(TOES_OUT_DEG))
+    down = np.array([sign * ANKLE_FROM_MIDDLE_M, ANKLE_HEIGHT_M, 0.0]) - (
+        hips + base.apply([sign * HIP_FROM_MIDDLE_M, 0.0, 0.0])
+    )
     distance = np.linalg.norm(down, axis=1)
     down /= distance[:, None]
     lateral = foot.apply([1.0, 0.0, 0.0]) - down * (down @ foot.apply([1.0, 0.0, 0.0]))[:, None]
     lateral /= np.linalg.norm(lateral, axis=1, keepdims=True)
     straight = Rotation.from_matrix(np.stack([lateral, -down, np.cross(lateral, -down)], axis=2))
-    hip = np.arccos((THIGH**2 + distance**2 - SHANK**2) / (2 * THIGH * distance))
-    knee = np.pi - np.arccos((THIGH**2 + SHANK**2 - distance**2) / (2 * THIGH * SHANK))
+    hip = np.arccos((THIGH_M**2 + distance**2 - SHANK_M**2) / (2 * THIGH_M * distance))
+    knee = np.pi - np.arccos((THIGH_M**2 + SHANK_M**2 - distance**2) / (2 * THIGH_M * SHANK_M))
     thigh = straight * Rotation.from_euler("X", -hip[:, None])
     shank = thigh * Rotation.from_euler("X", knee[:, None])
     turns = {"UpLeg": base.inv() * thigh, "Leg": thigh.inv() * shank, "Foot": shank.inv() * foot}
@@ -193,4 +195,4 @@ def _leg(hips: np.ndarray, pelvis: np.ndarray, sign: float) -> dict[str, np.ndar
 
 
 if __name__ == "__main__":
-    write(Path(sys.argv[1]))
+    write_groove(Path(sys.argv[1]))

@@ -16,11 +16,11 @@ from sot.motion.edit import Edit
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 
-Made = TypeVar("Made")
+Result = TypeVar("Result")
 
 
 class Composition(NamedTuple):
-    """What a robot is asked for, how that changes over time, and what is edited of the dance."""
+    """A stack, the schedule that changes it over time, and the edits of the dance."""
 
     stack: Stack
     schedule: Schedule | None = None
@@ -31,8 +31,8 @@ Composer = Callable[[Robot, Motion], Composition]
 
 
 def load_stack(path: Path) -> Composer:
-    """What composes a file's stack for a robot and a motion, and its schedule if it defines `schedule(robot, motion)`,
-    and edits of the dance, if it defines `edits(robot, motion)`.
+    """The function that composes a file's stack for a robot and a motion; also its schedule, if the file defines
+    `schedule(robot, motion)`, and edits of the dance, if it defines `edits(robot, motion)`.
 
     Whatever the file raises, when it is loaded or when its functions run, becomes an InputError that names the line.
 
@@ -45,8 +45,8 @@ def load_stack(path: Path) -> Composer:
     if not callable(getattr(module, "stack", None)):
         raise InputError(f"{path}: defines no function stack(robot, motion)")
 
-    def made(name: str, kind: type[Made], robot: Robot, motion: Motion) -> Made:
-        with whatever_it_raises(path):
+    def made(name: str, kind: type[Result], robot: Robot, motion: Motion) -> Result:
+        with as_input_error(path):
             result = getattr(module, name)(robot, motion)
         if not isinstance(result, kind):
             raise InputError(f"{path}: {name}(robot, motion) returned {type(result).__name__}, not a {kind.__name__}")
@@ -73,13 +73,13 @@ def load_module(path: Path) -> ModuleType:
     if not path.is_file() or spec is None or spec.loader is None:
         raise InputError(f"{path}: no such file, or not a Python file (.py)")
     module = importlib.util.module_from_spec(spec)
-    with whatever_it_raises(path):
+    with as_input_error(path):
         spec.loader.exec_module(module)
     return module
 
 
 @contextmanager
-def blamed(path: Path | None) -> Iterator[None]:
+def blaming_stack_file(path: Path | None) -> Iterator[None]:
     """Turn an exception that comes from a stack file, by way of a reference or a task of its own, into an InputError.
 
     Raises:
@@ -88,14 +88,14 @@ def blamed(path: Path | None) -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        line = path and _line(path, error)
+        line = path and _line_in_file(path, error)
         if not line:
             raise
-        raise InputError(f"{path}:{line}: {_what(error)}") from error
+        raise InputError(f"{path}:{line}: {_error_text(error)}") from error
 
 
 @contextmanager
-def whatever_it_raises(path: Path) -> Iterator[None]:
+def as_input_error(path: Path) -> Iterator[None]:
     """Turn any exception into an InputError that names the file's line.
 
     Raises:
@@ -106,16 +106,16 @@ def whatever_it_raises(path: Path) -> Iterator[None]:
     except SyntaxError as error:
         raise InputError(f"{path}:{error.lineno}: {error.msg}") from error
     except Exception as error:
-        line = _line(path, error)
-        raise InputError(f"{path}{f':{line}' if line else ''}: {_what(error)}") from error
+        line = _line_in_file(path, error)
+        raise InputError(f"{path}{f':{line}' if line else ''}: {_error_text(error)}") from error
 
 
-def _line(path: Path, error: Exception) -> int | None:
+def _line_in_file(path: Path, error: Exception) -> int | None:
     """The innermost line of the file that the exception came through."""
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame.lineno for frame in frames if Path(frame.filename).resolve() == path.resolve()]
     return own[-1] if own else None
 
 
-def _what(error: Exception) -> str:
+def _error_text(error: Exception) -> str:
     return str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {error}"

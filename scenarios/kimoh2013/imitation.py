@@ -9,7 +9,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.inputs.clips import locate
+from scenarios.inputs.clips import find_clip
 from scenarios.kimoh2013.imitation_view import draw_picture
 from scenarios.kimoh2013.kinematic import KinematicRun, follow_tasks
 from scenarios.kimoh2013.rivals import LevelByLevel
@@ -46,7 +46,7 @@ UPPER_BODY = ("chest", "head", "left_arm", "right_arm")
 
 def motion(robot: Robot, rate: float) -> Motion:
     """The clip that ships with the project, with planted feet."""
-    return plan(recognise(read(locate(CLIP))), robot, "planted", rate).motion
+    return plan(recognise(read(find_clip(CLIP))), robot, "planted", rate).motion
 
 
 def task_levels(robot: Robot, motion: Motion) -> dict[str, Sequence[Task]]:

@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from scenarios.kimoh2013.kinematic import KinematicRun
 from scenarios.replay import Dance
-from sim.reporting.chart import Curve, Panel, limits, write
+from sim.reporting.chart import Curve, Panel, limit_lines, write_panels
 from sim.reporting.figures import Points
 from sot.robots.robot import Robot
 
@@ -50,7 +50,9 @@ def draw_picture(path: Path, danced: Dance, course: KinematicRun, robot: Robot, 
                 Curve(course.time, np.rad2deg(kinematic[:, joint]), POSITION_COLOR, "position control"),
                 Curve(times, np.rad2deg(run[::every, joint]), PHYSICS_COLOR, "physics"),
             ]
-            panels.append(Panel(robot.joints[joint], "s", words, curves + limits(np.rad2deg(ends).tolist(), end, "")))
+            panels.append(
+                Panel(robot.joints[joint], "s", words, curves + limit_lines(np.rad2deg(ends).tolist(), end, ""))
+            )
     waists = [_waist_height_and_angles(robot, q) for q in (log.q[::every], course.q)]
     poses = [motion.pose("waist")(t) for t in times]
     reference = np.array([[pose.position[2], *pin.rpy.matrixToRpy(pose.rotation)] for pose in poses])
@@ -63,7 +65,7 @@ def draw_picture(path: Path, danced: Dance, course: KinematicRun, robot: Robot, 
         ]
         panels.append(Panel("pelvis", "s", words, curves))
     title = f"{danced.info.clip} by {robot.label}, two joints narrowed (Kim & Oh 5.3), solver {danced.info.solver}"
-    write(path, title, panels, 3)
+    write_panels(path, title, panels, 3)
 
 
 def _waist_height_and_angles(robot: Robot, q: Array) -> Array:

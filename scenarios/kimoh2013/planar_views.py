@@ -11,7 +11,7 @@ from scenarios.kimoh2013 import planar_arm as arm
 from scenarios.kimoh2013.planar_arm import ArmRun
 from sim.recording.columns import TIMELINE, Columns, css_color
 from sim.recording.recorder import open_recording
-from sim.reporting.chart import Curve, Panel, limits, write
+from sim.reporting.chart import Curve, Panel, limit_lines, write_panels
 
 Array = np.ndarray
 
@@ -39,7 +39,7 @@ def draw_picture(path: Path, tracks: Mapping[str, ArmRun], rate: float) -> None:
                 Curve(track.time, getattr(track, column)[:, joint] / degree, css_color(METHOD_COLORS[name]), name)
                 for name, track in tracks.items()
             ]
-            curves += limits([e[joint] / degree for e in ends], end)
+            curves += limit_lines([e[joint] / degree for e in ends], end)
             panels.append(Panel(f"joint {joint + 1}", "s", words, curves))
     for k, task in enumerate(arm.TASK_NAMES):
         curves = []
@@ -48,7 +48,7 @@ def draw_picture(path: Path, tracks: Mapping[str, ArmRun], rate: float) -> None:
                 size = np.log10(np.abs(ERROR_FACTORS[k] * track.error[:, k]))
             curves.append(Curve(track.time, size, css_color(METHOD_COLORS[name]), name))
         panels.append(Panel(f"error of {task}", "s", f"log10 |error / {ERROR_UNITS[k]}|", curves))
-    write(path, f"Three tasks of a planar arm under joint limits (Kim & Oh 3.3), {rate:g} Hz", panels, 3)
+    write_panels(path, f"Three tasks of a planar arm under joint limits (Kim & Oh 3.3), {rate:g} Hz", panels, 3)
 
 
 def write_recording(path: Path, tracks: Mapping[str, ArmRun], rate: float) -> None:

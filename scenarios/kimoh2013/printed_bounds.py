@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from scenarios.replay import ProgressCallback
-from sim.reporting.chart import Curve, Panel, write
+from sim.reporting.chart import Curve, Panel, write_panels
 from tasks.bounds import AccelerationBounds
 
 Array = np.ndarray
@@ -178,4 +178,4 @@ def _draw(path: Path, period: float) -> None:
             [*(Curve(t, rows[:, 3], color, name) for name, color, rows in both), edge],
         ),
     ]
-    write(path, f"A joint driven into the end of its range, Kim (14), period {1e3 * period:g} ms", panels, 3)
+    write_panels(path, f"A joint driven into the end of its range, Kim (14), period {1e3 * period:g} ms", panels, 3)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.inputs.clips import locate
+from scenarios.inputs.clips import find_clip
 from scenarios.inputs.stack_file import Composer, Composition
 from scenarios.ramos2011.ramos_edits import (
     dancer_hand_height,
@@ -37,17 +37,17 @@ from scenarios.replay import (
     write_outputs,
 )
 from sim.reporting import report, timeline
-from sim.reporting.slides import LIGHT, SMOOTHED
+from sim.reporting.slides import LIGHT_LOAD_RANGE, SMOOTHING_WINDOW_S
 from sot.behaviours.rehearsal import rebalance, rehearse
 from sot.behaviours.sliding import SlidingSchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.motion import Human, plan, read, recognise
 from sot.motion.edit import Edit
-from sot.motion.feet.slides import AHEAD
+from sot.motion.feet.slides import SLIDE_FORWARD
 from sot.motion.human.human import SIDES
 from sot.motion.human.oscillation import find_oscillations
-from sot.motion.plan import NOISE_HZ, Plan, sampled
+from sot.motion.plan import CAPTURE_NOISE_HZ, Plan, sampled_motion
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from tasks import Balance, FootSliding, JointBounds, LeastForces, Posture, SelfCollision, TorqueBounds
@@ -85,13 +85,13 @@ def run(request: Replay, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     check_writable(out)
     robot = Robot.load(request.robot)
     tell("reading", None)
-    human = recognise(read(locate(request.clip)), request.mapping)
+    human = recognise(read(find_clip(request.clip)), request.mapping)
     start, duration = clip_part(human, request.start, request.duration)
     tell("planning", None)
     human = human.slice(start, duration)
     planned = plan(human, robot, "planted", request.rate, height=HIP_HEIGHT_ERROR)
-    sliding = plan(human, robot, "planted", request.rate, slide=AHEAD, height=HIP_HEIGHT_ERROR)
-    geometric = sampled(robot, planned.imitation, planned.motion.phases, request.rate)
+    sliding = plan(human, robot, "planted", request.rate, slide=SLIDE_FORWARD, height=HIP_HEIGHT_ERROR)
+    geometric = sampled_motion(robot, planned.imitation, planned.motion.phases, request.rate)
     posture = _dance_rebalanced(request, posture_stack(BODY_CLEARANCE), planned, tell)
     slides = slide_spans(sliding)
     knees = oscillating_knees(planned, slides)
@@ -111,7 +111,7 @@ def run(request: Replay, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     draw_thumbnails(out / "thumbnails.svg", three, title)
     draw_curves(out / "curves.svg", three, title)
     draw_scalogram(out / "scalogram.svg", three, title)
-    timeline.draw(out / TIMELINE_FILE, final.run.log, final.info, robot)
+    timeline.write_timeline(out / TIMELINE_FILE, final.run.log, final.info, robot)
     figures = {
         "scenario": "ramos",
         "clip": posture.info.clip,
@@ -129,7 +129,7 @@ def run(request: Replay, out: Path, tell: ProgressCallback) -> dict[str, Any]:
         "edits": list(final.edits),
     }
     figures = report.rounded(figures)
-    report.write(figures, out / REPORT_FILE)
+    report.write_json(figures, out / REPORT_FILE)
     return figures
 
 
@@ -180,7 +180,7 @@ def clip_part(human: Human, start: float, duration: float | None) -> tuple[float
     """
     if start or duration is not None or human.duration <= MAX_DURATION:
         return start, human.duration - start if duration is None else duration
-    smooth = human.low_passed(NOISE_HZ)
+    smooth = human.low_passed(CAPTURE_NOISE_HZ)
     found = [swing for side in SIDES for swing in find_oscillations(smooth.times, knee_angle(smooth, side))]
     starts = np.arange(0.0, human.duration - MAX_DURATION, 1.0)
     swung = [
@@ -218,8 +218,8 @@ def posture_stack(clearance: float, edits: Sequence[Edit] = ()) -> Composer:
             },
         )
         for foot in sorted({foot for phase in motion.phases for foot in phase.sliding}):
-            stack.contact(foot).way = way = motion.pose(foot)
-            stack.add(FootSliding(robot, foot, way), level="feet", before="posture")
+            stack.contact(foot).path = path = motion.pose(foot)
+            stack.add(FootSliding(robot, foot, path), level="feet", before="posture")
         return Composition(stack, SlidingSchedule(motion.phases), tuple(edits))
 
     return compose
@@ -231,8 +231,9 @@ def _slide_sentence(slide: dict[str, Any]) -> str:
         f"{slide['foot'].replace('_', ' ')} slides {1e2 * slide['way_m']:.1f} cm, {slide['start_s']:.1f} to "
         f"{slide['end_s']:.1f} s: it touches the floor for {100 * slide['contact']:.0f} % of the time, with "
         f"{100 * slide['load_min']:.0f} to {100 * slide['load_max']:.0f} % of the weight (means over "
-        f"{1e3 * SMOOTHED:.0f} ms; {100 * slide['light']:.0f} % of the ticks are between "
-        f"{100 * LIGHT[0]:.0f} and {100 * LIGHT[1]:.0f} %, the greatest {100 * slide['load_raw_max']:.0f} %); the ZMP "
+        f"{1e3 * SMOOTHING_WINDOW_S:.0f} ms; {100 * slide['light']:.0f} % of the ticks are between "
+        f"{100 * LIGHT_LOAD_RANGE[0]:.0f} and {100 * LIGHT_LOAD_RANGE[1]:.0f} %, "
+        f"the greatest {100 * slide['load_raw_max']:.0f} %); the ZMP "
         f"lies in the other foot for {100 * slide['zmp_inside']:.2f} % of the ticks"
     )
 

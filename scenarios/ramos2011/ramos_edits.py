@@ -16,7 +16,7 @@ from sot.motion.human.human import SEGMENTS
 from sot.motion.human.oscillation import Oscillation, find_oscillations
 from sot.motion.plan import PLAN_RATE, Plan
 from sot.robots.robot import Robot
-from sot.smooth import slow_part
+from sot.smooth import low_passed
 
 Array = NDArray[np.float64]
 Span = tuple[float, float]
@@ -148,7 +148,7 @@ def hand_edits(planned: Plan, spans: Sequence[Span]) -> list[Edit]:
     """The right hand raised to where the dancer's was, Ramos VI-B."""
     wanted = dancer_hand_height(planned)
     own = Points.of(planned.motion.robot, balanced_knots(planned)[: len(wanted)], (HAND,)).positions[HAND][:, 2]
-    by = smooth_curve(slow_part(wanted - own, PLAN_RATE, HAND_CUTOFF_HZ))
+    by = smooth_curve(low_passed(wanted - own, PLAN_RATE, HAND_CUTOFF_HZ))
     return [Edit(HAND, "z", by=by, start=start, end=end, limb_only=True) for start, end in spans]
 
 

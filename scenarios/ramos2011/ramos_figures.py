@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scenarios.ramos2011.ramos_edits import HAND, KneeOscillation, hand_height, oscillation_amplitude
 from sim.log import RunLog
 from sot.control.tick import Tick
-from sot.motion.feet.contacts import Phase, phase_at, support
+from sot.motion.feet.contacts import Phase, phase_indices, support_polygon
 from sot.motion.plan import PLAN_RATE
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
@@ -31,10 +31,10 @@ def geometric_figures(motion: Motion) -> dict[str, float]:
     """
     robot, rows = motion.robot, np.arange(0, len(motion.q), max(1, round(motion.rate / SAMPLED_RATE)))
     margins = np.empty(len(rows))
-    phases = phase_at(motion.phases, rows / motion.rate)
+    phases = phase_indices(motion.phases, rows / motion.rate)
     for index in np.unique(phases).tolist():
         here = phases == index
-        margins[here] = support(robot, motion.phases[index]).margin(motion.zmp[rows[here]])
+        margins[here] = support_polygon(robot, motion.phases[index]).margin(motion.zmp[rows[here]])
     tick = Tick(robot)
     torques = [required_torque(tick.update(0.0, motion.q[k], motion.v[k]), motion.a[k]) for k in rows.tolist()]
     return {
@@ -102,9 +102,9 @@ def slide_figures(slide: Mapping[str, Any], motion: Motion, posture: RunLog) -> 
     """The share of the time of a slide in which the ZMP of the posture task alone lay in the other foot, Ramos
     Figure 8."""
     rows = (posture.time >= slide["start_s"]) & (posture.time < slide["end_s"])
-    phase = motion.phases[int(phase_at(motion.phases, np.array([slide["start_s"]]))[0])]
+    phase = motion.phases[int(phase_indices(motion.phases, np.array([slide["start_s"]]))[0])]
     others = {foot: pose for foot, pose in phase.feet.items() if foot != slide["foot"]}
-    margin = support(motion.robot, Phase(phase.start, phase.end, others)).margin(posture.zmp_measured[rows])
+    margin = support_polygon(motion.robot, Phase(phase.start, phase.end, others)).margin(posture.zmp_measured[rows])
     return {"posture_zmp_inside": float(np.mean(margin >= 0.0)) if rows.any() else 0.0}
 
 

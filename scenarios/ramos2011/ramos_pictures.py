@@ -13,9 +13,9 @@ from sim.log import nearest_frames
 from sim.recording.columns import css_color
 from sim.recording.panels import MM_PER_M
 from sim.recording.visuals import BONES
-from sim.reporting.chart import Curve, Field, Panel, write
+from sim.reporting.chart import Curve, Field, Panel, write_panels
 from sim.reporting.figures import Points
-from sot.motion.human.oscillation import BAND, Oscillation, find_oscillations
+from sot.motion.human.oscillation import BAND_HZ, Oscillation, find_oscillations
 from sot.motion.human.scalogram import scalogram
 from sot.motion.plan import PLAN_RATE
 
@@ -58,7 +58,7 @@ def draw_thumbnails(path: Path, three: ThreeDances, title: str) -> None:
                 across = k * THUMBNAIL_SPACING - (ends[:, 1] - points["waist"][frame][1])
                 curves.append(Curve(across, ends[:, 2], CSS_COLORS[name], width=2.0))
         panels.append(Panel(name, "m, seen from the front", "m", curves, equal=True))
-    write(path, f"{title} at {', '.join(f'{t:.0f}' for t in moments)} s", panels, 1, THUMBNAILS_SIZE_PX)
+    write_panels(path, f"{title} at {', '.join(f'{t:.0f}' for t in moments)} s", panels, 1, THUMBNAILS_SIZE_PX)
 
 
 def draw_curves(path: Path, three: ThreeDances, title: str) -> None:
@@ -93,7 +93,7 @@ def draw_curves(path: Path, three: ThreeDances, title: str) -> None:
         Panel("7: right hand, height", "s", "mm", [dancer, *hand]),
         Panel("8: ZMP along Y", "s", "mm", _zmp_curves(three)),
     ]
-    write(path, title, panels, 2)
+    write_panels(path, title, panels, 2)
 
 
 def _zmp_curves(three: ThreeDances) -> list[Curve]:
@@ -129,7 +129,7 @@ def draw_scalogram(path: Path, three: ThreeDances, title: str) -> None:
     times = np.arange(0.0, 40.0, 1.0 / DRAWN_RATE)
     knee = swinging_knee(times)
     panels += _scalogram_panels("made up, as the paper's", times, knee, find_oscillations(times, knee))
-    write(path, f"{title}: scalograms, 0 to the greatest amplitude", panels, 2)
+    write_panels(path, f"{title}: scalograms, 0 to the greatest amplitude", panels, 2)
 
 
 def swinging_knee(times: Array) -> Array:
@@ -145,10 +145,10 @@ def _scalogram_panels(name: str, times: Array, angle: Array, found: Sequence[Osc
     degrees = np.rad2deg(angle)
     trace = [Curve(times, degrees, CSS_COLORS["geometric"])]
     trace += [_curve_within(times, degrees, (one.start, one.end), "#222", "") for one in found]
-    seen = scalogram(times, angle, BAND)
+    seen = scalogram(times, angle, BAND_HZ)
     x, y = (
         np.linspace(span[0], span[-1], count)
-        for span, count in ((seen.times, SCALOGRAM_CELLS[1]), (BAND, SCALOGRAM_CELLS[0]))
+        for span, count in ((seen.times, SCALOGRAM_CELLS[1]), (BAND_HZ, SCALOGRAM_CELLS[0]))
     )
     columns = np.searchsorted(seen.times, x).clip(max=len(seen.times) - 1)
     swings = np.rad2deg(np.abs(seen.coefficients[:, columns]))

@@ -35,7 +35,7 @@ def send_forces(columns: Columns, log: RunLog, robot: Robot, rows: np.ndarray) -
 def send_pushes(columns: Columns, log: RunLog, pushes: Sequence[Push], robot: Robot, rows: np.ndarray) -> None:
     """Send pushes: an arrow onto the pushed body while the push lasts."""
     for index, push in enumerate(pushes):
-        acting = rows[[push.acts(t) for t in log.time[rows]]]
+        acting = rows[[push.is_acting(t) for t in log.time[rows]]]
         if not len(acting):
             continue
         tips = point_poses(robot, [push.body], log.q[acting])[0][0]

@@ -8,7 +8,7 @@ import numpy as np
 from sim.log import RunLog, nearest_frames
 from sim.recording.columns import COLORS, SERIES_COLORS
 from sim.recording.plots import Curves, Plot, States
-from sim.support import support_sides
+from sim.support import support_extents
 from sot.motion.balance.centroidal import GRAVITY
 from sot.motion.plan import PLAN_RATE, Plan
 from sot.motion.trajectory import Motion
@@ -67,7 +67,7 @@ def measured_and_planned_dcm(log: RunLog, motion: Motion) -> tuple[np.ndarray, n
 
 
 def _balance_tab(log: RunLog, motion: Motion) -> Tab:
-    sides = support_sides(log, motion)
+    sides = support_extents(log, motion)
     frames = log.rows_at(FRAME_RATE)
     zmps = np.stack([log.zmp_measured, log.zmp_control, log.zmp_planned], axis=2)
     names, ends = ("measured", "controller", "planned"), ("support, least", "support, greatest")

@@ -17,7 +17,7 @@ from sim.recording.visuals import send_visuals
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.whole_file import whole
+from sot.whole_file import atomic_write
 
 
 def write_recording(path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Plan | None) -> None:
@@ -53,7 +53,7 @@ def open_recording(path: Path, title: str, about: str, blueprint: rrb.Blueprint)
         blueprint: where the viewer shows what.
     """
     stream = rr.RecordingStream("humanoid-sot")
-    with whole(path) as place:
+    with atomic_write(path) as place:
         stream.save(place, default_blueprint=blueprint)
         stream.send_recording_name(title)
         columns = Columns(stream)

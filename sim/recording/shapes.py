@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from sim.scene import read
+from sim.scene import robot_spec
 from sot.errors import InputError
 from sot.robots.robot import Robot
 
@@ -48,7 +48,7 @@ def read_shapes(robot: Robot) -> list[Shape]:
         InputError: MuJoCo cannot read the model.
     """
     try:
-        model = read(robot).compile()
+        model = robot_spec(robot).compile()
     except ValueError as error:
         raise InputError(f"{robot.path}: MuJoCo cannot read this model: {str(error).splitlines()[0]}") from error
     return [

@@ -9,18 +9,29 @@ from pathlib import Path
 
 import numpy as np
 
-from sot.whole_file import whole
+from sot.whole_file import atomic_write
 
 Array = np.ndarray
 
-WIDTH, HEIGHT = 380.0, 210.0  # of a panel, in pixels
-LEFT, RIGHT, TOP, BOTTOM = 62.0, 14.0, 28.0, 34.0  # around its axes
-HEAD = 34.0  # above all panels
-WIDE, ROW = 1000.0, 22.0  # of a picture of lanes, and of each lane
-SAMPLES = 1500  # of a curve, more than there are pixels
-TICKS = 5
-SHADES = ("#fffbe6", "#fee9b0", "#fdcf7d", "#fbae56", "#f58a41", "#e6653a", "#cc4440", "#a62a4a", "#7a1a4c", "#4a1040")
-LETTER = 5.0  # pixels that a letter of a legend takes
+PANEL_WIDTH_PX, PANEL_HEIGHT_PX = 380.0, 210.0  # of a panel, in pixels
+MARGIN_LEFT_PX, MARGIN_RIGHT_PX, MARGIN_TOP_PX, MARGIN_BOTTOM_PX = 62.0, 14.0, 28.0, 34.0  # around its axes
+TITLE_HEIGHT_PX = 34.0  # above all panels, for the title
+LANES_WIDTH_PX, LANE_HEIGHT_PX = 1000.0, 22.0  # of a picture of lanes, and of each lane
+CURVE_SAMPLES = 1500  # of a curve, more than there are pixels
+TICKS_PER_AXIS = 5
+FIELD_COLORS = (
+    "#fffbe6",
+    "#fee9b0",
+    "#fdcf7d",
+    "#fbae56",
+    "#f58a41",
+    "#e6653a",
+    "#cc4440",
+    "#a62a4a",
+    "#7a1a4c",
+    "#4a1040",
+)
+LETTER_WIDTH_PX = 5.0  # pixels that a letter of a legend takes
 FONT = "font-family='Helvetica, Arial, sans-serif'"
 
 
@@ -46,7 +57,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Field:
-    """Values over both axes as colours, from the first of `SHADES` for 0 to the last for the greatest.
+    """Values over both axes as colours, from the first of `FIELD_COLORS` for 0 to the last for the greatest.
 
     Args:
         x, y: Shapes (k,) and (r,), evenly spaced.
@@ -97,7 +108,7 @@ class Lane:
     bars: Sequence[Bar]
 
 
-def limits(values: Sequence[float], end: float, label: str = "limit") -> list[Curve]:
+def limit_lines(values: Sequence[float], end: float, label: str = "limit") -> list[Curve]:
     """Dashed level lines from 0 to `end`, under one label."""
     x = np.array([0.0, end])
     return [
@@ -106,8 +117,12 @@ def limits(values: Sequence[float], end: float, label: str = "limit") -> list[Cu
     ]
 
 
-def write(
-    path: Path, title: str, panels: Sequence[Panel], columns: int, size: tuple[float, float] = (WIDTH, HEIGHT)
+def write_panels(
+    path: Path,
+    title: str,
+    panels: Sequence[Panel],
+    columns: int,
+    size: tuple[float, float] = (PANEL_WIDTH_PX, PANEL_HEIGHT_PX),
 ) -> None:
     """Draw panels of a size [pixels] row by row into a file (`.svg`), which appears under its name once it is
     complete."""
@@ -115,143 +130,162 @@ def write(
     rows = math.ceil(len(panels) / columns)
     drawn = []
     for k, panel in enumerate(panels):
-        drawn.append(f"<g transform='translate({k % columns * width:.0f} {HEAD + k // columns * height:.0f})'>")
-        drawn += [*_panel(panel, width, height), "</g>"]
-    _save(path, title, drawn, columns * width, HEAD + rows * height)
+        drawn.append(
+            f"<g transform='translate({k % columns * width:.0f} {TITLE_HEIGHT_PX + k // columns * height:.0f})'>"
+        )
+        drawn += [*_panel_svg(panel, width, height), "</g>"]
+    _save_svg(path, title, drawn, columns * width, TITLE_HEIGHT_PX + rows * height)
 
 
 def write_lanes(path: Path, title: str, x: str, lanes: Sequence[Lane]) -> None:
-    """Draw lanes of bars below each other over one axis, `x` with its unit, into a file, as `write` does."""
-    high = ROW * len(lanes)
+    """Draw lanes of bars below each other over one axis, `x` with its unit, into a file, as `write_panels` does."""
+    high = LANE_HEIGHT_PX * len(lanes)
     low = min((bar.start for lane in lanes for bar in lane.bars), default=0.0)
     end = max((bar.end for lane in lanes for bar in lane.bars), default=1.0)
-    left = LETTER * max(len(lane.name) for lane in lanes) + 24.0
-    scale = (WIDE - left - RIGHT) / (end - low)
-    parts = [f"<g transform='translate(0 {HEAD:.0f})'>"]
-    for value in _ticks(low, end):
+    left = LETTER_WIDTH_PX * max(len(lane.name) for lane in lanes) + 24.0
+    scale = (LANES_WIDTH_PX - left - MARGIN_RIGHT_PX) / (end - low)
+    parts = [f"<g transform='translate(0 {TITLE_HEIGHT_PX:.0f})'>"]
+    for value in _round_values_between(low, end):
         at = left + (value - low) * scale
-        parts.append(_line(at, 0.0, at, high) + _text(at, high + 14.0, f"{value:g}", 10, "middle"))
-    parts.append(_text(WIDE - RIGHT, high + 28.0, x, 10, "end"))
+        parts.append(_line_svg(at, 0.0, at, high) + _text_svg(at, high + 14.0, f"{value:g}", 10, "middle"))
+    parts.append(_text_svg(LANES_WIDTH_PX - MARGIN_RIGHT_PX, high + 28.0, x, 10, "end"))
     for k, lane in enumerate(lanes):
-        middle = ROW * (k + 0.5)
-        parts.append(_text(left - 8.0, middle + 3.5, lane.name, 10, "end"))
+        middle = LANE_HEIGHT_PX * (k + 0.5)
+        parts.append(_text_svg(left - 8.0, middle + 3.5, lane.name, 10, "end"))
         for bar in lane.bars:
             at, wide = left + (bar.start - low) * scale, (bar.end - bar.start) * scale
             parts.append(
-                f"<rect x='{at:.1f}' y='{middle - 0.35 * ROW:.1f}' width='{wide:.1f}' height='{0.7 * ROW:.1f}' "
-                f"fill='{bar.color}' fill-opacity='{bar.opacity:g}'/>"
+                f"<rect x='{at:.1f}' y='{middle - 0.35 * LANE_HEIGHT_PX:.1f}' width='{wide:.1f}' "
+                f"height='{0.7 * LANE_HEIGHT_PX:.1f}' fill='{bar.color}' fill-opacity='{bar.opacity:g}'/>"
             )
-            if wide > 1.5 * LETTER * len(bar.label) and bar.label:
-                parts.append(_text(at + 0.5 * wide, middle + 3.5, bar.label, 9, "middle"))
-    _save(path, title, [*parts, "</g>"], WIDE, HEAD + high + BOTTOM)
+            if wide > 1.5 * LETTER_WIDTH_PX * len(bar.label) and bar.label:
+                parts.append(_text_svg(at + 0.5 * wide, middle + 3.5, bar.label, 9, "middle"))
+    _save_svg(path, title, [*parts, "</g>"], LANES_WIDTH_PX, TITLE_HEIGHT_PX + high + MARGIN_BOTTOM_PX)
 
 
-def _save(path: Path, title: str, drawn: Sequence[str], width: float, height: float) -> None:
+def _save_svg(path: Path, title: str, drawn: Sequence[str], width: float, height: float) -> None:
     parts = [
         f"<svg xmlns='http://www.w3.org/2000/svg' width='{width:.0f}' height='{height:.0f}' "
         f"viewBox='0 0 {width:.0f} {height:.0f}'>",
         "<rect width='100%' height='100%' fill='white'/>",
-        _text(width / 2.0, 22.0, title, 15, "middle"),
+        _text_svg(width / 2.0, 22.0, title, 15, "middle"),
     ]
     parts += drawn
     parts.append("</svg>\n")
-    with whole(path) as place:
+    with atomic_write(path) as place:
         place.write_text("\n".join(parts), encoding="utf-8")
 
 
-def _panel(panel: Panel, width: float, height: float) -> list[str]:
-    wide, high = width - LEFT - RIGHT, height - TOP - BOTTOM
+def _panel_svg(panel: Panel, width: float, height: float) -> list[str]:
+    wide, high = width - MARGIN_LEFT_PX - MARGIN_RIGHT_PX, height - MARGIN_TOP_PX - MARGIN_BOTTOM_PX
     (x0, x1), (y0, y1) = (
-        _edges(getattr(panel.field, axis)) if panel.field else _span([getattr(curve, axis) for curve in panel.curves])
+        _cell_edges(getattr(panel.field, axis))
+        if panel.field
+        else _padded_range([getattr(curve, axis) for curve in panel.curves])
         for axis in "xy"
     )
     if panel.equal:
         scale = max((x1 - x0) / wide, (y1 - y0) / high)
-        x0, x1 = _around(x0, x1, scale * wide)
-        y0, y1 = _around(y0, y1, scale * high)
+        x0, x1 = _centred_range(x0, x1, scale * wide)
+        y0, y1 = _centred_range(y0, y1, scale * high)
 
     def right(x: Array) -> Array:
-        return LEFT + (x - x0) / (x1 - x0) * wide
+        return MARGIN_LEFT_PX + (x - x0) / (x1 - x0) * wide
 
     def down(y: Array) -> Array:
-        return TOP + (y1 - y) / (y1 - y0) * high
+        return MARGIN_TOP_PX + (y1 - y) / (y1 - y0) * high
 
-    parts = [_text(LEFT, TOP - 9.0, panel.title, 12), _text(LEFT + wide, height - 4.0, panel.x, 10, "end")]
-    parts.append(_text(0.0, 0.0, panel.y, 10, "middle", f"translate(12 {TOP + high / 2.0:.0f}) rotate(-90)"))
-    for value in _ticks(x0, x1):
+    parts = [
+        _text_svg(MARGIN_LEFT_PX, MARGIN_TOP_PX - 9.0, panel.title, 12),
+        _text_svg(MARGIN_LEFT_PX + wide, height - 4.0, panel.x, 10, "end"),
+    ]
+    parts.append(
+        _text_svg(0.0, 0.0, panel.y, 10, "middle", f"translate(12 {MARGIN_TOP_PX + high / 2.0:.0f}) rotate(-90)")
+    )
+    for value in _round_values_between(x0, x1):
         at = float(right(np.array(value)))
-        parts.append(_line(at, TOP, at, TOP + high) + _text(at, TOP + high + 13.0, f"{value:g}", 10, "middle"))
-    for value in _ticks(y0, y1):
+        parts.append(
+            _line_svg(at, MARGIN_TOP_PX, at, MARGIN_TOP_PX + high)
+            + _text_svg(at, MARGIN_TOP_PX + high + 13.0, f"{value:g}", 10, "middle")
+        )
+    for value in _round_values_between(y0, y1):
         at = float(down(np.array(value)))
-        parts.append(_line(LEFT, at, LEFT + wide, at) + _text(LEFT - 5.0, at + 3.5, f"{value:g}", 10, "end"))
+        parts.append(
+            _line_svg(MARGIN_LEFT_PX, at, MARGIN_LEFT_PX + wide, at)
+            + _text_svg(MARGIN_LEFT_PX - 5.0, at + 3.5, f"{value:g}", 10, "end")
+        )
     if panel.field:
-        parts += _painted(panel.field, right, down)
-    at = LEFT + wide
+        parts += _field_svg(panel.field, right, down)
+    at = MARGIN_LEFT_PX + wide
     for curve in reversed(panel.curves):
-        style = _style(curve)
+        style = _stroke_style(curve)
         if curve.label:  # beside the title, from the right
-            at -= LETTER * len(curve.label) + 22.0
-            y = TOP - 12.5
+            at -= LETTER_WIDTH_PX * len(curve.label) + 22.0
+            y = MARGIN_TOP_PX - 12.5
             parts.append(f"<line {style} x1='{at:.1f}' y1='{y}' x2='{at + 18.0:.1f}' y2='{y}'/>")
-            parts.append(_text(at + 21.0, TOP - 9.0, curve.label, 10, "start"))
+            parts.append(_text_svg(at + 21.0, MARGIN_TOP_PX - 9.0, curve.label, 10, "start"))
             at -= 8.0
     for curve in panel.curves:
-        style = _style(curve)
-        parts += [f"<polyline {style} points='{points}'/>" for points in _pieces(right(curve.x), down(curve.y))]
+        style = _stroke_style(curve)
+        parts += [
+            f"<polyline {style} points='{points}'/>" for points in _polyline_points(right(curve.x), down(curve.y))
+        ]
     return parts
 
 
-def _painted(field: Field, right: Callable[[Array], Array], down: Callable[[Array], Array]) -> list[str]:
-    """A field as a path a shade: each run of one shade in a row is a thick line."""
-    shade = np.minimum(field.values / (field.values.max() or 1.0) * len(SHADES), len(SHADES) - 1).astype(int)
-    edges = right(np.linspace(*_edges(field.x), len(field.x) + 1))
-    rows, thick = down(field.y), abs(float(np.diff(down(np.array(_edges(field.y))))[0])) / len(field.y) + 0.3
-    paths: list[list[str]] = [[] for _ in SHADES]
+def _field_svg(field: Field, right: Callable[[Array], Array], down: Callable[[Array], Array]) -> list[str]:
+    """SVG of a field: one path per colour, in which each run of that colour in a row is a thick line."""
+    shade = np.minimum(field.values / (field.values.max() or 1.0) * len(FIELD_COLORS), len(FIELD_COLORS) - 1).astype(
+        int
+    )
+    edges = right(np.linspace(*_cell_edges(field.x), len(field.x) + 1))
+    rows, thick = down(field.y), abs(float(np.diff(down(np.array(_cell_edges(field.y))))[0])) / len(field.y) + 0.3
+    paths: list[list[str]] = [[] for _ in FIELD_COLORS]
     for k, row in enumerate(shade):
         ends = [0, *(np.flatnonzero(np.diff(row)) + 1).tolist(), len(row)]
         for start, end in pairwise(ends):
             paths[row[start]].append(f"M{edges[start]:.0f} {rows[k]:.1f}H{edges[end]:.0f}")
     return [
         f"<path d='{''.join(path)}' stroke='{color}' stroke-width='{thick:.1f}'/>"
-        for color, path in zip(SHADES, paths, strict=True)
+        for color, path in zip(FIELD_COLORS, paths, strict=True)
         if path
     ]
 
 
-def _edges(values: Array) -> tuple[float, float]:
-    """Where the first cell of evenly spaced ones begins and the last ends."""
+def _cell_edges(values: Array) -> tuple[float, float]:
+    """Outer edges of the first and the last of evenly spaced cells."""
     half = 0.5 * float(values[1] - values[0])
     return float(values[0]) - half, float(values[-1]) + half
 
 
-def _style(curve: Curve) -> str:
+def _stroke_style(curve: Curve) -> str:
     dashes = " stroke-dasharray='5 3'" if curve.dashed else ""
     return f"fill='none' stroke='{curve.color}' stroke-width='{curve.width:g}'{dashes}"
 
 
-def _span(values: Sequence[Array]) -> tuple[float, float]:
-    """Least and greatest of all finite values, with some room."""
+def _padded_range(values: Sequence[Array]) -> tuple[float, float]:
+    """Least and greatest of all finite values, with a margin."""
     finite = np.concatenate([value[np.isfinite(value)] for value in values])
     low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
     room = 0.06 * (high - low) or 0.5 * abs(high) or 1.0
     return low - room, high + room
 
 
-def _around(low: float, high: float, size: float) -> tuple[float, float]:
+def _centred_range(low: float, high: float, size: float) -> tuple[float, float]:
     middle = 0.5 * (low + high)
     return middle - 0.5 * size, middle + 0.5 * size
 
 
-def _ticks(low: float, high: float) -> list[float]:
-    """Round values between two others."""
-    step = 10.0 ** math.floor(math.log10((high - low) / TICKS))
-    step *= next(factor for factor in (1.0, 2.0, 5.0, 10.0) if (high - low) / (factor * step) <= TICKS)
+def _round_values_between(low: float, high: float) -> list[float]:
+    """Round values between two limits, for the ticks of an axis."""
+    step = 10.0 ** math.floor(math.log10((high - low) / TICKS_PER_AXIS))
+    step *= next(factor for factor in (1.0, 2.0, 5.0, 10.0) if (high - low) / (factor * step) <= TICKS_PER_AXIS)
     return [round(k * step, 12) for k in range(math.ceil(low / step), math.floor(high / step) + 1)]
 
 
-def _pieces(x: Array, y: Array) -> list[str]:
-    """Points of a line's finite runs."""
-    every = max(1, len(x) // SAMPLES)
+def _polyline_points(x: Array, y: Array) -> list[str]:
+    """The points of each finite run of a line, as SVG's polylines take them."""
+    every = max(1, len(x) // CURVE_SAMPLES)
     keep = np.unique(np.append(np.arange(0, len(x), every), len(x) - 1)) if len(x) else np.zeros(0, dtype=int)
     x, y = x[keep], y[keep]
     broken = np.flatnonzero(~(np.isfinite(x) & np.isfinite(y)))
@@ -261,10 +295,10 @@ def _pieces(x: Array, y: Array) -> list[str]:
     ]
 
 
-def _text(x: float, y: float, words: str, size: int, anchor: str = "start", transform: str = "") -> str:
+def _text_svg(x: float, y: float, words: str, size: int, anchor: str = "start", transform: str = "") -> str:
     placed = f"transform='{transform}'" if transform else f"x='{x:.1f}' y='{y:.1f}'"
     return f"<text {placed} {FONT} font-size='{size}' text-anchor='{anchor}'>{escape(words)}</text>"
 
 
-def _line(x1: float, y1: float, x2: float, y2: float) -> str:
+def _line_svg(x1: float, y1: float, x2: float, y2: float) -> str:
     return f"<line x1='{x1:.1f}' y1='{y1:.1f}' x2='{x2:.1f}' y2='{y2:.1f}' stroke='#e4e4e4' stroke-width='1'/>"

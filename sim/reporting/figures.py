@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from sim.log import FOOT_FIXED, FOOT_OFF, RunInfo, RunLog, nearest_frames, stretches
+from sim.log import FOOT_FIXED, FOOT_OFF, RunInfo, RunLog, constant_stretches, nearest_frames
 from sim.support import planned_support
 from solvers.rows import Status
 from sot.motion.feet.path import path_length
@@ -17,13 +17,13 @@ from sot.robots.robot import Robot
 
 Figures = dict[str, float | int | None]
 
-POSE_RATE = 100.0  # Hz, at which the places of bodies are compared
-INSET = 0.010  # m that the ZMP has to stay inside the support polygon
-MADE = 0.15  # m from its place, a footfall that counts as made
-LANDED = 0.1  # s after a planned landing: the foot stands
-AROUND = 0.06  # s before and after a switch of contacts: its ramps
-SATURATED = 0.99  # of a torque limit
-RECOVERY = 3.0  # s after a push: a robot that still stands then has survived it
+POSE_RATE_HZ = 100.0  # rate at which positions of bodies are compared
+ZMP_INSET_M = 0.010  # least distance of the ZMP from the support's edge that counts as inside
+FOOTFALL_TOLERANCE_M = 0.15  # a footfall within this distance of its place counts as made
+SETTLING_TIME_S = 0.1  # after a planned landing: the foot stands then
+SWITCH_WINDOW_S = 0.06  # before and after a switch of contacts: its ramps
+SATURATION_RATIO = 0.99  # share of a torque limit from which on a joint counts as saturated
+PUSH_RECOVERY_S = 3.0  # after a push: a robot that still stands then has survived it
 KEY_POINTS = (
     "head",
     *(
@@ -72,7 +72,7 @@ def tick_us(log: RunLog) -> Figures:
 def tracking(log: RunLog, motion: Motion) -> Figures:
     """The simulated robot against its reference."""
     every = nearest_frames(log.time, motion.rate, len(motion.q))
-    rows = log.rows_at(POSE_RATE)
+    rows = log.rows_at(POSE_RATE_HZ)
     names = ("waist", *KEY_POINTS)
     real = Points.of(motion.robot, log.q[rows], names)
     wanted = Points.of(motion.robot, motion.q[every[rows]], names)
@@ -111,19 +111,19 @@ def likeness(log: RunLog, plan: Plan | None) -> Figures:
 
 
 def steps(log: RunLog, plan: Plan | None) -> Figures:
-    """Footfalls of the dancer longer than 10 cm; how many the robot made, within MADE of their place on the scaled
-    path; and the root's path through the room, robot over human in the robot's size."""
+    """Footfalls of the dancer longer than 10 cm; how many the robot made, within `FOOTFALL_TOLERANCE_M` of their place
+    on the scaled path; and the root's path through the room, robot over human in the robot's size."""
     nothing: Figures = dict.fromkeys(("footfalls", "made", "path_ratio", "path_scale"))
     if plan is None or plan.travel is None or not log.ticks:
         return nothing
     robot, made = plan.motion.robot, 0
     for fall in plan.travel.footfalls:
-        tick = 0 if fall.landed is None else round((fall.landed + LANDED) / log.period)
+        tick = 0 if fall.landed is None else round((fall.landed + SETTLING_TIME_S) / log.period)
         if fall.landed is None or tick >= log.ticks:
             continue
         ankle = fall.foot.replace("foot", "ankle")
         place = Points.of(robot, log.q[tick : tick + 1], (ankle,)).positions[ankle][0, :2]
-        made += bool(np.linalg.norm(place - fall.place) <= MADE)
+        made += bool(np.linalg.norm(place - fall.place) <= FOOTFALL_TOLERANCE_M)
     return {
         "footfalls": len(plan.travel.footfalls),
         "made": made,
@@ -148,7 +148,7 @@ def zmp(log: RunLog, motion: Motion) -> Figures:
     known = margins[np.isfinite(margins)]
     off = np.linalg.norm(log.zmp_measured - log.zmp_planned, axis=1)
     return {
-        "inside": float(np.count_nonzero(known >= INSET) / log.ticks) if log.ticks else None,
+        "inside": float(np.count_nonzero(known >= ZMP_INSET_M) / log.ticks) if log.ticks else None,
         "min_margin_m": float(known.min()) if len(known) else None,
         "rms_to_planned_m": _rms(off[np.isfinite(off)]),
     }
@@ -161,13 +161,13 @@ def contacts(log: RunLog, robot: Robot) -> Figures:
     slips, tilts = [0.0], [0.0]
     for index, foot in enumerate(robot.feet):
         mode, position = log.foot_mode[:, index], feet.positions[foot]
-        for state, rows in stretches(mode):
+        for state, rows in constant_stretches(mode):
             if state == FOOT_FIXED:
                 slips.append(float(np.linalg.norm(position[rows, :2] - position[rows.start, :2], axis=1).max()))
         upward = feet.rotations[foot][mode != FOOT_OFF][:, :, 2]
         tilts.extend(np.arctan2(np.linalg.norm(upward[:, :2], axis=1), upward[:, 2]).tolist())
     switches = np.diff(log.foot_mode, axis=0) != 0
-    steps, around = np.abs(np.diff(log.torque, axis=0)), round(AROUND / log.period) if log.ticks > 1 else 0
+    steps, around = np.abs(np.diff(log.torque, axis=0)), round(SWITCH_WINDOW_S / log.period) if log.ticks > 1 else 0
     return {
         "switches": int(np.count_nonzero(switches)),
         "torque_step_max_nm": max(
@@ -187,9 +187,9 @@ def limits(log: RunLog, robot: Robot) -> Figures:
     angle, speed, torque = log.q[:, 7:], np.abs(log.v[:, 6:]), np.abs(log.torque)
     distance = log.self_distance[np.isfinite(log.self_distance)]
     return {
-        "position_max_excess_rad": _excess(np.maximum(angle - robot.upper, robot.lower - angle)),
-        "velocity_max_excess": _excess(speed / robot.velocity - 1.0),
-        "torque_max_excess": _excess(torque / robot.effort - 1.0),
+        "position_max_excess_rad": _greatest_excess(np.maximum(angle - robot.upper, robot.lower - angle)),
+        "velocity_max_excess": _greatest_excess(speed / robot.velocity - 1.0),
+        "torque_max_excess": _greatest_excess(torque / robot.effort - 1.0),
         "self_collision_min_m": float(distance.min()) if len(distance) else None,
     }
 
@@ -208,17 +208,17 @@ def solver(log: RunLog) -> Figures:
 def pushes(info: RunInfo, duration: float) -> Figures:
     """How many pushes a run of this duration [s] met, and survived; the strongest impulse survived [N s].
 
-    A push counts as survived if the robot does not fall while it acts or within `RECOVERY` of its end.
+    A push counts as survived if the robot does not fall while it acts or within `PUSH_RECOVERY_S` of its end.
     """
     given = [push for push in info.pushes if push.t < duration]
     fell = np.inf if info.fell_at_s is None else info.fell_at_s
-    survived = [push.impulse for push in given if not push.t <= fell <= push.end + RECOVERY]
+    survived = [push.impulse for push in given if not push.t <= fell <= push.end + PUSH_RECOVERY_S]
     return {"given": len(given), "survived": len(survived), "survived_max_ns": max(survived, default=None)}
 
 
 def effort(log: RunLog, robot: Robot) -> Figures:
     """Torque over time and joints [N m], fraction of ticks near a torque limit, mean absolute joint power [W]."""
-    near = (np.abs(log.torque) >= SATURATED * robot.effort).any(axis=1)
+    near = (np.abs(log.torque) >= SATURATION_RATIO * robot.effort).any(axis=1)
     return {
         "torque_rms_nm": _rms(log.torque),
         "torque_saturated": _mean(near),
@@ -238,5 +238,5 @@ def _percentile(values: np.ndarray, share: float) -> float | None:
     return float(np.nanpercentile(values, share)) if np.isfinite(values).any() else None
 
 
-def _excess(beyond: np.ndarray) -> float:
+def _greatest_excess(beyond: np.ndarray) -> float:
     return max(float(beyond.max(initial=0.0)), 0.0)

@@ -13,18 +13,18 @@ from rich.table import Table
 from sim.log import Fallback, RunInfo, RunLog
 from sim.reference import hot_reference_us
 from sim.reporting import figures
-from sim.reporting.slides import slides, worst
+from sim.reporting.slides import slide_figures, worst_of_slides
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
-from sot.whole_file import whole
+from sot.whole_file import atomic_write
 
-DIGITS = 6
-TOLD = 3
-"""Conflicts, and kinds of fallbacks, that the terminal is told of."""
-RETARGET = ("key_point_rms_m", "frames_per_s")
+SIGNIFICANT_DIGITS = 6
+PRINTED_LINES_LIMIT = 3
+"""Most conflicts, and most kinds of fallbacks, that are printed on the terminal."""
+RETARGET_KEYS = ("key_point_rms_m", "frames_per_s")
 
 # What the table says: place in the report, words, factor to the unit read, unit, what to aim for.
-LINES: tuple[tuple[str, str, float, str, str], ...] = (
+TABLE_ROWS: tuple[tuple[str, str, float, str, str], ...] = (
     ("duration_s", "simulated time", 1.0, "s", ""),
     ("real_time_factor", "simulated time over wall-clock time", 1.0, "", "1 or more"),
     ("tick_us.p50", "tick, median", 1.0, "µs", ""),
@@ -67,7 +67,7 @@ LINES: tuple[tuple[str, str, float, str, str], ...] = (
 )
 
 
-def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan | None) -> dict[str, Any]:
+def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan | None) -> dict[str, Any]:
     """The figures of a run, None where there was nothing to measure; fractions and ratios are plain numbers.
 
     Args:
@@ -79,7 +79,7 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
     """
     log = log.trimmed()
     robot = motion.robot
-    duration, slid = log.ticks * log.period, slides(log, motion)
+    duration, slid = log.ticks * log.period, slide_figures(log, motion)
     report = {
         "clip": info.clip,
         "robot": info.robot,
@@ -87,7 +87,7 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
             "name": info.solver,
             **figures.solver(log),
             "conflicts": [{"t_s": round(t, 6), "rows": rows} for t, rows in log.conflicts],
-            "fallbacks": _fallbacks(log),
+            "fallbacks": _grouped_fallbacks(log),
         },
         "feet": info.feet,
         "rate_hz": info.rate_hz,
@@ -103,13 +103,13 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
         "reference_us": hot_reference_us(),
         "tracking": figures.tracking(log, motion),
         "likeness": figures.likeness(log, plan),
-        "retarget": dict(plan.retarget) if plan else dict.fromkeys(RETARGET),
+        "retarget": dict(plan.retarget) if plan else dict.fromkeys(RETARGET_KEYS),
         "steps": figures.steps(log, plan),
         "flights": figures.flights(plan),
         "remarks": plan.remarks if plan else [],
         "zmp": figures.zmp(log, motion),
         "contacts": figures.contacts(log, robot),
-        "slide": worst(slid),
+        "slide": worst_of_slides(slid),
         "slides": slid,
         "limits": figures.limits(log, robot),
         **figures.effort(log, robot),
@@ -119,7 +119,7 @@ def report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan
     return {key: rounded(value) for key, value in report.items()}
 
 
-def _fallbacks(log: RunLog) -> list[dict[str, Any]]:
+def _grouped_fallbacks(log: RunLog) -> list[dict[str, Any]]:
     """Ticks that a fallback answered, those of one level and for one reason together, most first."""
     alike: dict[tuple[str, str], list[Fallback]] = {}
     for fallback in log.fallbacks:
@@ -137,13 +137,13 @@ def _fallbacks(log: RunLog) -> list[dict[str, Any]]:
     ]
 
 
-def write(report: Mapping[str, Any], path: Path) -> None:
+def write_json(report: Mapping[str, Any], path: Path) -> None:
     """Write a report as JSON, which appears under its name once it is complete."""
-    with whole(path) as place:
+    with atomic_write(path) as place:
         place.write_text(json.dumps(report, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
-def show(reports: Sequence[Mapping[str, Any]], console: Console) -> None:
+def print_table(reports: Sequence[Mapping[str, Any]], console: Console) -> None:
     """Print reports side by side as a table in plain words."""
     table = Table(box=None, padding=(0, 2, 0, 0))
     table.add_column("", no_wrap=True)
@@ -153,29 +153,29 @@ def show(reports: Sequence[Mapping[str, Any]], console: Console) -> None:
         )
     table.add_column("")
     table.add_column("aim", no_wrap=True)
-    for words, values, unit, aim in lines(reports):
+    for words, values, unit, aim in table_rows(reports):
         table.add_row(words, *values, unit, aim)
     console.print(table)
     for report in reports:
-        for line in _explained(report["solver"]):
+        for line in _conflict_and_fallback_lines(report["solver"]):
             console.print(f"{report['clip']}: {line}", soft_wrap=True, markup=False, highlight=False)
 
 
-def _explained(solver: Mapping[str, Any]) -> Iterator[str]:
-    """What there is to say of a run's conflicts and fallbacks, in a few lines."""
+def _conflict_and_fallback_lines(solver: Mapping[str, Any]) -> Iterator[str]:
+    """A few lines on a run's conflicts and fallbacks."""
     conflicts, fallbacks = solver["conflicts"], solver["fallbacks"]
-    for conflict in conflicts[:TOLD]:
+    for conflict in conflicts[:PRINTED_LINES_LIMIT]:
         yield f"no solution of the hard level at {conflict['t_s']:.3f} s: {conflict['rows']}"
-    for fallback in fallbacks[:TOLD]:
+    for fallback in fallbacks[:PRINTED_LINES_LIMIT]:
         first, last = fallback["first_s"], fallback["last_s"]
         when = f"at {first:.3f} s" if first == last else f"from {first:.3f} to {last:.3f} s"
         ticks = f"{fallback['ticks']} tick{'s' * (fallback['ticks'] > 1)}"
         yield f"fallback, {ticks} {when}, level {fallback['level']}: {fallback['reason']}"
-    if left := len(conflicts[TOLD:]) + len(fallbacks[TOLD:]):
+    if left := len(conflicts[PRINTED_LINES_LIMIT:]) + len(fallbacks[PRINTED_LINES_LIMIT:]):
         yield f"{left} more of these are in the report"
 
 
-def lines(reports: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[str], str, str]]:
+def table_rows(reports: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[str], str, str]]:
     """Reports in plain words: what a line is about, its figure in each report, unit, and what to aim for.
 
     What no report has a figure of has no line: slides where no foot slid, pushes of a run that nobody pushed.
@@ -183,15 +183,15 @@ def lines(reports: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[str]
     Raises:
         KeyError: a report lacks a figure.
     """
-    yield "how it ended", [_ending(report) for report in reports], "", ""
+    yield "how it ended", [_ending_text(report) for report in reports], "", ""
     pushed = any(report["pushes"]["given"] for report in reports)
-    for place, words, factor, unit, aim in LINES:
+    for place, words, factor, unit, aim in TABLE_ROWS:
         values = [figure_at(report, place) for report in reports]
         if (pushed or not place.startswith("pushes.")) and any(value is not None for value in values):
-            yield words, ["-" if value is None else _digits(factor * value) for value in values], unit, aim
+            yield words, ["-" if value is None else _formatted_number(factor * value) for value in values], unit, aim
 
 
-def _ending(report: Mapping[str, Any]) -> str:
+def _ending_text(report: Mapping[str, Any]) -> str:
     return f"fell at {report['fell_at_s']:.2f} s: {report['fell_reason']}" if report["fell"] else "upright"
 
 
@@ -207,17 +207,17 @@ def figure_at(report: Mapping[str, Any], place: str) -> float | None:
     return value
 
 
-def _digits(value: float) -> str:
+def _formatted_number(value: float) -> str:
     """Three digits, or all that stand before the point; a thousandth or less is nothing."""
     return f"{value:.0f}" if abs(value) >= 100 or abs(value) < 1e-3 else f"{value:.3g}"
 
 
 def rounded(value: Any) -> Any:
-    """Numbers to `DIGITS` digits; what is not a number becomes None."""
+    """Numbers to `SIGNIFICANT_DIGITS` digits; what is not a number becomes None."""
     if isinstance(value, Mapping):
         return {key: rounded(entry) for key, entry in value.items()}
     if isinstance(value, list):
         return [rounded(entry) for entry in value]
     if isinstance(value, float):
-        return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None
+        return float(f"{value:.{SIGNIFICANT_DIGITS}g}") if math.isfinite(value) else None
     return value

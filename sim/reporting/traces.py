@@ -15,16 +15,16 @@ import numpy as np
 from sim.log import RunInfo, RunLog, nearest_frames
 from sim.recording.footing import foothold_outlines
 from sim.recording.panels import LIMB_GROUPS
-from sim.reporting.timeline import lanes
-from sim.support import support_sides
+from sim.reporting.timeline import schedule_lanes
+from sim.support import support_extents
 from sot.errors import InputError
 from sot.motion.trajectory import Motion
-from sot.whole_file import whole
+from sot.whole_file import atomic_write
 
-VERSION = 1
+FORMAT_VERSION = 1
 """Of the file; to be counted up with every change of what is in it."""
-BUCKETS, STRETCHES = 1000, 300
-FACTS = "facts"
+CURVE_BUCKETS, TICK_TIME_BUCKETS = 1000, 300
+FACTS_KEY = "facts"
 
 Columns = dict[str, np.ndarray]
 
@@ -52,7 +52,7 @@ class Traces:
         """
         log, robot = log.trimmed(), motion.robot
         frames = nearest_frames(log.time, motion.rate, len(motion.q))
-        sides = support_sides(log, motion)
+        sides = support_extents(log, motion)
         columns = {
             "angle": log.q[:, 7:],
             "reference": motion.q[frames, 7:],
@@ -67,14 +67,14 @@ class Traces:
             "force_along": np.linalg.norm(log.foot_wrench[:, :, :2], axis=2),
             "task_error": log.level_error,
         }
-        size = max(1, -(-log.ticks // BUCKETS))
-        thin = {name: extremes(values, size) for name, values in columns.items()}
-        thin["time"] = middles(log.time, size)
+        size = max(1, -(-log.ticks // CURVE_BUCKETS))
+        thin = {name: bucket_extremes(values, size) for name, values in columns.items()}
+        thin["time"] = bucket_times(log.time, size)
         every = np.arange(0, log.ticks, max(1, size // 2))
         thin["zmp_way"] = log.zmp_measured[every]  # x and y at the same times
-        thin["tick_time"], thin["tick_median"], thin["tick_greatest"] = _ticks(log)
+        thin["tick_time"], thin["tick_median"], thin["tick_greatest"] = _tick_time_buckets(log)
         facts = {
-            "version": VERSION,
+            "version": FORMAT_VERSION,
             "clip": info.clip,
             "robot": info.robot,
             "label": robot.label,
@@ -97,15 +97,15 @@ class Traces:
                     "name": lane.name,
                     "bars": [[bar.start, bar.end, bar.color, bar.label, bar.opacity] for bar in lane.bars],
                 }
-                for lane in lanes(log, robot)
+                for lane in schedule_lanes(log, robot)
             ],
         }
         return Traces(facts, {name: values.astype(np.float32) for name, values in thin.items()})
 
     def save(self, path: Path) -> None:
         """Write to a file (`.npz`), which appears under its name once it is complete."""
-        content: dict[str, Any] = {FACTS: np.array(json.dumps(self.facts)), **self.columns}
-        with whole(path) as place:
+        content: dict[str, Any] = {FACTS_KEY: np.array(json.dumps(self.facts)), **self.columns}
+        with atomic_write(path) as place:
             np.savez_compressed(place, **content)
 
     @staticmethod
@@ -118,18 +118,19 @@ class Traces:
         try:
             with np.load(path, allow_pickle=False) as file:
                 content = {name: file[name] for name in file.files}
-            facts = json.loads(str(content.pop(FACTS)))
+            facts = json.loads(str(content.pop(FACTS_KEY)))
             version = facts["version"]
         except (OSError, ValueError, EOFError, KeyError, TypeError, zipfile.BadZipFile) as error:
             raise InputError(f"{path}: cannot be read as the traces of a run ({error}); run it again") from None
-        if version != VERSION:
+        if version != FORMAT_VERSION:
             raise InputError(
-                f"{path}: written by another version (its format is {version}, this one reads {VERSION}); run it again"
+                f"{path}: written by another version (its format is {version}, this one reads {FORMAT_VERSION});"
+                " run it again"
             )
         return Traces(facts, content)
 
 
-def extremes(values: np.ndarray, size: int) -> np.ndarray:
+def bucket_extremes(values: np.ndarray, size: int) -> np.ndarray:
     """Least and greatest of every `size` rows of values (T, ...), in the order in which they came.
 
     A peak of a single tick stays a peak.
@@ -144,8 +145,8 @@ def extremes(values: np.ndarray, size: int) -> np.ndarray:
     return np.take_along_axis(cells, order, axis=1).reshape(-1, *values.shape[1:])
 
 
-def middles(times: np.ndarray, size: int) -> np.ndarray:
-    """Times of what `extremes` returns, two evenly spaced ones for every `size`."""
+def bucket_times(times: np.ndarray, size: int) -> np.ndarray:
+    """Times of what `bucket_extremes` returns, two evenly spaced ones for every `size`."""
     if size == 1 or not len(times):
         return times
     starts = times[::size]
@@ -153,10 +154,10 @@ def middles(times: np.ndarray, size: int) -> np.ndarray:
     return np.stack([starts + 0.25 * width, starts + 0.75 * width], axis=1).ravel()
 
 
-def _ticks(log: RunLog) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _tick_time_buckets(log: RunLog) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times (B,) of stretches of a run, median and greatest time of their ticks and of the ticks' parts (B, 4) [µs]."""
     parts = np.column_stack([log.tick_us, log.model_us, log.assemble_us, log.solve_us])
-    stretches = [part for part in np.array_split(np.arange(log.ticks), STRETCHES) if len(part)]
+    stretches = [part for part in np.array_split(np.arange(log.ticks), TICK_TIME_BUCKETS) if len(part)]
     shape = (len(stretches), parts.shape[1])
     median = np.array([np.median(parts[rows], axis=0) for rows in stretches]).reshape(shape)
     greatest = np.array([parts[rows].max(axis=0) for rows in stretches]).reshape(shape)

@@ -11,7 +11,7 @@ from sot.behaviours.stepping import SteppingSchedule
 from sot.behaviours.stride import Stride
 from sot.control.stack import Stack
 from sot.control.tick import GRAVITY, Tick
-from sot.motion.feet.footholds import CLEARANCE, Reach
+from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
@@ -83,7 +83,7 @@ class RecoverySchedule(SteppingSchedule):
     def __init__(self, robot: Robot, motion: Motion, ramp: float = 0.04) -> None:
         super().__init__(robot, motion.phases, ramp)
         self._robot, self._motion, self._planned_places = robot, motion, motion.feet
-        self._reach = Reach.of(robot)
+        self._reach = LegReach.of(robot)
         data = robot.model.createData()
         pin.framesForwardKinematics(robot.model, data, robot.rest)
         # What points to the robot's left, seen from its feet.
@@ -93,7 +93,7 @@ class RecoverySchedule(SteppingSchedule):
         self._checked_at = -np.inf
         self._free_feet: list[tuple[str, str]] = []  # feet that another one lets go, with that one
 
-    def heed(self, tick: Tick) -> None:
+    def observe(self, tick: Tick) -> None:
         """Check whether a step is needed, or update the foothold of the running one."""
         step = self._step
         if step is None or step.trajectory is None:
@@ -110,7 +110,7 @@ class RecoverySchedule(SteppingSchedule):
         step, begun = self._step, []
         if step is not None and step.trajectory is None:
             lift, land = t + self.ramp, t + self.ramp + step.swing_time
-            step.trajectory = stack.contact(step.foot).way = Stride(step.start, step.rotation, lift, land, STEP_HEIGHT)
+            step.trajectory = stack.contact(step.foot).path = Stride(step.start, step.rotation, lift, land, STEP_HEIGHT)
             step.trajectory.redirect(lift, step.place)
             self.add_step(step.foot, lift, land)
             begun = [f"{step.foot} steps"]
@@ -119,7 +119,7 @@ class RecoverySchedule(SteppingSchedule):
             self._free_feet = [pair for pair in pairs if self.others_carry(pair[0], stack, loads)]
         done = begun + super().apply(t, stack, loads)
         if step is not None and self.stances_begun(step.foot) > step.stances_before:
-            stack.contact(step.foot).way = self._step = None
+            stack.contact(step.foot).path = self._step = None
             self._rest_until = t + MIN_TIME_BETWEEN_STEPS
         return done
 
@@ -143,7 +143,9 @@ class RecoverySchedule(SteppingSchedule):
         )
         for foot, beside in self._free_feet:
             place, depth = self._foothold_and_margin(tick, xi, foot, beside, self.ramp + MIN_SWING_TIME)
-            span = max(MIN_SWING_TIME, float(np.linalg.norm(place - tick.frame(foot).position[:2])) / self._reach.speed)
+            span = max(
+                MIN_SWING_TIME, float(np.linalg.norm(place - tick.frame(foot).position[:2])) / self._reach.swing_speed
+            )
             if span > MIN_SWING_TIME:
                 place, depth = self._foothold_and_margin(tick, xi, foot, beside, self.ramp + span)
             if depth > best:
@@ -168,7 +170,11 @@ class RecoverySchedule(SteppingSchedule):
         """ξ with angular momentum (2,) [m], and its distance from the plan as displaced by the feet [m]."""
         t, omega = tick.t, _divergence_rate(tick)
         com, velocity, _, _ = self._motion.balance(t)
-        xi = tick.com[:2] + tick.com_velocity[:2] / omega + omega * tick.turning(self._motion.angular_momentum(t))
+        xi = (
+            tick.com[:2]
+            + tick.com_velocity[:2] / omega
+            + omega * tick.momentum_excess_per_weight(self._motion.angular_momentum(t))
+        )
         moved = Displacement.of(
             [(self._planned_places[foot](t)[:2], tick.frame(foot).position[:2], 1.0) for foot in self._robot.feet]
         )
@@ -190,7 +196,7 @@ class RecoverySchedule(SteppingSchedule):
         place = self._planned_place(tick, foot, beside)
         for _ in range(FOOTHOLD_ITERATIONS):
             # The support's edge between both feet moves by a part of what one of them does.
-            missing = xi - Polygon.hull(np.vstack([stands, place + sole])).inset(DCM_MARGIN).nearest(xi)
+            missing = xi - Polygon.hull(np.vstack([stands, place + sole])).inset(DCM_MARGIN).nearest_point(xi)
             if not missing.any():
                 break
             place = self._reachable_place(tick, place + missing, foot, beside)
@@ -202,14 +208,14 @@ class RecoverySchedule(SteppingSchedule):
         outward = (frame.rotation @ self._left[beside])[:2] * (1.0 if foot == self._robot.feet[0] else -1.0)
         inner = max((self._sole_corners(tick, beside) - frame.position[:2]) @ outward)
         inner -= min((self._sole_corners(tick, foot) - swings.position[:2]) @ outward)
-        reach, least, off = self._reach.stride, inner + CLEARANCE, place - frame.position[:2]
+        reach, least, off = self._reach.max_stride, inner + SOLE_CLEARANCE, place - frame.position[:2]
         off = off + max(0.0, least - off @ outward) * outward
-        hip = max(least, self._reach.hips) * outward
+        hip = max(least, self._reach.hip_width) * outward
         return frame.position[:2] + hip + (off - hip) * (reach / max(reach, float(np.linalg.norm(off - hip))))
 
     def _sole_corners(self, tick: Tick, foot: str) -> Array:
         """Corners of a foot's sole (nc, 2)."""
-        return tick.frame(foot).below(self._robot.sole(foot))
+        return tick.frame(foot).floor_projection(self._robot.sole(foot))
 
 
 def _divergence_rate(tick: Tick) -> float:
@@ -219,5 +225,5 @@ def _divergence_rate(tick: Tick) -> float:
 
 def _predicted_dcm(tick: Tick, xi: Array, support: Polygon, span: float) -> Array:
     """ξ (2,) after a time [s], if the zero-moment point in the support does what it can [m]."""
-    z = support.inset(ZMP_MARGIN).nearest(xi)
+    z = support.inset(ZMP_MARGIN).nearest_point(xi)
     return z + (xi - z) * np.exp(_divergence_rate(tick) * span)

@@ -16,8 +16,8 @@ from sot.control.controller import Controller
 from sot.control.schedule import Schedule
 from sot.control.stack import Stack
 from sot.errors import InputError
-from sot.motion.balance.balance import plan_balance
 from sot.motion.balance.centroidal import Centroidal
+from sot.motion.balance.programme import plan_balance
 from sot.motion.feet.support import supports
 from sot.motion.trajectory import Motion
 
@@ -46,7 +46,7 @@ def rehearse(motion: Motion, stack: Stack, solver: Solver, schedule: Schedule | 
     """
     robot, period = motion.robot, 1.0 / (KNOT_RATE * TICKS_PER_KNOT)
     for contact in stack.contacts:
-        contact.sticks = True
+        contact.unlimited_force = True
     controller = Controller(robot, stack, solver, period, schedule)
     knots = round(motion.duration * KNOT_RATE) + 1
     states: list[tuple[Array, Array, Array]] = []

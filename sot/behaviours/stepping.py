@@ -52,7 +52,7 @@ class SteppingSchedule(Schedule):
         self.ramp = ramp
         self._weight = robot.mass * GRAVITY
         falls = {foot: Footfalls(phases, foot) for foot in robot.feet}
-        self._feet = [_Foot(name, stances, stances.begun(0.0), -ramp) for name, stances in falls.items()]
+        self._feet = [_Foot(name, stances, stances.count_begun(0.0), -ramp) for name, stances in falls.items()]
 
     def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:
         """Carry out the changes that are due and return them in words; without loads all happens as planned."""
@@ -92,7 +92,7 @@ class SteppingSchedule(Schedule):
     def add_step(self, foot: str, lift: float, land: float) -> None:
         """Insert a step of a standing foot between two times [s]."""
         own = self._foot(foot)
-        own.stances = own.stances.interrupted(lift, land, own.stances[own.next_stance - 1].pose)
+        own.stances = own.stances.with_step(lift, land, own.stances[own.next_stance - 1].pose)
 
     def _foot(self, name: str) -> _Foot:
         return next(foot for foot in self._feet if foot.name == name)

@@ -16,10 +16,10 @@ from sot.robots.robot import Robot
 
 Array = np.ndarray
 
-EXPLAINED_AGAIN = 1.0
-"""Time after which a level 0 without a solution is kept for `solvers.conflict.find_conflict` once more [s]."""
+EXPLANATION_INTERVAL = 1.0
+"""Shortest time between two infeasible level-0 problems that are kept for `solvers.conflict.find_conflict` [s]."""
 HOLD_DAMPING = 5.0
-"""Joint damping of the last resort, a hold of the last torque [N m s/rad]."""
+"""Joint damping [N m s/rad] that is added when the last torque is held because no new one was found."""
 
 
 @dataclass(slots=True)
@@ -75,24 +75,24 @@ class Controller:
         self.robot, self.stack, self.solver, self.schedule = robot, stack, solver, schedule
         self.dynamics = Dynamics(robot, form)
         self.tick = Tick(robot, period)
-        self._held, self._least = np.zeros(robot.na), -robot.effort
-        self._explained = -np.inf
-        self._off: list[Contact] = []  # contacts that were, a tick ago
+        self._last_torque, self._min_torque = np.zeros(robot.na), -robot.effort
+        self._last_explained = -np.inf
+        self._contacts_off: list[Contact] = []  # contacts that were, a tick ago
 
     def __call__(self, t: float, q: Array, v: Array, loads: Mapping[str, float] | None = None) -> Command:
         """One tick: the state at time `t` [s], Pinocchio's conventions, to torques.
 
-        `loads` are the measured normal forces on the feet [N]; a schedule may heed them.
+        `loads` are the measured normal forces on the feet [N]; a schedule may use them.
         """
         start = perf_counter()
         stack, robot = self.stack, self.robot
         if self.schedule is not None:
             self.schedule.apply(t, stack, loads)
-        self._meet(stack.contacts)
+        self._note_arrivals(stack.contacts)
         self.tick.contacts = stack.contacts
         self.tick.update(t, q, v)
         if self.schedule is not None:
-            self.schedule.heed(self.tick)
+            self.schedule.observe(self.tick)
         modelled = perf_counter()
         levels = self.dynamics.assemble(self.tick, stack.contacts, stack.hard, stack.levels)
         assembled = perf_counter()
@@ -101,18 +101,18 @@ class Controller:
         if usable:
             decoded = self.dynamics.decode(solution.x)
             # Only rounding is left to clip: the bounds are rows of level 0.
-            torque = np.minimum(np.maximum(decoded.torque, self._least), robot.effort)
+            torque = np.minimum(np.maximum(decoded.torque, self._min_torque), robot.effort)
             acceleration, wrenches, zmp = decoded.acceleration, decoded.wrenches, decoded.zmp
-            self._held, self.tick.acceleration = torque, acceleration
+            self._last_torque, self.tick.acceleration = torque, acceleration
         else:
             # Always from the last torque that was solved for: damping added to damping would become a stiffness.
-            torque = np.clip(self._held - HOLD_DAMPING * v[6:], -robot.effort, robot.effort)
+            torque = np.clip(self._last_torque - HOLD_DAMPING * v[6:], -robot.effort, robot.effort)
             acceleration, wrenches = np.zeros(robot.nv), np.full((len(stack.contacts), 6), np.nan)
             zmp = np.full(2, np.nan)
         solved = perf_counter()
         unsolved = None
-        if solution.levels[0].status >= Status.RELAXED and t >= self._explained + EXPLAINED_AGAIN:
-            self._explained, unsolved = t, levels[0].copy()
+        if solution.levels[0].status >= Status.RELAXED and t >= self._last_explained + EXPLANATION_INTERVAL:
+            self._last_explained, unsolved = t, levels[0].copy()
         return Command(
             torque,
             acceleration,
@@ -126,10 +126,10 @@ class Controller:
             unsolved,
         )
 
-    def _meet(self, contacts: Sequence[Contact]) -> None:
-        """Tell contacts that have just been made with which acceleration their points arrive."""
-        for contact in self._off:
+    def _note_arrivals(self, contacts: Sequence[Contact]) -> None:
+        """Give contacts that have just been made the acceleration with which their points arrive."""
+        for contact in self._contacts_off:
             if contact.mode != "off":
                 frame = self.tick.frame(contact.point)  # of the last tick still
-                contact.arrival = frame.jacobian @ self.tick.acceleration + frame.drift
-        self._off = [contact for contact in contacts if contact.mode == "off"]
+                contact.arrival_acceleration = frame.jacobian @ self.tick.acceleration + frame.drift
+        self._contacts_off = [contact for contact in contacts if contact.mode == "off"]

@@ -1,4 +1,4 @@
-"""A tick's levels in the variables of one form, and the answer in the robot's words."""
+"""The levels of a tick in the variables of one form, and the solution as accelerations, torques and contact forces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ from sot.robots.robot import Robot
 Array = np.ndarray
 FormName = Literal["condensed", "full"]
 
-BEARING = 1.0
-"""Without more than this on all contacts there is no zero-moment point [N]."""
+MIN_LOAD_FOR_ZMP = 1.0
+"""Smallest total normal force for which a zero-moment point is defined [N]."""
 _FORMS: dict[FormName, type[Form]] = {"condensed": Condensed, "full": Full}
 
 
 @dataclass(slots=True)
 class Decoded:
-    """A solution in the robot's words.
+    """A solution as the robot's quantities.
 
     Args:
         acceleration: v̇, shape (nv,).
@@ -46,8 +46,8 @@ class Decoded:
 class Dynamics:
     """Builds the levels that a solver solves: level 0, then the stack's.
 
-    Level 0's matrices are kept from tick to tick and only what moves is written again: levels are valid until the next
-    `assemble`.
+    The matrices of level 0 are kept from tick to tick, and only values that change are written: levels are valid until
+    the next `assemble`.
 
     Args:
         robot: The robot.
@@ -75,14 +75,14 @@ class Dynamics:
             hard: Limits of level 0.
             levels: Names and tasks of the levels below, in order.
         """
-        every = [("hard", hard), *levels]
-        rows = [task.rows(tick) for _, tasks in every for task in tasks]
+        all_levels = [("hard", hard), *levels]
+        rows = [task.rows(tick) for _, tasks in all_levels for task in tasks]
         key: list[object] = [*contacts, *[contact.mode for contact in contacts], *[len(own.lower) for own in rows]]
-        for name, tasks in every:
+        for name, tasks in all_levels:
             key += [name, *tasks]
         if self._layout is None or key != self._key:
             form = _FORMS[self.name](self.robot, self.units, sum(contact.force_count for contact in contacts))
-            self._layout, self._key = Layout(form, contacts, every, rows), key
+            self._layout, self._key = Layout(form, contacts, all_levels, rows), key
         form = self._layout.form
         form.motion[:, : form.nv], form.bias = tick.M.T, tick.h  # M is symmetric, and so it lies in memory like motion
         return self._layout.write(tick, rows)
@@ -92,21 +92,23 @@ class Dynamics:
         assert self._layout is not None
         layout, form = self._layout, self._layout.form
         forces = self.units.force * x[form.nv : form.nv + form.forces]
-        wrenches, zmp = _felt(layout.maps, layout.bearer, layout.places, forces)
+        wrenches, zmp = _wrenches_and_zmp(layout.wrench_maps, layout.contact_of_force, layout.contact_positions, forces)
         return Decoded(x[: form.nv], form.torque(x), forces, wrenches, zmp)
 
 
 @compiled
-def _felt(maps: Array, bearer: Array, places: Array, forces: Array) -> tuple[Array, Array]:
-    """What forces amount to: the wrenches on the contacts, and their zero-moment point, see `Layout` and `Decoded`."""
-    wrenches = np.zeros((len(places), 6))
+def _wrenches_and_zmp(
+    wrench_maps: Array, contact_of_force: Array, contact_positions: Array, forces: Array
+) -> tuple[Array, Array]:
+    """Wrenches of the contact forces and their zero-moment point; for the arguments see `Layout`, `Decoded`."""
+    wrenches = np.zeros((len(contact_positions), 6))
     for k in range(len(forces)):
         for i in range(6):
-            wrenches[bearer[k], i] += maps[i, k] * forces[k]
+            wrenches[contact_of_force[k], i] += wrench_maps[i, k] * forces[k]
     x = y = load = 0.0
-    for k in range(len(places)):
+    for k in range(len(contact_positions)):
         fx, fy, fz, mx, my, _ = wrenches[k]
-        x += places[k, 0] * fz - places[k, 2] * fx - my
-        y += places[k, 1] * fz - places[k, 2] * fy + mx
+        x += contact_positions[k, 0] * fz - contact_positions[k, 2] * fx - my
+        y += contact_positions[k, 1] * fz - contact_positions[k, 2] * fy + mx
         load += fz
-    return wrenches, np.array((x / load, y / load)) if load > BEARING else np.full(2, np.nan)
+    return wrenches, np.array((x / load, y / load)) if load > MIN_LOAD_FOR_ZMP else np.full(2, np.nan)

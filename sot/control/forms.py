@@ -17,7 +17,7 @@ import numpy as np
 
 from solvers.compiled import compiled
 from solvers.rows import Block, Rows
-from sot.control.task import On
+from sot.control.task import Variable
 from sot.control.tick import GRAVITY
 from sot.robots.robot import Robot
 
@@ -26,7 +26,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """What forces and torques are counted in, so that one tolerance fits all rows.
+    """Units of forces and torques among the variables, so that one tolerance fits all rows.
 
     Args:
         weight: Of the robot [N].
@@ -55,33 +55,33 @@ class Form(ABC):
 
     Attributes:
         size: Number of variables.
-        variables: What tasks are about that is among the variables: where it begins, and its unit there.
-        share: Scale of the equation of motion's rows [1/N].
+        variables: First index and unit of each kind of variable that tasks may be about.
+        equation_scale: Scale of the rows of the equation of motion [1/N].
         motion: ``M v̇ − Jᵀ φ`` as a matrix on (v̇, φ), φ in `Units.force`, shape (nv, nv + forces); to be filled in.
         bias: h, shape (nv,) [N, N m].
     """
 
     def __init__(self, robot: Robot, units: Units, forces: int) -> None:
         self.units, self.nv, self.na, self.forces = units, robot.nv, robot.na, forces
-        self.size, self.share = self._size(), 1.0 / units.weight
-        self.variables: dict[On, tuple[int, float]] = {"acceleration": (0, 1.0), "force": (robot.nv, units.force)}
+        self.size, self.equation_scale = self._size(), 1.0 / units.weight
+        self.variables: dict[Variable, tuple[int, float]] = {"acceleration": (0, 1.0), "force": (robot.nv, units.force)}
         self.motion = np.empty((robot.nv, robot.nv + forces))
         self.bias = np.empty(robot.nv)
 
-    def joints(self, rows: Rows) -> tuple[Array, Array]:
-        """A task's rows ``A τ`` as ``B (v̇, φ) + c``, by the joints' rows of the equation of motion: B and c."""
+    def torque_rows(self, rows: Rows) -> tuple[Array, Array]:
+        """Matrix B and offset c that express a task's ``A τ`` as ``B (v̇, φ) + c``, by the equation of motion."""
         if rows.selects is None:
             return rows.A @ self.motion[6:], rows.A @ self.bias[6:]
         joints = slice(6 + rows.selects.start, 6 + rows.selects.stop)
         return self.motion[joints], self.bias[joints]
 
-    def block(self) -> Block:
-        """Whose the rows of `equation` are."""
-        return Block("Dynamics", "N", self.share, True, slice(0), labels=_OF_BASE)
+    def equation_block(self) -> Block:
+        """Block that names the rows of `equation`."""
+        return Block("Dynamics", "N", self.equation_scale, True, slice(0), labels=_BASE_ROW_LABELS)
 
     @abstractmethod
     def equation(self) -> tuple[Array, Array]:
-        """What the equation of motion leaves to level 0, ``share A x = b``: A and b."""
+        """Matrix A and vector b of the rows of the equation of motion in level 0, ``equation_scale A x = b``."""
 
     @abstractmethod
     def torque(self, x: Array) -> Array:
@@ -98,12 +98,12 @@ class Condensed(Form):
         return self.nv + self.forces
 
     def equation(self) -> tuple[Array, Array]:
-        """The base's rows."""
-        return self.motion[:6], -self.share * self.bias[:6]
+        """The six rows of the base."""
+        return self.motion[:6], -self.equation_scale * self.bias[:6]
 
     def torque(self, x: Array) -> Array:
-        """From the joints' rows."""
-        return _driven(self.motion, self.bias, x)
+        """Torques by the joints' rows of the equation of motion."""
+        return _joint_torques(self.motion, self.bias, x)
 
 
 class Full(Form):
@@ -120,15 +120,15 @@ class Full(Form):
         """All rows."""
         driven = np.zeros((self.nv, self.na))
         driven[6:] = -self.units.torque * np.eye(self.na)
-        return np.hstack([self.motion, driven]), -self.share * self.bias
+        return np.hstack([self.motion, driven]), -self.equation_scale * self.bias
 
     def torque(self, x: Array) -> Array:
-        """As they stand there."""
+        """Torques as they are among the variables."""
         return self.units.torque * x[self.nv + self.forces :]
 
 
 @compiled
-def _driven(motion: Array, bias: Array, x: Array) -> Array:
+def _joint_torques(motion: Array, bias: Array, x: Array) -> Array:
     torque = bias[6:].copy()
     for k in range(len(torque)):
         for i in range(len(x)):
@@ -136,4 +136,4 @@ def _driven(motion: Array, bias: Array, x: Array) -> Array:
     return torque
 
 
-_OF_BASE = ("force x", "force y", "force z", "moment x", "moment y", "moment z")
+_BASE_ROW_LABELS = ("force x", "force y", "force z", "moment x", "moment y", "moment z")

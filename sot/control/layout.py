@@ -1,6 +1,6 @@
-"""Where a tick's rows stand, for as long as the contacts, the tasks and their numbers of rows stay what they are.
+"""Places of a tick's rows in the levels, for as long as contacts, tasks and their numbers of rows do not change.
 
-Matrices are kept from tick to tick, and only what moves is written again.
+Matrices are kept from tick to tick, and only values that change are written.
 """
 
 from collections.abc import Sequence
@@ -17,27 +17,27 @@ from sot.control.tick import Tick
 Array = np.ndarray
 
 FRICTION_GIVES_WAY = 3
-"""Place of the friction pyramids in the order in which level 0 is relaxed: the last."""
-_ANY = slice(0)
-_NO_VARIABLES = 0, 0.0
-"""Where rows begin, and no unit: they are of torques in a form that has none among its variables."""
+"""Place of the friction pyramids in the order in which rows of level 0 are relaxed: the last."""
+_ROWS_NOT_PLACED = slice(0)
+_NOT_A_VARIABLE = 0, 0.0
+"""First index and unit (none) of a kind of variable that the form does not have: torques in the condensed one."""
 
 
 class Layout:
-    """The levels of ticks that are alike.
+    """The levels of ticks with the same contacts, tasks and numbers of rows.
 
     Args:
         form: The variables.
         contacts: Contacts, those that are off included.
         levels: Names and tasks of all levels, level 0 first.
-        rows: What the tasks ask for, one after the other, at such a tick.
+        rows: Rows of all tasks, in the order of the levels, at such a tick.
 
     Attributes:
-        levels: As they were written last.
-        maps: From the forces φ of all contacts [N] to the wrench of the floor on their bearers' points, world axes,
-            shape (6, forces).
-        bearer: Whose each of these forces is, shape (forces,).
-        places: Where the points of the contacts are that are not off, shape (contacts, 3) [m].
+        levels: Levels as they were written last.
+        wrench_maps: Each force of φ [N] as the wrench of the floor at the point of its contact, world axes, shape
+            (6, forces).
+        contact_of_force: Number of the contact that each of these forces belongs to, shape (forces,).
+        contact_positions: Points of the contacts that are not off, world, shape (contacts, 3) [m].
     """
 
     def __init__(
@@ -49,36 +49,42 @@ class Layout:
     ) -> None:
         self.form = form
         self.levels: list[Level] = []
-        self.maps, self.places = np.zeros((6, form.forces)), np.zeros((len(contacts), 3))
-        self.bearer = np.repeat(np.arange(len(contacts)), [contact.force_count for contact in contacts])
-        self._footings: list[Footing] = []
+        self.wrench_maps, self.contact_positions = np.zeros((6, form.forces)), np.zeros((len(contacts), 3))
+        self.contact_of_force = np.repeat(np.arange(len(contacts)), [contact.force_count for contact in contacts])
+        self._contact_rows: list[ContactRows] = []
         self._equalities: list[tuple[int, float, Equality]] = []
-        self._bounds: list[tuple[int, float, Task, _Bounds]] = []
+        self._inequalities: list[tuple[int, float, Task, _InequalityRows]] = []
         asked = iter(enumerate(rows))
         for name, tasks in levels:
-            pile = _Pile()
+            builder = _LevelBuilder()
             if not self.levels:
-                self._stand(contacts, pile)
-                self._dynamics = pile.equality(form.block(), Equality(*form.equation(), form.share))
+                self._add_contacts(contacts, builder)
+                self._dynamics = builder.add_equality(
+                    form.equation_block(), Equality(*form.equation(), form.equation_scale)
+                )
             for task in tasks:
                 k, own = next(asked)
-                block = Block(task.name, task.unit, task.weight, task.equality, _ANY, task.gives_way, task.labels)
-                start, unit = form.variables.get(task.on, _NO_VARIABLES)
+                block = Block(
+                    task.name, task.unit, task.weight, task.equality, _ROWS_NOT_PLACED, task.gives_way, task.labels
+                )
+                start, unit = form.variables.get(task.variable, _NOT_A_VARIABLE)
                 if task.equality:
                     equality = Equality(own.A, own.lower, start=start, selects=own.selects if unit else None)
-                    self._equalities.append((k, unit, pile.equality(block, equality)))
+                    self._equalities.append((k, unit, builder.add_equality(block, equality)))
                 else:
                     width = own.A.shape[1] if unit else form.nv + form.forces
-                    bounds = _Bounds(block, slice(start, start + width), len(own.lower), own.selects is not None)
-                    self._bounds.append((k, unit, task, pile.inequality(bounds)))
-            self.levels.append(pile.level(name, form.size))
+                    bounds = _InequalityRows(
+                        block, slice(start, start + width), len(own.lower), own.selects is not None
+                    )
+                    self._inequalities.append((k, unit, task, builder.add_inequality(bounds)))
+            self.levels.append(builder.build(name, form.size))
         self.levels[0].structure_key = self
 
     def write(self, tick: Tick, rows: Sequence[Rows]) -> list[Level]:
-        """The levels of a tick; its mass matrix and bias are in the form already."""
+        """Write the rows of a tick and return its levels; the form has the mass matrix and the bias already."""
         form, dynamics = self.form, self._dynamics
-        for footing in self._footings:
-            footing.write(tick)
+        for contact_rows in self._contact_rows:
+            contact_rows.write(tick)
         dynamics.A, dynamics.b = form.equation()
         for k, unit, equality in self._equalities:
             own = rows[k]
@@ -86,63 +92,69 @@ class Layout:
             if unit:
                 equality.A, equality.scale = own.A, weight * unit
             else:
-                equality.A, offset = form.joints(own)
+                equality.A, offset = form.torque_rows(own)
                 equality.scale, wanted = weight, wanted - offset
             equality.b = wanted if weight == 1.0 else weight * wanted
-        for k, unit, task, bounds in self._bounds:
+        for k, unit, task, bounds in self._inequalities:
             own = rows[k]
             if unit:
                 bounds.write(own.A, own.weight * unit, own.lower, own.upper, own.weight)
             else:
-                bounds.joints(*form.joints(own), own.lower, own.upper, own.weight)
+                bounds.write_torques(*form.torque_rows(own), own.lower, own.upper, own.weight)
             bounds.block.labels = task.labels
         for level in self.levels:
             level.clear_cache()
         return self.levels
 
-    def _stand(self, contacts: Sequence[Contact], pile: "_Pile") -> None:
-        """What contacts ask of level 0."""
+    def _add_contacts(self, contacts: Sequence[Contact], builder: "_LevelBuilder") -> None:
+        """Add the rows of the contacts to level 0."""
         end = 0
         for k, contact in enumerate(contacts):
             own = slice(end, end := end + contact.force_count)
             if contact.mode != "off":
-                self._footings.append(Footing(contact, self.form, own, self.maps[:, own], self.places[k], pile))
+                self._contact_rows.append(
+                    ContactRows(contact, self.form, own, self.wrench_maps[:, own], self.contact_positions[k], builder)
+                )
 
 
-class Footing:
-    """A contact's part of level 0, and of the equation of motion.
+class ContactRows:
+    """Rows of one contact in level 0, and its columns in the equation of motion.
 
     Args:
-        contact: One that is not off.
+        contact: A contact that is not off.
         form: The variables.
-        own: Its forces φ among those of all contacts.
-        map, place: Where to write its part of `Layout.maps` and `Layout.places`.
-        pile: Level 0.
+        own: Slice of its forces in φ.
+        map, place: Views of its parts of `Layout.wrench_maps` and `Layout.contact_positions`, to write to.
+        builder: Builder of level 0.
     """
 
-    def __init__(self, contact: Contact, form: Form, own: slice, map: Array, place: Array, pile: "_Pile") -> None:
+    def __init__(
+        self, contact: Contact, form: Form, own: slice, map: Array, place: Array, builder: "_LevelBuilder"
+    ) -> None:
         self._contact, self._units, self._map, self._place = contact, form.units, map, place
-        self._axes = list(contact.held)
+        self._axes = list(contact.held_axes)
         columns = slice(form.nv + own.start, form.nv + own.stop)
         self._on_motion = form.motion[:, columns]
-        block = Block(f"Contact {contact.point}", "m/s²", 1.0, True, _ANY, labels=contact.axes)
-        self._held = pile.equality(block, Equality(np.empty((len(self._axes), form.nv)), np.empty(len(self._axes))))
+        block = Block(f"Contact {contact.point}", "m/s²", 1.0, True, _ROWS_NOT_PLACED, labels=contact.held_axis_names)
+        self._held = builder.add_equality(
+            block, Equality(np.empty((len(self._axes), form.nv)), np.empty(len(self._axes)))
+        )
         self._pressure: Equality | None = None
-        self._friction: _Bounds | None = None
+        self._friction: _InequalityRows | None = None
         if own.start == own.stop:
             return
         share = 1.0 / form.units.force
         if links := contact.link_count:
             E = np.empty((links, contact.force_count))
-            block = Block(f"Pressure {contact.point}", "N", share, True, _ANY)
-            self._pressure = pile.equality(block, Equality(E, np.zeros(links), start=columns.start))
+            block = Block(f"Pressure {contact.point}", "N", share, True, _ROWS_NOT_PLACED)
+            self._pressure = builder.add_equality(block, Equality(E, np.zeros(links), start=columns.start))
         count = len(contact.force_inequalities(1.0)[1])
         labels = contact.force_labels(count)
-        block = Block(f"Friction {contact.point}", "N", share, False, _ANY, FRICTION_GIVES_WAY, labels)
-        self._friction = pile.inequality(_Bounds(block, columns, count, constant=True))
+        block = Block(f"Friction {contact.point}", "N", share, False, _ROWS_NOT_PLACED, FRICTION_GIVES_WAY, labels)
+        self._friction = builder.add_inequality(_InequalityRows(block, columns, count, constant=True))
 
     def write(self, tick: Tick) -> None:
-        """Its rows at a tick."""
+        """Write its rows at a tick."""
         contact, held = self._contact, self._held
         frame = tick.frame(contact.point)
         held.A, held.b = frame.jacobian, contact.acceleration(tick) - frame.drift
@@ -151,60 +163,60 @@ class Footing:
         self._place[:] = frame.position
         if self._friction is None:
             return
-        _press(frame.jacobian, contact.wrench_map(tick), -self._units.force, self._map, self._on_motion)
+        _write_force_columns(frame.jacobian, contact.wrench_map(tick), -self._units.force, self._map, self._on_motion)
         if self._pressure is not None:
             self._pressure.A = contact.force_equalities(tick)
         F, lower, upper = contact.force_inequalities(self._units.weight)
         self._friction.write(F, 1.0, lower, upper, 1.0 / self._units.force)
 
 
-class _Bounds:
-    """One owner's inequalities, in their place among those of a level.
+class _InequalityRows:
+    """Inequalities of one task or contact, in their place among those of a level.
 
     Args:
-        block: Whose they are.
-        columns: The variables that they involve.
-        count: Of rows.
-        constant: Whether their matrix stays what it is, but for its scale.
+        block: Names the rows.
+        columns: Variables that they involve.
+        count: Number of rows.
+        constant: Whether their matrix never changes, but for its scale.
     """
 
     def __init__(self, block: Block, columns: slice, count: int, constant: bool) -> None:
         self.block, self.count, self._columns, self._constant = block, count, columns, constant
-        self._none = np.zeros(count)
-        self._scale: float | None = None  # at which the matrix was written
-        self._seen: tuple[Array | None, ...] = None, None, None  # whose numbers the matrix and the bounds are
+        self._no_offset = np.zeros(count)
+        self._last_scale: float | None = None  # at which the matrix was written
+        self._last_arrays: tuple[Array | None, ...] = None, None, None  # whose numbers the matrix and the bounds are
 
-    def place(self, C: Array, lower: Array, upper: Array) -> None:
-        """Where to write."""
+    def attach(self, C: Array, lower: Array, upper: Array) -> None:
+        """Take the views of the level's matrix and bounds to write to."""
         self._C, self._lower, self._upper = C[:, self._columns], lower, upper
 
     def write(self, A: Array, scale: float, lower: Array, upper: Array, share: float) -> None:
         """Write ``lower <= A y <= upper``, times a share that is in the scale of A already.
 
-        Arrays that nobody can write to are the same as last time.
+        A read-only array that was written last time has not changed since.
         """
-        same, (matrix, least, most) = scale == self._scale, self._seen
+        same, (matrix, least, most) = scale == self._last_scale, self._last_arrays
         if not (same and (self._constant or (A is matrix and not A.flags.writeable))):
             np.multiply(A, scale, out=self._C)
         if not (same and lower is least and upper is most and not lower.flags.writeable):
-            _scaled(lower, upper, self._none, share, self._lower, self._upper)
-        self._scale, self._seen = scale, (A, lower, upper)
+            _write_scaled(lower, upper, self._no_offset, share, self._lower, self._upper)
+        self._last_scale, self._last_arrays = scale, (A, lower, upper)
 
-    def joints(self, B: Array, offset: Array, lower: Array, upper: Array, share: float) -> None:
+    def write_torques(self, B: Array, offset: Array, lower: Array, upper: Array, share: float) -> None:
         """Write ``lower <= B x + offset <= upper``, times a share."""
         np.multiply(B, share, out=self._C)
-        _scaled(lower, upper, offset, share, self._lower, self._upper)
+        _write_scaled(lower, upper, offset, share, self._lower, self._upper)
 
 
 @compiled
-def _scaled(lower: Array, upper: Array, offset: Array, share: float, to_lower: Array, to_upper: Array) -> None:
+def _write_scaled(lower: Array, upper: Array, offset: Array, share: float, to_lower: Array, to_upper: Array) -> None:
     for k in range(len(lower)):
         to_lower[k], to_upper[k] = share * (lower[k] - offset[k]), share * (upper[k] - offset[k])
 
 
 @compiled
-def _press(jacobian: Array, G: Array, scale: float, to_map: Array, to_motion: Array) -> None:
-    """Write a map G to wrenches, and ``scale Jᵀ G``."""
+def _write_force_columns(jacobian: Array, G: Array, scale: float, to_map: Array, to_motion: Array) -> None:
+    """Write the wrench map G to `to_map`, and ``scale Jᵀ G`` to `to_motion`."""
     to_map[:] = G
     for i in range(to_motion.shape[0]):
         for j in range(to_motion.shape[1]):
@@ -214,35 +226,35 @@ def _press(jacobian: Array, G: Array, scale: float, to_map: Array, to_motion: Ar
             to_motion[i, j] = scale * total
 
 
-class _Pile:
-    """A level that is being put together."""
+class _LevelBuilder:
+    """Builder of one level: rows are added one after the other, then the level is made."""
 
     def __init__(self) -> None:
         self._equalities: list[Equality] = []
         self._blocks: list[Block] = []
-        self._bounds: list[_Bounds] = []
+        self._inequalities: list[_InequalityRows] = []
 
-    def equality(self, block: Block, equality: Equality) -> Equality:
-        """Add rows that hold with equality."""
+    def add_equality(self, block: Block, equality: Equality) -> Equality:
+        """Add equalities after those that are there, and return them."""
         start = self._blocks[-1].rows.stop if self._blocks else 0
         block.rows = slice(start, start + len(equality.b))
         self._blocks.append(block)
         self._equalities.append(equality)
         return equality
 
-    def inequality(self, bounds: _Bounds) -> _Bounds:
-        """Add others."""
-        start = self._bounds[-1].block.rows.stop if self._bounds else 0
+    def add_inequality(self, bounds: _InequalityRows) -> _InequalityRows:
+        """Add inequalities after those that are there, and return them."""
+        start = self._inequalities[-1].block.rows.stop if self._inequalities else 0
         bounds.block.rows = slice(start, start + bounds.count)
-        self._bounds.append(bounds)
+        self._inequalities.append(bounds)
         return bounds
 
-    def level(self, name: str, size: int) -> Level:
-        """The level, with room for what will be written."""
-        count = sum(bounds.count for bounds in self._bounds)
+    def build(self, name: str, size: int) -> Level:
+        """Make the level, with room for the values of its inequalities."""
+        count = sum(bounds.count for bounds in self._inequalities)
         C, lower, upper = np.zeros((count, size)), np.empty(count), np.empty(count)
-        for bounds in self._bounds:
+        for bounds in self._inequalities:
             rows = bounds.block.rows
-            bounds.place(C[rows], lower[rows], upper[rows])
-        blocks = self._blocks + [bounds.block for bounds in self._bounds]
+            bounds.attach(C[rows], lower[rows], upper[rows])
+        blocks = self._blocks + [bounds.block for bounds in self._inequalities]
         return Level(name, size, self._equalities, C, lower, upper, blocks)

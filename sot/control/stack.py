@@ -12,7 +12,7 @@ from sot.errors import InputError
 
 
 class Stack:
-    """What the robot is asked for, most important first; everything can change between two ticks.
+    """Levels of tasks in order of priority, over contacts and hard limits; everything can change between two ticks.
 
     The equation of motion is always in level 0; so are the contacts and what `hard` lists.
 
@@ -40,7 +40,7 @@ class Stack:
         return [(name, tasks) for name, tasks in self._levels.items() if tasks]
 
     @property
-    def order(self) -> list[str]:
+    def level_names(self) -> list[str]:
         """Names of all levels, in order of priority, those without tasks included."""
         return list(self._levels)
 
@@ -83,7 +83,7 @@ class Stack:
         """
         if any(task.name == other.name for other in (*self.hard, *self.tasks)):
             raise InputError(f"the stack has a task '{task.name}' already")
-        self.open(level, before)
+        self.add_level(level, before)
         self._levels[level].append(task)
 
     def remove(self, name: str) -> Task:
@@ -105,7 +105,7 @@ class Stack:
             InputError: If there is no such task, or no level `before`.
         """
         task = self.task(name)  # before anything changes: an error leaves the stack as it was
-        self.open(level, before)
+        self.add_level(level, before)
         self.remove(name)
         self._levels[level].append(task)
 
@@ -135,7 +135,7 @@ class Stack:
         """Name of the level that a task is in; None if it is not in the stack."""
         return next((name for name, tasks in self._levels.items() if any(task is other for other in tasks)), None)
 
-    def open(self, level: str, before: str | None = None) -> None:
+    def add_level(self, level: str, before: str | None = None) -> None:
         """Make a level that is new, without tasks yet, before `before` or last.
 
         Raises:

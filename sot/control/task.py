@@ -1,4 +1,4 @@
-"""The contract between what a stack is made of and what runs it."""
+"""Base classes of tasks and limits: what the controller asks of them at each tick."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -11,26 +11,26 @@ from solvers.rows import Rows
 from sot.control.tick import Tick
 
 Array = np.ndarray
-On = Literal["acceleration", "torque", "force"]
+Variable = Literal["acceleration", "torque", "force"]
 
 
 class Task(ABC):
     """An objective or a limit: rows ``lower <= A y <= upper`` in one kind of variable y.
 
     Attributes:
-        on: What y is: the accelerations v̇ (nv), the joint torques τ (na) or the contact forces φ.
+        variable: What y is: the accelerations v̇ (nv), the joint torques τ (na) or the contact forces φ.
         equality: Whether lower and upper agree in every row, at any tick.
         gives_way: In level 0, its place in the order in which limits are relaxed; 0 for never.
-        name: Who asks, for reports.
+        name: Name of the task, in reports.
         unit: Unit of A y.
         error_unit: Unit of `error`.
         weight: Scale of its rows within its level.
-        error: What the last tick saw, shape (m,): reference minus measured, or a limit's excess.
-        labels: Names of its rows, as far as they have any.
-        selects: Which variables the rows are, where they are a run of them and nothing more (see `Rows`).
+        error: Reference minus measured, or a limit's excess, at the last tick, shape (m,).
+        labels: Names of its rows, or of the first of them.
+        selects: If A is a run of rows of the identity, which ones (see `Rows`).
     """
 
-    on: ClassVar[On] = "acceleration"
+    variable: ClassVar[Variable] = "acceleration"
     equality: ClassVar[bool] = True
     gives_way: ClassVar[int] = 0
 
@@ -41,17 +41,17 @@ class Task(ABC):
         self.error: Array = np.zeros(0)
         self.labels: Sequence[str] = ()
         self.selects: slice | None = None
-        self._own: Rows | None = None
+        self._made: Rows | None = None
 
     @abstractmethod
     def rows(self, tick: Tick) -> Rows:
         """The rows at this tick, valid until the next one, and `error` as a side effect."""
 
-    def _rows(self, A: Array, lower: Array, upper: Array) -> Rows:
+    def make_rows(self, A: Array, lower: Array, upper: Array) -> Rows:
         """The task's rows, always the same object."""
-        rows = self._own
+        rows = self._made
         if rows is None:
-            rows = self._own = Rows(self.name, self.unit, A, lower, upper, gives_way=self.gives_way)
+            rows = self._made = Rows(self.name, self.unit, A, lower, upper, gives_way=self.gives_way)
         rows.A, rows.lower, rows.upper, rows.weight, rows.selects = A, lower, upper, self.weight, self.selects
         return rows
 
@@ -80,10 +80,10 @@ class MotionTask(Task):
     def rows(self, tick: Tick) -> Rows:
         """Acceleration rows."""
         self.error, rate, J, drift, feedforward = self.observe(tick)
-        wanted = _led_back(self.error, rate, drift, feedforward, self.kp, self.kd)
-        return self._rows(J, wanted, wanted)
+        wanted = _pd_acceleration(self.error, rate, drift, feedforward, self.kp, self.kd)
+        return self.make_rows(J, wanted, wanted)
 
 
 @compiled
-def _led_back(error: Array, rate: Array, drift: Array, feedforward: Array, kp: float, kd: float) -> Array:
+def _pd_acceleration(error: Array, rate: Array, drift: Array, feedforward: Array, kp: float, kd: float) -> Array:
     return feedforward + kp * error + kd * rate - drift

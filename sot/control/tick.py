@@ -1,4 +1,4 @@
-"""What one control tick knows of the robot's state, each quantity computed at most once."""
+"""Model quantities of the robot's state at one control tick, each computed at most once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ COULOMB_SPEED = 0.1
 
 @dataclass(slots=True)
 class FrameState:
-    """A frame of the robot, seen from the world.
+    """State of a frame of the robot, in world axes.
 
     Args:
         position: Origin, shape (3,) [m].
@@ -37,25 +37,25 @@ class FrameState:
     jacobian: Array
     drift: Array
 
-    def below(self, points: Array) -> Array:
-        """The places on the floor (n, 2) below points (n, 3) of the frame."""
+    def floor_projection(self, points: Array) -> Array:
+        """Horizontal positions (n, 2) in the world of points (n, 3) of the frame [m]."""
         places: Array = self.position[:2] + (points @ self.rotation.T)[:, :2]
         return places
 
 
 class TickContact(Protocol):
-    """What tasks may know of a contact: see `sot.control.contact.Contact`."""
+    """Attributes of a contact that tasks may use: see `sot.control.contact.Contact`."""
 
     point: str
     mode: Mode
     load: float
     vertices: Array
-    way: PoseReference | None
+    path: PoseReference | None
 
     @property
     def force_count(self) -> int: ...
 
-    def largest(self, weight: float) -> float: ...
+    def max_normal_force(self, weight: float) -> float: ...
 
     def acceleration(self, tick: "Tick") -> Array: ...
 
@@ -95,14 +95,14 @@ class Tick:
         self.update(0.0, robot.rest, np.zeros(robot.nv))
 
     def update(self, t: float, q: Array, v: Array) -> "Tick":
-        """Take a new state, and return the tick itself."""
+        """Move to a new state; returns the tick itself."""
         model, data, robot = self.robot.model, self.data, self.robot
         self.t, self.q, self.v = t, q, v
         # In world axes it leaves the joints' places and Jacobians, the centre of mass and A_g as well.
         pin.crba(model, data, q, pin.Convention.WORLD)
         pin.nonLinearEffects(model, data, q, v)
         pin.updateFramePlacements(model, data)
-        _take(
+        _write_bias_and_com(
             *(self._forces, self._base, self._A_g, self.mass, v, robot.damping, robot.friction),
             *(self.h, self.com_jacobian, self.com_velocity, self.com_drift),
         )
@@ -119,9 +119,11 @@ class Tick:
         state = self._frames.get(point)
         if state is None:
             if point not in self._points:
-                self._points[point] = self._point(point)
-            state, moved_by = self._points[point]
-            _move(self._J, self.v, moved_by, state.position, state.velocity, state.jacobian, state.drift)
+                self._points[point] = self._make_point(point)
+            state, moving_velocities = self._points[point]
+            _write_point_motion(
+                self._J, self.v, moving_velocities, state.position, state.velocity, state.jacobian, state.drift
+            )
             self._frames[point] = state
         return state
 
@@ -130,9 +132,9 @@ class Tick:
         """Momentum about the CoM, linear over angular, world axes, shape (6,) [N s, N m s]."""
         return self._A_g @ self.v
 
-    def turning(self, planned: Array) -> Array:
-        """Of what the body turns beyond a planned angular momentum (3,), ΔL, (ΔL_y, −ΔL_x) / (m g), (2,) [m s]."""
-        excess: Array = _turning(self.momentum, planned, self.mass * GRAVITY)
+    def momentum_excess_per_weight(self, planned: Array) -> Array:
+        """(ΔL_y, −ΔL_x) / (m g), with ΔL the angular momentum beyond a planned one (3,): shape (2,) [m s]."""
+        excess: Array = _momentum_excess_per_weight(self.momentum, planned, self.mass * GRAVITY)
         return excess
 
     def centroidal(self) -> tuple[Array, Array, Array]:
@@ -148,27 +150,27 @@ class Tick:
             self._centroidal = self.momentum, self._A_g, np.concatenate([force, moment])
         return self._centroidal
 
-    def _point(self, name: str) -> tuple[FrameState, Array]:
-        """Room for a point's state, and the velocities that move it, from the base outwards."""
+    def _make_point(self, name: str) -> tuple[FrameState, Array]:
+        """Arrays for a point's state, and the indices of the velocities that move it, from the base outwards."""
         robot, model = self.robot, self.robot.model
         frame = robot.point(name)
         place = self.data.oMf[frame]
-        moved_by = [
+        moving_velocities = [
             model.idx_vs[joint] + k
             for joint in model.supports[model.frames[frame].parentJoint]
             for k in range(model.nvs[joint])
         ]
         state = FrameState(place.translation, place.rotation, np.empty(6), np.zeros((6, robot.nv)), np.empty(6))
-        return state, np.array(moved_by)
+        return state, np.array(moving_velocities)
 
 
 @compiled
-def _turning(momentum: Array, planned: Array, weight: float) -> Array:
+def _momentum_excess_per_weight(momentum: Array, planned: Array, weight: float) -> Array:
     return np.array(((momentum[4] - planned[1]) / weight, (planned[0] - momentum[3]) / weight))
 
 
 @compiled
-def _take(
+def _write_bias_and_com(
     forces: Array,
     base: Array,
     A_g: Array,
@@ -181,7 +183,7 @@ def _take(
     com_velocity: Array,
     com_drift: Array,
 ) -> None:
-    """What follows from Pinocchio's forces, with gravity and without losses, its A_g and the base's axes (3, 3)."""
+    """Write h with joint losses, and the CoM's Jacobian, velocity and drift, from Pinocchio's forces and A_g."""
     h[:] = forces
     for k in range(len(damping)):
         h[6 + k] += damping[k] * v[6 + k] + friction[k] * np.tanh(v[6 + k] / COULOMB_SPEED)
@@ -196,16 +198,18 @@ def _take(
 
 
 @compiled
-def _move(J: Array, v: Array, moved_by: Array, position: Array, velocity: Array, jacobian: Array, drift: Array) -> None:
-    """A point's velocity, Jacobian and drift from the joints' Jacobian J, whose twists are about the world's origin.
+def _write_point_motion(
+    J: Array, v: Array, moving_velocities: Array, position: Array, velocity: Array, jacobian: Array, drift: Array
+) -> None:
+    """Write a point's velocity, Jacobian and drift, from the joints' Jacobian J with twists about the world's origin.
 
     A joint's axis is carried by what it turns: ``J̇_k = V × J_k`` with the twist V (linear, angular) of the body before
     it; the base's six together carry themselves, ``V × V = 0``.
     """
     px, py, pz = position[0], position[1], position[2]
     twist, change = np.zeros(6), np.zeros(6)
-    for n in range(len(moved_by)):
-        k = moved_by[n]
+    for n in range(len(moving_velocities)):
+        k = moving_velocities[n]
         x, y, z, a, b, c = J[0, k], J[1, k], J[2, k], J[3, k], J[4, k], J[5, k]
         jacobian[0, k], jacobian[1, k], jacobian[2, k] = x + b * pz - c * py, y + c * px - a * pz, z + a * py - b * px
         jacobian[3, k], jacobian[4, k], jacobian[5, k] = a, b, c
@@ -224,8 +228,8 @@ def _move(J: Array, v: Array, moved_by: Array, position: Array, velocity: Array,
         twist[3] += a
         twist[4] += b
         twist[5] += c
-    _shift(twist, position, velocity)
-    _shift(change, position, drift)
+    _write_shifted_twist(twist, position, velocity)
+    _write_shifted_twist(change, position, drift)
     # What turns and moves on leaves its place on a curve.
     drift[0] += twist[4] * velocity[2] - twist[5] * velocity[1]
     drift[1] += twist[5] * velocity[0] - twist[3] * velocity[2]
@@ -233,8 +237,8 @@ def _move(J: Array, v: Array, moved_by: Array, position: Array, velocity: Array,
 
 
 @compiled
-def _shift(twist: Array, to: Array, out: Array) -> None:
-    """A twist about the world's origin as one about another point."""
+def _write_shifted_twist(twist: Array, to: Array, out: Array) -> None:
+    """Write a twist about the world's origin as one about the point `to`."""
     out[:] = twist
     out[0] += twist[4] * to[2] - twist[5] * to[1]
     out[1] += twist[5] * to[0] - twist[3] * to[2]

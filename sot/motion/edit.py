@@ -13,7 +13,7 @@ from sot.control.pose import AXIS_NAMES, Pose, PoseReference
 from sot.errors import InputError
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.smooth import ease
+from sot.smooth import minimum_jerk
 
 Array = NDArray[np.float64]
 JointReference = Callable[[float], tuple[Array, Array, Array]]
@@ -155,7 +155,7 @@ class SampledOffset:
             value = make_interp_spline(*knots.T, k=5, bc_type=(REST_CONDITIONS, REST_CONDITIONS))(times)[:, None]
         else:
             way = min(edit.ease, 0.5 * (end - start))
-            share = ease((times - start) / way) * ease((end - times) / way)
+            share = minimum_jerk((times - start) / way) * minimum_jerk((end - times) / way)
             value = share[:, None] * _full_offset(edit, motion, times)
         if not np.isfinite(value).all():
             raise edit.error("what it adds is not always a finite number")

@@ -134,7 +134,7 @@ class Motion:
         stances, somewhere = Footfalls(self.phases, foot), np.full(3, np.nan)
 
         def at(t: float) -> Array:
-            stance = stances.nearest(t)
+            stance = stances.nearest_stance(t)
             return somewhere if stance is None else stance.pose.translation
 
         return at

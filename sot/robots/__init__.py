@@ -1,5 +1,5 @@
 """Robots: one model file and one text file each, read into an immutable `Robot`."""
 
-from sot.robots.robot import Robot, robots
+from sot.robots.robot import Robot, robot_names
 
-__all__ = ["Robot", "robots"]
+__all__ = ["Robot", "robot_names"]

@@ -13,7 +13,7 @@ from platformdirs import user_cache_path
 
 from sot.errors import InputError
 
-PIP_SECONDS = 600
+PIP_TIMEOUT_S = 600
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ def cache_folder() -> Path:
     return user_cache_path("humanoid-sot") / "packages"
 
 
-def fetched(package: Package, terms: str) -> Path:
+def package_folder(package: Package, terms: str) -> Path:
     """Folder with the files of a package, fetched and unpacked if need be.
 
     Args:
@@ -48,7 +48,7 @@ def fetched(package: Package, terms: str) -> Path:
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=folder.parent) as place:
-            archive = download(package, what, Path(place))
+            archive = download_archive(package, what, Path(place))
             whole = Path(place) / "whole"
             _unpack(archive, whole)
             os.replace(whole, folder)  # at once, so that a broken fetch never leaves half a package behind
@@ -57,7 +57,7 @@ def fetched(package: Package, terms: str) -> Path:
     return folder
 
 
-def download(package: Package, what: str, folder: Path) -> Path:
+def download_archive(package: Package, what: str, folder: Path) -> Path:
     """The archive of a package in a folder, its hash checked by pip before anything in it runs.
 
     Args:
@@ -74,9 +74,9 @@ def download(package: Package, what: str, folder: Path) -> Path:
     command += ["--no-deps", "--require-hashes", "-r", str(pinned), "-d", str(folder)]
     wanted = f"{what}: pip could not fetch {package.name} {package.version}"
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=PIP_SECONDS, check=False)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PIP_TIMEOUT_S, check=False)
     except subprocess.TimeoutExpired as error:
-        raise InputError(f"{wanted} within {PIP_SECONDS} s; try again with a better connection") from error
+        raise InputError(f"{wanted} within {PIP_TIMEOUT_S} s; try again with a better connection") from error
     archive = next((path for path in folder.iterdir() if path.suffix in (".gz", ".whl", ".zip")), None)
     if done.returncode != 0 or archive is None:
         complaints = [line for line in done.stderr.splitlines() if "ERROR" in line or "No module named pip" in line]

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
-from sot.robots.fetch import Package, fetched
+from sot.robots.fetch import Package, package_folder
 from sot.robots.urdf import Urdf
 from sot.toml_file import read_toml
 
@@ -26,7 +26,7 @@ POINTS = (
 GROUPS = ("left_leg", "right_leg", "chest", "head", "left_arm", "right_arm")
 
 
-def robots() -> tuple[str, ...]:
+def robot_names() -> tuple[str, ...]:
     """Names of the robots that come with the project."""
     return tuple(sorted(path.stem for path in MODELS.glob("*.toml")))
 
@@ -81,7 +81,7 @@ class Robot:
 
     @staticmethod
     def load(robot: str | Path) -> "Robot":
-        """The robot of a name that `robots()` lists, or of a robot file (`.toml`).
+        """The robot of a name that `robot_names()` lists, or of a robot file (`.toml`).
 
         Raises:
             InputError: no such robot, or its file is incomplete or does not fit its model.
@@ -90,7 +90,7 @@ class Robot:
         if path.suffix != ".toml":
             path = MODELS / f"{robot}.toml"
             if not path.is_file():
-                known = ", ".join(robots())
+                known = ", ".join(robot_names())
                 raise InputError(f"unknown robot '{robot}': choose one of {known}, or give a robot file (.toml)")
         return _load(path.resolve())
 
@@ -275,7 +275,7 @@ def _model_path(file: _RobotFile) -> Path:
     if "package" in file.content:
         name, version, sha256 = (file.get(f"package.{key}", str) for key in ("name", "version", "sha256"))
         terms = "; ".join(file.get(f"package.{key}", str) for key in ("source", "licence"))
-        path = fetched(Package(name, version, sha256), terms) / model
+        path = package_folder(Package(name, version, sha256), terms) / model
         if not path.is_file():
             raise InputError(f"{file.path}: no file '{model}' in the package {name} {version}")
         return path

@@ -9,7 +9,7 @@ import pytest
 
 from scenarios import cli, viewer
 from scenarios.inputs import clips
-from scenarios.inputs.groove import groove
+from scenarios.inputs.groove import groove_bvh
 from scenarios.replay import RECORDING_FILE, REPORT_FILE, TRACES_FILE
 from sot.motion.trajectory import Motion
 
@@ -54,9 +54,9 @@ def with_nan(text: str) -> str:
 BAD_CLIPS = {
     "not a BVH": "Dear diary, today I danced.\n",
     "empty": "",
-    "truncated": groove()[:3000],
-    "NaN in a frame": with_nan(groove()),
-    "no frames": groove().split("Frames:")[0] + "Frames: 0\nFrame Time: 0.02\n",
+    "truncated": groove_bvh()[:3000],
+    "NaN in a frame": with_nan(groove_bvh()),
+    "no frames": groove_bvh().split("Frames:")[0] + "Frames: 0\nFrame Time: 0.02\n",
     "unknown skeleton": UNKNOWN_SKELETON,
 }
 

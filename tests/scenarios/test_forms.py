@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scenarios import stacks
-from scenarios.inputs.clips import locate
+from scenarios.inputs.clips import find_clip
 from sim.loop import run
 from sim.world import World
 from solvers import Cascade, Status
@@ -20,7 +20,7 @@ EVERY = 25  # ticks
 @pytest.mark.slow
 def test_full_and_condensed_agree_on_every_state_of_a_dance():
     robot = Robot.load("hrp2")
-    motion = plan(recognise(read(locate("groove"))), robot).motion
+    motion = plan(recognise(read(find_clip("groove"))), robot).motion
     stack = stacks.planted_stack(robot, motion)
     log = run(Controller(robot, stack, Cascade()), World(robot), motion).log.trimmed()
     tick, solvers = Tick(robot), {form: Cascade() for form in ("condensed", "full")}

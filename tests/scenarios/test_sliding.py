@@ -6,16 +6,16 @@ from scenarios import sliding, stacks
 from scenarios.inputs import clips
 from sim.loop import run
 from sim.reporting import figures
-from sim.reporting.slides import slides
+from sim.reporting.slides import slide_figures
 from sim.world import World
 from solvers import Cascade
 from sot.control.controller import Controller
 from sot.motion import plan, read, recognise
-from sot.motion.feet.slides import AHEAD, SPEED, slide_time
-from sot.robots.robot import Robot, robots
+from sot.motion.feet.slides import SLIDE_FORWARD, SLIDE_SPEED, slide_duration
+from sot.robots.robot import Robot, robot_names
 
 
-@pytest.mark.parametrize("name", robots())
+@pytest.mark.parametrize("name", robot_names())
 def test_each_foot_slides_ahead_in_its_turn(name):
     robot = Robot.load(name)
     motion = sliding.motion(robot, 100.0)
@@ -28,7 +28,7 @@ def test_each_foot_slides_ahead_in_its_turn(name):
         assert abs(foot.position[rows, 2]).max() < 1e-3
         (standing,) = phase.feet
         assert abs(motion.track(standing).velocity[rows]).max() < 5e-3
-    assert slide_time(sliding.SLIDE_WAY, robot) > sliding.SLIDE_WAY[0] / SPEED
+    assert slide_duration(sliding.SLIDE_WAY, robot) > sliding.SLIDE_WAY[0] / SLIDE_SPEED
 
 
 @pytest.mark.slow
@@ -43,7 +43,7 @@ def test_slides_lightly_loaded_where_it_should(rate, monkeypatch):
     log = done.log.trimmed()
     assert figures.solver(log)["infeasible_ticks"] == 0
     assert figures.contacts(log, robot)["slip_max_m"] < 0.002
-    (slide,) = slides(log, motion)
+    (slide,) = slide_figures(log, motion)
     assert slide["foot"] == sliding.FEET_IN_ORDER[0]
     assert slide["moved_m"] > 0.08
     assert slide["contact"] > 0.9
@@ -55,13 +55,13 @@ def test_slides_lightly_loaded_where_it_should(rate, monkeypatch):
 @pytest.mark.slow
 def test_a_dance_slides_where_its_dancer_stands_on_one_foot_most():
     robot = Robot.load("hrp2")
-    motion = plan(recognise(read(clips.locate("groove"))), robot, rate=500.0, slide=AHEAD).motion
+    motion = plan(recognise(read(clips.find_clip("groove"))), robot, rate=500.0, slide=SLIDE_FORWARD).motion
     stack, schedule = stacks.sliding_stack(robot, motion), stacks.sliding_schedule(robot, motion)
     done = run(Controller(robot, stack, Cascade(), 0.002, schedule), World(robot, 0.002), motion)
     assert done.fell_at_s is None, done.reason
     log = done.log.trimmed()
     assert figures.solver(log)["infeasible_ticks"] == 0
-    (slide,) = slides(log, motion)
+    (slide,) = slide_figures(log, motion)
     assert slide["moved_m"] > 0.08
     assert slide["contact"] > 0.9
     assert 0.02 < slide["load_min"] < slide["load_max"] < 0.15

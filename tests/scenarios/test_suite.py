@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from scenarios import cli, suite
-from scenarios.inputs.groove import groove
+from scenarios.inputs.groove import groove_bvh
 from scenarios.replay import RECORDING_FILE, REPORT_FILE, Replay
 from scenarios.suite import TABLE_FIGURES, Piece, bench_suite, show, suite_pieces
 from sot.errors import InputError
@@ -57,7 +57,7 @@ def test_rows_of_a_dance_and_of_a_clip_that_is_refused(tmp_path):
 
 def test_from_the_command_line(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "mine.bvh").write_text(groove())
+    (tmp_path / "mine.bvh").write_text(groove_bvh())
     chosen = suite.suite_pieces(Path())
     monkeypatch.setattr(cli, "suite_pieces", lambda mocap: [Piece(chosen[0].name, chosen[0].clip, 1.0, 0.2)])
     status = cli.main(["bench", "--suite", "dance", "--feet", "planted", "--rate", "200", "--json"])

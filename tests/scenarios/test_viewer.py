@@ -19,9 +19,9 @@ def recording(tmp_path: Path) -> Path:
 
 
 def test_serves_the_file_to_any_origin_and_nothing_beside_it(recording):
-    with viewer.server(recording) as served:
+    with viewer.file_server(recording) as served:
         threading.Thread(target=served.serve_forever, daemon=True).start()
-        url = viewer.address(served, recording)
+        url = viewer.file_url(served, recording)
         with urllib.request.urlopen(url) as answer:
             assert answer.headers["Access-Control-Allow-Origin"] == "*"
             assert answer.read() == recording.read_bytes()

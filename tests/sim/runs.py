@@ -6,7 +6,7 @@ import pinocchio as pin
 from sim.log import FOOT_FIXED, RunLog
 from sot.motion.body.coordinates import from_configuration
 from sot.motion.body.spline import Spline
-from sot.motion.feet.contacts import planted
+from sot.motion.feet.contacts import planted_phases
 from sot.motion.human.human import Human
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
@@ -32,7 +32,7 @@ def still_motion(robot: Robot, seconds: float) -> Motion:
         com_acceleration=nothing,
         zmp=np.tile(com[:2], (count, 1)),
         momentum=nothing,
-        phases=planted(robot, seconds),
+        phases=planted_phases(robot, seconds),
     )
 
 

@@ -6,8 +6,8 @@ import pinocchio as pin
 import pytest
 
 from sim.convert import joint_order, state_from_mujoco, state_to_mujoco
-from sim.scene import read
-from sot.robots.robot import Robot, robots
+from sim.scene import robot_spec
+from sot.robots.robot import Robot, robot_names
 from tests.sot.robots import urdf_robot
 
 STATES = 100
@@ -21,7 +21,7 @@ def random_states(robot: Robot, count: int, seed: int = 0):
         yield np.concatenate((base, rng.uniform(robot.lower, robot.upper))), rng.normal(size=robot.nv)
 
 
-@pytest.fixture(scope="module", params=[*robots(), "urdf"])
+@pytest.fixture(scope="module", params=[*robot_names(), "urdf"])
 def robot(request, tmp_path_factory) -> Robot:
     if request.param == "urdf":
         return Robot.load(urdf_robot.write(tmp_path_factory.mktemp("robot")))
@@ -30,7 +30,7 @@ def robot(request, tmp_path_factory) -> Robot:
 
 @pytest.fixture(scope="module")
 def model(robot) -> mujoco.MjModel:
-    return read(robot).compile()
+    return robot_spec(robot).compile()
 
 
 def to_mujoco_velocity(robot: Robot, q: np.ndarray) -> np.ndarray:

@@ -39,7 +39,7 @@ class Impossible(Task):
     def rows(self, tick) -> Rows:
         A = np.zeros((2, tick.robot.nv))
         A[:, 6] = 1.0, -1.0
-        return self._rows(A, np.ones(2), np.full(2, np.inf))
+        return self.make_rows(A, np.ones(2), np.full(2, np.inf))
 
 
 @pytest.fixture

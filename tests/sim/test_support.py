@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.log import FOOT_OFF
-from sim.support import support_sides
+from sim.support import support_extents
 from sot.robots.robot import Robot
 from tests.sim.runs import perfect_log, still_motion
 
@@ -20,7 +20,7 @@ def test_sides_are_those_of_the_soles_that_carry():
         for foot in motion.robot.feet
     )
     both = np.concatenate([left, right])
-    sides = support_sides(log, motion)
+    sides = support_extents(log, motion)
     for rows, soles in ((slice(0, 100), both), (slice(100, 200), left), (slice(300, None), left)):
         expected = np.array([soles.min(axis=0), soles.max(axis=0)])
         assert sides[rows] == pytest.approx(np.broadcast_to(expected, sides[rows].shape))

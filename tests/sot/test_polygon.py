@@ -30,7 +30,7 @@ def test_nearest_is_the_projection():
         for point in rng.uniform(-0.5, 0.5, (5, 2)):
             expected = projection(polygon, point)
             if expected is not None:
-                np.testing.assert_allclose(polygon.nearest(point), expected, atol=1e-9)
+                np.testing.assert_allclose(polygon.nearest_point(point), expected, atol=1e-9)
                 outside += polygon.margin(point) < 0.0
     assert outside > 200
 
@@ -38,13 +38,13 @@ def test_nearest_is_the_projection():
 def test_a_point_inside_stays():
     polygon = Polygon.hull(RECTANGLE)
     for point in ([0.0, 0.0], [0.0999, -0.1999]):
-        np.testing.assert_array_equal(polygon.nearest(np.array(point)), point)
-    np.testing.assert_allclose(polygon.nearest(np.array([0.1, 0.2])), [0.1, 0.2], atol=1e-12)
+        np.testing.assert_array_equal(polygon.nearest_point(np.array(point)), point)
+    np.testing.assert_allclose(polygon.nearest_point(np.array([0.1, 0.2])), [0.1, 0.2], atol=1e-12)
 
 
 def test_nearest_in_an_empty_polygon_is_the_point():
     empty = Polygon.hull(RECTANGLE).shrunk(0.11, 0.0)
-    np.testing.assert_array_equal(empty.nearest(np.array([0.5, 0.5])), [0.5, 0.5])
+    np.testing.assert_array_equal(empty.nearest_point(np.array([0.5, 0.5])), [0.5, 0.5])
 
 
 def test_hull_has_one_edge_a_side_whatever_points_lie_on_it():

@@ -8,20 +8,20 @@ import pytest
 from sim.world import World
 from sot.control.tick import Tick
 from sot.proximity import LIMBS, Proximity
-from sot.robots.robot import Robot, robots
+from sot.robots.robot import Robot, robot_names
 from tests.sot.states import random_state
 
 STEP = 1e-5
 
 
-@pytest.fixture(params=robots())
+@pytest.fixture(params=robot_names())
 def robot(request):
     return Robot.load(request.param)
 
 
 def distances(proximity, tick, q):
     tick.update(0.0, q, np.zeros(len(tick.v)))
-    return proximity.measure(tick.data, range(len(proximity.pairs)))[0]
+    return proximity.distances_and_jacobian(tick.data, range(len(proximity.pairs)))[0]
 
 
 def test_distances_are_those_of_the_physics(robot):
@@ -55,8 +55,8 @@ def test_no_pair_that_is_near_is_missed(robot):
             q = pin.integrate(robot.model, q, 0.004 * v)
             tick.update(0.0, q, v)
             within = np.full(len(proximity.pairs), rng.uniform(0.0, 0.2))
-            near = proximity.near(tick.data, q, within)
-            everything, _ = proximity.measure(tick.data, range(len(proximity.pairs)))
+            near = proximity.pairs_within(tick.data, q, within)
+            everything, _ = proximity.distances_and_jacobian(tick.data, range(len(proximity.pairs)))
             assert near == np.flatnonzero(everything < within).tolist()
             found += len(near)
     assert found > 100
@@ -67,7 +67,7 @@ def test_no_distance_changes_faster_than_the_joints_can_make_it(robot):
     for _ in range(50):
         q, v = random_state(robot, rng)
         after, before = (distances(proximity, tick, pin.integrate(robot.model, q, sign * STEP * v)) for sign in (1, 0))
-        assert (np.abs(after - before) / STEP <= proximity.fastest(v) + 1e-4).all()
+        assert (np.abs(after - before) / STEP <= proximity.rate_bounds(v) + 1e-4).all()
 
 
 def test_jacobian_against_finite_differences(robot):
@@ -76,7 +76,7 @@ def test_jacobian_against_finite_differences(robot):
     for _ in range(30):
         q, v = random_state(robot, rng)
         tick.update(0.0, q, v)
-        apart, J = proximity.measure(tick.data, range(len(proximity.pairs)))
+        apart, J = proximity.distances_and_jacobian(tick.data, range(len(proximity.pairs)))
         after, before = (distances(proximity, tick, pin.integrate(robot.model, q, sign * STEP * v)) for sign in (1, -1))
         # Overlapping shapes have no one nearest point: there the solver of distances is coarse.
         apart_enough = apart > 1e-3

@@ -8,7 +8,7 @@ import pytest
 from sot.control.contact import Contact
 from sot.control.tick import GRAVITY, Tick
 from sot.polygon import Polygon
-from sot.robots.robot import Robot, robots
+from sot.robots.robot import Robot, robot_names
 from tasks import Balance
 from tests.sot.states import random_state, standing_state
 
@@ -16,7 +16,7 @@ HEIGHT = 0.8
 OMEGA = np.sqrt(GRAVITY / HEIGHT)
 
 
-@pytest.fixture(params=robots())
+@pytest.fixture(params=robot_names())
 def robot(request):
     return Robot.load(request.param)
 
@@ -109,7 +109,7 @@ def test_no_pressure_is_asked_for_outside_what_the_feet_carry(robot, standing):
         )
         pressure = commanded_pressure(tick, rows, reference)
         assert polygon.margin(pressure) > -1e-9
-        np.testing.assert_allclose(pressure, polygon.nearest(free), atol=1e-9)
+        np.testing.assert_allclose(pressure, polygon.nearest_point(free), atol=1e-9)
         inside += polygon.margin(free) > 0.0
     assert inside < 20
 
@@ -264,7 +264,7 @@ def test_while_a_foot_catches_the_robot_the_zero_moment_point_is_what_is_command
     robot, rng = Robot.load("hrp2"), np.random.default_rng(3)
     tick = Tick(robot)
     tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
-    tick.contacts[1].mode, tick.contacts[1].way = "off", lambda t: None
+    tick.contacts[1].mode, tick.contacts[1].path = "off", lambda t: None
     tick.update(0.0, *standing_state(robot, rng))
     reference = lambda t: (tick.com - (0.3, 0.0, 0.0), np.zeros(3), np.zeros(3), tick.com[:2] - (0.3, 0.0))  # noqa: E731
     rows = Balance(reference).rows(tick)

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from sot.control.tick import Tick
-from sot.robots.robot import Robot, robots
-from tasks.bounds import SOFT, AccelerationBounds, JointBounds, TorqueBounds
+from sot.robots.robot import Robot, robot_names
+from tasks.bounds import SOFT_BRAKING_RANGE, AccelerationBounds, JointBounds, TorqueBounds
 from tests.sot.states import random_state
 
 STARTS = 1000
 PERIODS = (0.0002, 0.001, 0.002, 0.005, 0.01)
-SOFTNESS = pytest.mark.parametrize("soft", [0.0, SOFT])
+SOFTNESS = pytest.mark.parametrize("soft", [0.0, SOFT_BRAKING_RANGE])
 
 
 def joints(rng):
@@ -127,15 +127,18 @@ def test_at_the_end_of_the_range_rounding_does_not_kick_the_joint():
 def test_a_slow_joint_is_braked_gently_even_where_it_moves_faster_than_was_commanded(period):
     # A standing ankle: the sole gives way, so that the joint is faster than it should be. To take that back within a
     # period, by whatever that takes of the body, would make the sole give way more.
-    limits, lag = [np.array([limit]) for limit in (-1.0, 1.0, 5.0, 60.0, 400.0)], np.sqrt(2.0 * SOFT / 60.0)
+    limits, lag = (
+        [np.array([limit]) for limit in (-1.0, 1.0, 5.0, 60.0, 400.0)],
+        np.sqrt(2.0 * SOFT_BRAKING_RANGE / 60.0),
+    )
     distance = np.array([0.001])
     slow = distance / (lag + 0.5 * period)  # may just be kept
     for excess in (0.0, 0.05, 0.2):
-        _, high = AccelerationBounds(*limits, SOFT)(1.0 - distance, slow + excess, period)
+        _, high = AccelerationBounds(*limits, SOFT_BRAKING_RANGE)(1.0 - distance, slow + excess, period)
         assert -2.0 * (slow + excess) / lag <= high <= -excess / max(lag, period)
 
 
-@pytest.mark.parametrize("name", robots())
+@pytest.mark.parametrize("name", robot_names())
 def test_joint_bounds_are_rows_on_the_joint_accelerations(name):
     robot = Robot.load(name)
     q, v = random_state(robot, np.random.default_rng(0))
@@ -143,10 +146,10 @@ def test_joint_bounds_are_rows_on_the_joint_accelerations(name):
     rows = task.rows(tick)
     np.testing.assert_array_equal(rows.A @ np.arange(robot.nv), np.arange(6, robot.nv))
     limits = robot.lower + 0.01, robot.upper - 0.01, 0.9 * robot.velocity, robot.acceleration, robot.acceleration_hard
-    low, high = AccelerationBounds(*limits, SOFT)(q[7:], v[6:], 0.002)
+    low, high = AccelerationBounds(*limits, SOFT_BRAKING_RANGE)(q[7:], v[6:], 0.002)
     np.testing.assert_array_equal(rows.lower, low)
     np.testing.assert_array_equal(rows.upper, high)
-    assert not task.equality and task.on == "acceleration" and task.gives_way == 1
+    assert not task.equality and task.variable == "acceleration" and task.gives_way == 1
 
 
 def test_joint_bounds_report_how_far_outside_a_joint_is():
@@ -167,4 +170,4 @@ def test_torque_bounds_are_the_robot_s_effort(fraction):
     np.testing.assert_array_equal(rows.A, np.eye(robot.na))
     np.testing.assert_allclose(rows.upper, fraction * robot.effort)
     np.testing.assert_allclose(rows.lower, -fraction * robot.effort)
-    assert not task.equality and task.on == "torque" and task.gives_way == 2
+    assert not task.equality and task.variable == "torque" and task.gives_way == 2

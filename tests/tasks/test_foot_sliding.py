@@ -10,14 +10,14 @@ from sot.control.controller import Controller
 from sot.control.pose import Pose
 from sot.control.tick import Tick
 from sot.errors import InputError
-from sot.robots.robot import Robot, robots
+from sot.robots.robot import Robot, robot_names
 from tasks import FootSliding
 from tests.sot.stances import leaning, standing_stack
 from tests.sot.states import random_state
 from tests.tasks.checks import assert_jacobian_and_drift
 
 
-@pytest.fixture(params=robots())
+@pytest.fixture(params=robot_names())
 def robot(request):
     return Robot.load(request.param)
 
@@ -41,7 +41,7 @@ def test_task_and_contact_share_the_axes(robot):
     contact = Contact("left_foot", robot.sole("left_foot"))
     contact.mode = "sliding"
     task = FootSliding(robot, "left_foot", still(np.zeros(3), np.eye(3)))
-    assert sorted([*contact.held, *task.selected]) == [0, 1, 2, 3, 4, 5]
+    assert sorted([*contact.held_axes, *task.selected]) == [0, 1, 2, 3, 4, 5]
 
 
 def test_only_a_point_of_the_robot_can_slide(robot):

@@ -9,14 +9,14 @@ from solvers import Cascade
 from sot.control.controller import Controller
 from sot.control.tick import Tick
 from sot.proximity import Proximity
-from sot.robots.robot import Robot, robots
+from sot.robots.robot import Robot, robot_names
 from tasks import Posture, SelfCollision
-from tasks.self_collision import LOOK, SURPRISE
+from tasks.self_collision import LOOK_PERIOD, SPEED_CHANGE_BOUND
 from tests.sot.stances import standing_stack
 from tests.sot.states import random_state
 
 
-@pytest.fixture(params=robots())
+@pytest.fixture(params=robot_names())
 def robot(request):
     return Robot.load(request.param)
 
@@ -25,7 +25,9 @@ def smooth(task, tick, q, v, pairs, step):
     """Pairs whose nearest points do not jump on the way from one step before to one after."""
     rates = []
     for sign in (-1.0, -0.5, 0.0, 0.5, 1.0):
-        _, rate, _, _ = task.observe(tick.update(0.0, pin.integrate(tick.robot.model, q, sign * step * v), v), pairs)
+        _, rate, _, _ = task.distances_and_rates(
+            tick.update(0.0, pin.integrate(tick.robot.model, q, sign * step * v), v), pairs
+        )
         rates.append(rate)
     return np.abs(np.diff(rates, n=2, axis=0)).max(axis=0) < 1e-6
 
@@ -36,11 +38,11 @@ def test_jacobian_and_drift_against_finite_differences(robot):
     compared = 0
     for _ in range(20):
         q, v = random_state(robot, rng)
-        distances, rates, J, drift = (part.copy() for part in task.observe(tick.update(0.0, q, v), pairs))
+        distances, rates, J, drift = (part.copy() for part in task.distances_and_rates(tick.update(0.0, q, v), pairs))
         np.testing.assert_allclose(rates, J @ v, atol=1e-12)
 
         def at(time, q=q, v=v):
-            return task.observe(tick.update(0.0, pin.integrate(robot.model, q, time * v), v), pairs)[:2]
+            return task.distances_and_rates(tick.update(0.0, pin.integrate(robot.model, q, time * v), v), pairs)[:2]
 
         (after, rates_after), (before, rates_before) = at(step), at(-step)
         keep = (distances > 0.01) & smooth(task, tick, q, v, pairs, step)
@@ -59,14 +61,14 @@ def crossed(robot):
 
 
 def least(task, tick):
-    return float(task.observe(tick, range(len(task.pairs)))[0].min())
+    return float(task.distances_and_rates(tick, range(len(task.pairs)))[0].min())
 
 
 @pytest.mark.parametrize("period", [0.001, 0.005])
 def test_an_arm_that_is_to_cross_the_waist_stops_before_it(robot, period):
     """Joints that accelerate as a posture wants, as far as the task's rows let them."""
     task, posture, tick = (
-        SelfCollision(robot, least=0.01),
+        SelfCollision(robot, min_distance=0.01),
         Posture(robot, crossed(robot)[7:], kp=200.0),
         Tick(robot, period),
     )
@@ -92,18 +94,18 @@ def test_an_arm_that_is_to_cross_the_waist_stops_before_it(robot, period):
 
 def test_an_approach_that_is_too_fast_is_stopped_steadily(robot):
     """A hand that comes into view at a speed for which the relied-on deceleration does not do: no kick."""
-    task, tick = SelfCollision(robot, least=0.01), Tick(robot)
+    task, tick = SelfCollision(robot, min_distance=0.01), Tick(robot)
     turn, every = np.zeros(robot.nv), range(len(task.pairs))
     turn[6:] = crossed(robot)[7:] - robot.rest[7:]
     for share in np.linspace(0.0, 1.0, 200):
         q = pin.integrate(robot.model, robot.rest, share * turn)
-        distances, rates, *_ = task.observe(tick.update(0.0, q, turn), every)
+        distances, rates, *_ = task.distances_and_rates(tick.update(0.0, q, turn), every)
         pair = int(np.where(rates < -0.1, distances, np.inf).argmin())
         if distances[pair] < 0.08:
             break
     way, speed = distances[pair] - 0.01, 2.0
     rows = task.rows(tick.update(1.0, q, turn * speed / -rates[pair]))
-    least = rows.lower[task.labels.index(" and ".join(task.pairs[pair]))] + task.observe(tick, [pair])[3][0]
+    least = rows.lower[task.labels.index(" and ".join(task.pairs[pair]))] + task.distances_and_rates(tick, [pair])[3][0]
     assert least == pytest.approx(speed**2 / (2.0 * way), rel=0.05)
 
 
@@ -140,7 +142,7 @@ def test_as_many_rows_as_were_ever_needed(robot):
 
 def test_is_a_limit_of_level_0_that_gives_way_with_the_joint_bounds(robot):
     task = SelfCollision(robot)
-    assert not task.equality and task.on == "acceleration" and task.gives_way == 1
+    assert not task.equality and task.variable == "acceleration" and task.gives_way == 1
 
 
 def test_pairs_that_are_left_alone_are_watched_in_time(robot):
@@ -152,20 +154,20 @@ def test_pairs_that_are_left_alone_are_watched_in_time(robot):
     watched = spared = 0
     rates = None
     for k in range(300):
-        t = k * LOOK
+        t = k * LOOK_PERIOD
         angle, speed = 0.5 - 0.5 * np.cos(np.pi * t), 0.5 * np.pi * np.sin(np.pi * t)
         q, v = robot.rest.copy(), np.zeros(robot.nv)
         q[7:] += angle * away
         v[joints] = speed * away
         tick.update(t, q, v)
-        before, (_, J) = rates, proximity.measure(tick.data, pairs)
+        before, (_, J) = rates, proximity.distances_and_jacobian(tick.data, pairs)
         rates = J @ v
         if before is not None:
-            assert (before - rates < SURPRISE).all()
-        every._calm[:] = -np.inf
+            assert (before - rates < SPEED_CHANGE_BOUND).all()
+        every._unwatched_until[:] = -np.inf
         task.rows(tick), every.rows(tick)
         assert set(every.labels) <= set(task.labels)
         watched += len(every.labels)
-        spared += int((task._calm > t + 1.5 * LOOK).sum())
+        spared += int((task._unwatched_until > t + 1.5 * LOOK_PERIOD).sum())
     assert watched > 20
     assert spared > 200

@@ -14,7 +14,7 @@ from sot.motion.body.parts import Arm, Body, Indices
 from sot.motion.body.targets import Targets
 from sot.motion.feet.stance import Build
 from sot.motion.feet.swing import FootPath
-from sot.proximity import reach
+from sot.proximity import lever_arm_bounds
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -64,7 +64,7 @@ class Clearance:
             np.flatnonzero(owners == shape) for shape in np.unique(owners)
         ]  # pairs of each of its shapes
         self._joints = [(shapes[pair.first].parentJoint, shapes[pair.second].parentJoint) for pair in left]
-        reaches = [reach(self._model, shapes[pair.first], shapes[pair.second]) for pair in left]
+        reaches = [lever_arm_bounds(self._model, shapes[pair.first], shapes[pair.second]) for pair in left]
         self._reach = np.array(reaches).reshape(len(left), robot.na)
         self._measured_angles = np.zeros((length, robot.na))
         self._known_distances = np.full((length, len(left)), -np.inf)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.body.targets import Targets
 from sot.motion.feet.stance import Build
-from sot.motion.feet.swing import FootPath, moving
+from sot.motion.feet.swing import FootPath, any_foot_moves
 from sot.motion.human.human import SEGMENTS
 from sot.robots.robot import Robot
 
@@ -63,7 +63,7 @@ class Body:
         self._chains = JointTree(robot)
         self._targets, self._com, self._hips = targets, com, build.hips
         self._waist, self._chest, self._neck = (robot.point(point) for point in ("waist", "chest", "neck"))
-        self._feet_move = moving(feet)
+        self._feet_move = any_foot_moves(feet)
         self._height = HIP_HEIGHT_WEIGHT[self._feet_move] if targets.height is None else 1.0 / targets.height
         self._feet = [(robot.point(foot), path) for foot, path in feet.items()]
 

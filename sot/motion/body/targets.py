@@ -7,10 +7,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from sot.motion.feet.stance import LEAD, Build
+from sot.motion.feet.stance import LEAD_IN_TIME, Build
 from sot.motion.human.human import SEGMENTS, SIDES, Human
 from sot.robots.robot import Robot
-from sot.smooth import ease
+from sot.smooth import minimum_jerk
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ def targets_of_human(human: Human, robot: Robot, build: Build, facing: Array) ->
     """
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
-    lead = ease(np.arange(human.count) / human.rate / LEAD)[:, None]
+    lead = minimum_jerk(np.arange(human.count) / human.rate / LEAD_IN_TIME)[:, None]
 
     def at_rest(point: str) -> Array:
         return data.oMf[robot.point(point)].translation

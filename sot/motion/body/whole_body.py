@@ -17,7 +17,7 @@ from sot.motion.body.retarget import PartFit, solve_knots
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import Targets
 from sot.motion.feet.stance import Build
-from sot.motion.feet.swing import FootPath, facing, middle, moving
+from sot.motion.feet.swing import FootPath, any_foot_moves, feet_heading, feet_middle
 from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
 
@@ -34,7 +34,7 @@ def retarget(
     The legs follow without regard to their speed, and nothing balances the robot yet: the balance room does both.
     """
     y, knots = _rest_posture_over(feet, robot, wanted.length), np.arange(wanted.length)
-    if moving(feet) and wanted.height is None:
+    if any_foot_moves(feet) and wanted.height is None:
         y[:, :2] = wanted.hips[:, :2]
         wanted = _with_reachable_hips(robot, wanted, feet, y, period)
     parts: list[Part] = [Body(robot, build, wanted, feet), Head(robot, wanted)]
@@ -71,7 +71,7 @@ def _rest_posture_over(feet: Mapping[str, FootPath], robot: Robot, length: int) 
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
     y = np.tile(from_configuration(robot.rest[None]), (length, 1))
-    moved, turned = middle(feet), facing(feet)
+    moved, turned = feet_middle(feet), feet_heading(feet)
     centre = np.mean([data.oMf[robot.point(foot)].translation[:2] for foot in feet], axis=0)
     cosine, sine = np.cos(turned), np.sin(turned)
     base = y[0, :2] - centre

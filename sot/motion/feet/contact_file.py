@@ -9,7 +9,7 @@ from sot.errors import InputError
 from sot.motion.feet.footwork import Step
 from sot.robots.robot import FEET
 from sot.toml_file import read_toml
-from sot.whole_file import whole
+from sot.whole_file import atomic_write
 
 HEAD = """\
 # When each foot is off the floor, in seconds of the clip. Between its steps a foot stands, where the dancer's does.
@@ -24,7 +24,7 @@ def write(path: Path, steps: Sequence[Step]) -> None:
         f'\n[[step]]\nfoot = "{step.foot.removesuffix("_foot")}"\nlift = {step.lift:.2f}\nland = {step.land:.2f}\n'
         for step in steps
     ]
-    with whole(path) as place:
+    with atomic_write(path) as place:
         place.write_text(HEAD + "".join(blocks), encoding="utf-8")
 
 

@@ -9,11 +9,11 @@ import numpy as np
 
 from sot.errors import InputError
 from sot.motion.human.capture import Capture
-from sot.motion.human.text import AXES, RATES, numbers, read_lines, rotate
+from sot.motion.human.text import AXES, RATE_RANGE_HZ, parse_numbers, read_lines, rotate_about_own_axis
 
-RATE = 120.0  # Hz, of CMU's and most other files, which do not say it
+DEFAULT_RATE_HZ = 120.0  # Hz, of CMU's and most other files, which do not say it
 ROOT = "root"
-DEGREE = math.pi / 180.0
+RADIANS_PER_DEGREE = math.pi / 180.0
 
 Line = tuple[str, list[str]]
 """Where it is, for messages, and its words."""
@@ -44,14 +44,14 @@ def read_acclaim(path: str | Path) -> Capture:
     The other file is found beside the given one: of the same name, or a skeleton with whose name that of the motion
     begins, or the only one there. A joint has the name of the bone that starts there. Lengths stay as they are
     written: `length` of the skeleton's units is a factor to some programs and a divisor to others. Without
-    `:samples-per-second` the rate is taken to be RATE.
+    `:samples-per-second` the rate is taken to be DEFAULT_RATE_HZ.
 
     Raises:
         InputError: naming the file and line that cannot be read, and why; or no other file, or several.
     """
-    skeleton, motion = _pair(Path(path))
-    bones, turn = _skeleton(skeleton)
-    rate, values = _motion(motion, skeleton, bones, turn)
+    skeleton, motion = _skeleton_and_motion_files(Path(path))
+    bones, turn = _parse_skeleton(skeleton)
+    rate, values = _parse_motion(motion, skeleton, bones, turn)
     positions, rotations = _forward_kinematics(bones, values)
     leaves = sorted(set(range(len(bones))) - {bone.parent for bone in bones})
     ends = positions[leaves] + np.stack([np.einsum("tij,j->ti", rotations[i], bones[i].offset) for i in leaves])
@@ -65,8 +65,8 @@ def read_acclaim(path: str | Path) -> Capture:
     )
 
 
-def _pair(path: Path) -> tuple[Path, Path]:
-    """Skeleton and motion."""
+def _skeleton_and_motion_files(path: Path) -> tuple[Path, Path]:
+    """The files of the skeleton (.asf) and of the motion (.amc), of which one is given."""
     given = path.suffix.lower()
     wanted = ".amc" if given == ".asf" else ".asf"
     if not path.is_file():
@@ -87,19 +87,19 @@ def _pair(path: Path) -> tuple[Path, Path]:
     return (path, chosen[0]) if given == ".asf" else (chosen[0], path)
 
 
-def _words(path: Path, kind: str) -> Iterator[Line]:
-    """Lines that say something, as words: a comment, commas and parentheses are space."""
+def _numbered_words(path: Path, kind: str) -> Iterator[Line]:
+    """Words of each line that has any; comments, commas and parentheses count as space."""
     plain = str.maketrans("(),", "   ")
     for number, line in enumerate(read_lines(path, kind), start=1):
         if words := line.partition("#")[0].translate(plain).split():
             yield f"{path}, line {number}", words
 
 
-def _skeleton(path: Path) -> tuple[list[_Bone], float]:
+def _parse_skeleton(path: Path) -> tuple[list[_Bone], float]:
     """The bones, parents first, and the angle [rad] that a motion counts in unless it says otherwise."""
     sections: dict[str, list[Line]] = {}
     lines: list[Line] = []
-    for where, words in _words(path, "an ASF"):
+    for where, words in _numbered_words(path, "an ASF"):
         if words[0].startswith(":"):
             lines = sections.setdefault(words[0].lower(), [])
         elif not sections:
@@ -109,24 +109,24 @@ def _skeleton(path: Path) -> tuple[list[_Bone], float]:
     if missing := [name for name in (":root", ":bonedata", ":hierarchy") if not sections.get(name)]:
         raise InputError(f"{path}: has no {missing[0]}: no ASF, or a truncated one")
     units = {words[0].lower(): words[1:] for _, words in sections.get(":units", [])}
-    turn = 1.0 if units.get("angle", ["deg"])[:1] == ["rad"] else DEGREE
-    described = {ROOT: _root(path, dict(_fields(sections[":root"])))}
-    for where, fields in _blocks(path, sections[":bonedata"]):
-        bone = _bone(where, fields, turn)
+    turn = 1.0 if units.get("angle", ["deg"])[:1] == ["rad"] else RADIANS_PER_DEGREE
+    described = {ROOT: _parse_root(path, dict(_keyword_fields(sections[":root"])))}
+    for where, fields in _begin_end_blocks(path, sections[":bonedata"]):
+        bone = _parse_bone(where, fields, turn)
         if bone.name in described:
             raise InputError(f"{where}: a second bone is named '{bone.name}'")
         described[bone.name] = bone
-    return _linked(path, _blocks(path, sections[":hierarchy"]), described), turn
+    return _bones_parents_first(path, _begin_end_blocks(path, sections[":hierarchy"]), described), turn
 
 
-def _fields(lines: Sequence[Line]) -> Iterator[tuple[str, Line]]:
-    """Keywords with what follows; further lines of limits, which begin with a number, do no harm."""
+def _keyword_fields(lines: Sequence[Line]) -> Iterator[tuple[str, Line]]:
+    """Each line's keyword and the words after it; further lines of limits, which begin with a number, do no harm."""
     for where, words in lines:
         yield words[0].lower(), (where, words[1:])
 
 
-def _blocks(path: Path, lines: Sequence[Line]) -> list[tuple[str, list[Line]]]:
-    """What stands between begin and end, and where it begins."""
+def _begin_end_blocks(path: Path, lines: Sequence[Line]) -> list[tuple[str, list[Line]]]:
+    """The lines between each begin and end, with the place where each block begins."""
     blocks: list[tuple[str, list[Line]]] = []
     begun = False
     for where, words in lines:
@@ -144,40 +144,40 @@ def _blocks(path: Path, lines: Sequence[Line]) -> list[tuple[str, list[Line]]]:
     return blocks
 
 
-def _root(path: Path, fields: Mapping[str, Line]) -> _Bone:
-    """The root; where it is preset does not matter, a capture begins at the origin in the end."""
+def _parse_root(path: Path, fields: Mapping[str, Line]) -> _Bone:
+    """The root bone. Its preset position does not matter, since a capture is moved to the origin later."""
     if "order" not in fields:
         raise InputError(f"{path}: its :root has no order")
-    if "orientation" in fields and any(numbers(*fields["orientation"], 3)):
+    if "orientation" in fields and any(parse_numbers(*fields["orientation"], 3)):
         raise InputError(f"{fields['orientation'][0]}: programs differ in what a turned root means; make it 0 0 0")
-    return _Bone(ROOT, -1, np.zeros(3), np.eye(3), _channels(*fields["order"], "tr"))
+    return _Bone(ROOT, -1, np.zeros(3), np.eye(3), _parse_channels(*fields["order"], "tr"))
 
 
-def _bone(where: str, lines: Sequence[Line], turn: float) -> _Bone:
+def _parse_bone(where: str, lines: Sequence[Line], turn: float) -> _Bone:
     """A bone without a parent yet; turn: the unit of its angles [rad]."""
-    fields = dict(_fields(lines))
+    fields = dict(_keyword_fields(lines))
     name = " ".join(fields.get("name", ("", []))[1])
     if missing := [key for key in ("name", "direction", "length", "axis") if key not in fields or not name]:
         raise InputError(f"{where}: the bone that begins here has no {missing[0]}")
-    direction = np.array(numbers(*fields["direction"], 3))
-    (length,) = numbers(*fields["length"], 1)
+    direction = np.array(parse_numbers(*fields["direction"], 3))
+    (length,) = parse_numbers(*fields["length"], 1)
     size = float(np.linalg.norm(direction))
     if length < 0.0 or (length and not size):
         raise InputError(f"{where}: bone '{name}' needs a length of at least 0, and a direction")
     at, words = fields["axis"]
-    angles, order = numbers(at, words[:3], 3), "".join(words[3:]).upper()
+    angles, order = parse_numbers(at, words[:3], 3), "".join(words[3:]).upper()
     if sorted(order) != list(AXES):
         raise InputError(
             f"{at}: expected three angles and the order of their axes, like XYZ, found '{' '.join(words)}'"
         )
     axes = np.eye(3)[None]
     for letter in reversed(order):  # the first is turned about first, and the axes stay: from the right, the last
-        rotate(axes, AXES.index(letter), np.array([turn * angles[AXES.index(letter)]]))
-    channels = _channels(*fields["dof"], "r") if "dof" in fields else ()
+        rotate_about_own_axis(axes, AXES.index(letter), np.array([turn * angles[AXES.index(letter)]]))
+    channels = _parse_channels(*fields["dof"], "r") if "dof" in fields else ()
     return _Bone(name, -1, direction * (length / size if size else 0.0), axes[0], channels)
 
 
-def _channels(where: str, words: Sequence[str], kinds: str) -> tuple[str, ...]:
+def _parse_channels(where: str, words: Sequence[str], kinds: str) -> tuple[str, ...]:
     channels = tuple(word.lower() for word in words)
     known = [kind + axis.lower() for kind in kinds for axis in AXES]
     if unknown := [word for word in channels if word not in known]:
@@ -187,7 +187,9 @@ def _channels(where: str, words: Sequence[str], kinds: str) -> tuple[str, ...]:
     return channels
 
 
-def _linked(path: Path, blocks: Sequence[tuple[str, list[Line]]], described: Mapping[str, _Bone]) -> list[_Bone]:
+def _bones_parents_first(
+    path: Path, blocks: Sequence[tuple[str, list[Line]]], described: Mapping[str, _Bone]
+) -> list[_Bone]:
     """The bones in the order of the hierarchy, parents first."""
     parents: dict[str, str] = {}
     children: dict[str, list[str]] = {name: [] for name in described}
@@ -209,29 +211,29 @@ def _linked(path: Path, blocks: Sequence[tuple[str, list[Line]]], described: Map
     return [replace(described[name], parent=index[parents[name]] if name in parents else -1) for name in order]
 
 
-def _motion(path: Path, skeleton: Path, bones: Sequence[_Bone], turn: float) -> tuple[float, np.ndarray]:
+def _parse_motion(path: Path, skeleton: Path, bones: Sequence[_Bone], turn: float) -> tuple[float, np.ndarray]:
     """Frames per second, and the values (T, C) of all channels, bone by bone, angles in radians."""
-    rate, rows = RATE, _Rows(path, skeleton, bones)
-    for where, words in _words(path, "an AMC"):
+    rate, rows = DEFAULT_RATE_HZ, _FrameBuilder(path, skeleton, bones)
+    for where, words in _numbered_words(path, "an AMC"):
         key = words[0].lower()
         if key in (":degrees", ":radians"):
-            turn = 1.0 if key == ":radians" else DEGREE
+            turn = 1.0 if key == ":radians" else RADIANS_PER_DEGREE
         elif key == ":samples-per-second":
-            (rate,) = numbers(where, words[1:], 1)
-            if not RATES[0] <= rate <= RATES[1]:
+            (rate,) = parse_numbers(where, words[1:], 1)
+            if not RATE_RANGE_HZ[0] <= rate <= RATE_RANGE_HZ[1]:
                 raise InputError(f"{where}: {rate:g} frames a second are not plausible")
         elif len(words) == 1 and key.isdigit():
-            rows.begin(where, int(key))
+            rows.begin_frame(where, int(key))
         elif not key.startswith(":"):
-            rows.add(where, words)
-    values = rows.finished()
+            rows.add_bone_values(where, words)
+    values = rows.channel_values()
     turned = [channel[0] == "r" for bone in bones for channel in bone.channels]
     values[:, turned] *= turn
     return rate, values
 
 
-class _Rows:
-    """The frames of a motion, as they are read."""
+class _FrameBuilder:
+    """Builder of a motion's frames, filled line by line."""
 
     def __init__(self, path: Path, skeleton: Path, bones: Sequence[_Bone]):
         self._path, self._skeleton = path, skeleton
@@ -244,14 +246,14 @@ class _Rows:
         self._number = 0
         self._missing: set[str] = set()
 
-    def begin(self, where: str, number: int) -> None:
-        self._complete()
+    def begin_frame(self, where: str, number: int) -> None:
+        self._check_frame_complete()
         if self._rows and number != self._number + 1:
             raise InputError(f"{where}: frame {number} follows frame {self._number}; some are missing")
         self._number, self._missing = number, set(self._moved)
         self._rows.append([0.0] * self._width)
 
-    def add(self, where: str, words: Sequence[str]) -> None:
+    def add_bone_values(self, where: str, words: Sequence[str]) -> None:
         name = words[0]
         bone = self._bones.get(name)
         if not self._rows:
@@ -266,16 +268,16 @@ class _Rows:
         if name not in self._missing and bone.channels:
             raise InputError(f"{where}: '{name}' stands twice in frame {self._number}")
         self._missing.discard(name)
-        self._rows[-1][self._columns[name]] = numbers(where, words[1:], len(bone.channels))
+        self._rows[-1][self._columns[name]] = parse_numbers(where, words[1:], len(bone.channels))
 
-    def finished(self) -> np.ndarray:
+    def channel_values(self) -> np.ndarray:
         """(T, C) values."""
-        self._complete()
+        self._check_frame_complete()
         if len(self._rows) < 2:
             raise InputError(f"{self._path}: holds {len(self._rows)} frames; a motion needs at least two")
         return np.array(self._rows)
 
-    def _complete(self) -> None:
+    def _check_frame_complete(self) -> None:
         if lacking := [name for name in self._bones if name in self._missing]:
             frame = f"{self._path}: frame {self._number}"
             raise InputError(f"{frame} holds nothing for {len(lacking)} bones, '{lacking[0]}' first; is it truncated?")
@@ -299,7 +301,7 @@ def _forward_kinematics(bones: Sequence[_Bone], values: np.ndarray) -> tuple[np.
         for channel, value in reversed(own):
             axis = AXES.lower().index(channel[1])
             if channel[0] == "r":
-                rotate(rotation, axis, value)
+                rotate_about_own_axis(rotation, axis, value)
             else:
                 positions[index][:, axis] = value
         rotations[index] = rotation @ bone.axes.T

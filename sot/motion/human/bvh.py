@@ -9,9 +9,9 @@ import numpy as np
 
 from sot.errors import InputError
 from sot.motion.human.capture import Capture
-from sot.motion.human.text import AXES, RATES, numbers, read_lines, rotate
+from sot.motion.human.text import AXES, RATE_RANGE_HZ, parse_numbers, read_lines, rotate_about_own_axis
 
-SPARE_FRAMES = 2  # by so many a header may promise too much: converters that drop a frame forget to count again
+MISSING_FRAMES_ALLOWED = 2  # a header may promise so many too many: converters that drop a frame forget to count again
 
 
 @dataclass
@@ -32,10 +32,10 @@ def read_bvh(path: str | Path) -> Capture:
         InputError: naming the file and line that cannot be read, and why.
     """
     path = Path(path)
-    lines = _lines(path)
-    joints, motion_line = _hierarchy(path, lines)
-    rate, first, promised = _header(path, lines, motion_line)
-    values = _frames(path, lines, first, promised, sum(len(joint.channels) for joint in joints))
+    lines = _read_bvh_lines(path)
+    joints, motion_line = _parse_hierarchy(path, lines)
+    rate, first, promised = _parse_motion_header(path, lines, motion_line)
+    values = _parse_frames(path, lines, first, promised, sum(len(joint.channels) for joint in joints))
     positions, rotations = _forward_kinematics(joints, values)
     return Capture(
         name=path.stem,
@@ -47,7 +47,7 @@ def read_bvh(path: str | Path) -> Capture:
     )
 
 
-def _lines(path: Path) -> list[str]:
+def _read_bvh_lines(path: Path) -> list[str]:
     lines = read_lines(path, "a BVH")
     first = next((i for i, line in enumerate(lines) if line.strip()), 0)
     if lines[first].split()[:1] != ["HIERARCHY"]:
@@ -55,20 +55,20 @@ def _lines(path: Path) -> list[str]:
     return lines
 
 
-def _tokens(lines: list[str]) -> Iterator[tuple[int, list[str]]]:
-    """Line numbers and words; a brace stands in a line of its own whatever the file does."""
+def _numbered_words(lines: list[str]) -> Iterator[tuple[int, list[str]]]:
+    """Line numbers with the words of each line; a brace counts as a line of its own."""
     for number, line in enumerate(lines, start=1):
         for part in line.replace("{", "\n{\n").replace("}", "\n}\n").split("\n"):
             if words := part.split():
                 yield number, words
 
 
-def _hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
+def _parse_hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
     """The joints, parents first, and the number of the line that says MOTION."""
     joints: list[_Joint] = []
     open_joints: list[int] = []
     pending = False  # a joint is named and its brace must follow
-    for number, words in _tokens(lines):
+    for number, words in _numbered_words(lines):
         where, key = f"{path}, line {number}", words[0].upper()
         if pending and key != "{":
             raise InputError(f"{where}: expected '{{' after the name of a joint, found '{words[0]}'")
@@ -85,9 +85,9 @@ def _hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
             if closed.offset is None:
                 raise InputError(f"{where}: joint '{closed.name}' has no OFFSET")
         elif key == "OFFSET" and open_joints:
-            joints[open_joints[-1]].offset = numbers(where, words[1:], 3)
+            joints[open_joints[-1]].offset = parse_numbers(where, words[1:], 3)
         elif key == "CHANNELS" and open_joints:
-            joints[open_joints[-1]].channels = _channels(where, words[1:])
+            joints[open_joints[-1]].channels = _parse_channels(where, words[1:])
         elif key == "MOTION" and joints and not open_joints:
             return joints, number
         else:
@@ -116,7 +116,7 @@ def _new_joint(where: str, key: str, words: list[str], joints: list[_Joint], ope
     return _Joint(name, parent)
 
 
-def _channels(where: str, words: list[str]) -> list[str]:
+def _parse_channels(where: str, words: list[str]) -> list[str]:
     channels = [word.lower().capitalize() for word in words[1:]]
     known = {axis + kind for axis in AXES for kind in ("position", "rotation")}
     if unknown := [word for word in channels if word not in known]:
@@ -128,7 +128,7 @@ def _channels(where: str, words: list[str]) -> list[str]:
     return channels
 
 
-def _header(path: Path, lines: list[str], motion_line: int) -> tuple[float, int, int]:
+def _parse_motion_header(path: Path, lines: list[str], motion_line: int) -> tuple[float, int, int]:
     """Frames per second, the index of the first line of frames, and the number of frames promised."""
     found: dict[str, float] = {}
     for index in range(motion_line, len(lines)):
@@ -139,26 +139,26 @@ def _header(path: Path, lines: list[str], motion_line: int) -> tuple[float, int,
         key = " ".join(key.lower().split())
         if not colon or key not in ("frames", "frame time"):
             raise InputError(f"{where}: expected 'Frames:' and 'Frame Time:' after MOTION")
-        (found[key],) = numbers(where, value.split(), 1)
+        (found[key],) = parse_numbers(where, value.split(), 1)
         if key == "frame time":
             seconds = found[key]
-            if seconds <= 0.0 or not RATES[0] <= 1.0 / seconds <= RATES[1]:
+            if seconds <= 0.0 or not RATE_RANGE_HZ[0] <= 1.0 / seconds <= RATE_RANGE_HZ[1]:
                 raise InputError(
                     f"{where}: a frame time of {seconds:g} s is not plausible;"
-                    f" expected {1 / RATES[1]:g} to {1 / RATES[0]:g} s"
+                    f" expected {1 / RATE_RANGE_HZ[1]:g} to {1 / RATE_RANGE_HZ[0]:g} s"
                 )
         if len(found) == 2:
-            return _rate(found["frame time"]), index + 1, int(found["frames"])
+            return _rate_from_frame_time(found["frame time"]), index + 1, int(found["frames"])
     raise InputError(f"{path}, line {len(lines)}: the file ends before its frames; it is truncated")
 
 
-def _rate(frame_time: float) -> float:
+def _rate_from_frame_time(frame_time: float) -> float:
     """Frames per second; a whole number where only the rounding of the frame time stands against it."""
     rate = 1.0 / frame_time
     return float(round(rate)) if abs(rate - round(rate)) < 1e-4 * rate else rate
 
 
-def _frames(path: Path, lines: list[str], first: int, promised: int, count: int) -> np.ndarray:
+def _parse_frames(path: Path, lines: list[str], first: int, promised: int, count: int) -> np.ndarray:
     """(T, count) channel values."""
     rows: list[list[float]] = []
     for number, line in enumerate(lines[first:], start=first + 1):
@@ -176,7 +176,7 @@ def _frames(path: Path, lines: list[str], first: int, promised: int, count: int)
         rows.append(row)
     if len(rows) < 2:
         raise InputError(f"{path}: holds {len(rows)} frames; a motion needs at least two")
-    if len(rows) < promised - SPARE_FRAMES:
+    if len(rows) < promised - MISSING_FRAMES_ALLOWED:
         raise InputError(
             f"{path}, line {len(lines)}: ends after {len(rows)} of {promised} frames; it is truncated"
             " (if it is complete, mend its 'Frames:' line)"
@@ -200,7 +200,7 @@ def _forward_kinematics(joints: list[_Joint], values: np.ndarray) -> tuple[np.nd
             if channel.endswith("position"):
                 local[:, axis] = values[:, column]
             else:
-                rotate(rotation, axis, angles[:, column])
+                rotate_about_own_axis(rotation, axis, angles[:, column])
             column += 1
         rotations[index] = rotation
         if joint.parent < 0:

@@ -7,11 +7,18 @@ import numpy as np
 
 from sot.errors import InputError
 
-LEG = (0.6, 1.1)  # m, hip to ankle, of a human who can dance
-AVERAGE_LEG = 0.85  # m
-UNITS = (1.0, 0.01, 0.001, 0.0254, 0.0254 / 0.45, 0.3048)  # m, cm, mm, inch, inch/0.45 (CMU), foot: m per unit
-JUMP = 9.0  # m/s, faster than a joint gets from one frame to the next unless the first was a reference pose
-FARTHEST = 1e6  # file units from the origin, a kilometre in the smallest unit
+HUMAN_LEG_RANGE_M = (0.6, 1.1)  # hip to ankle of a human who can dance
+AVERAGE_LEG_M = 0.85
+KNOWN_METRES_PER_UNIT = (
+    1.0,
+    0.01,
+    0.001,
+    0.0254,
+    0.0254 / 0.45,
+    0.3048,
+)  # m, cm, mm, inch, inch/0.45 (CMU), foot
+REFERENCE_POSE_JUMP_SPEED = 9.0  # m/s; a joint moves faster from one frame to the next only out of a reference pose
+COORDINATE_LIMIT = 1e6  # in file units: a kilometre in the smallest unit
 FLOOR_PERCENTILE = 3.0  # of the lowest point of the feet: neither a jump nor a dip of noise moves the floor
 
 
@@ -66,7 +73,7 @@ def to_world(recorded: Capture) -> Capture:
     Raises:
         InputError: no pair of legs, or numbers too large to be a motion.
     """
-    if not np.abs(recorded.positions).max() < FARTHEST:
+    if not np.abs(recorded.positions).max() < COORDINATE_LIMIT:
         raise InputError(f"{recorded.name}: its positions are too large to be a human motion")
     legs = find_legs(recorded)
     scale = _metres_per_unit(recorded, legs)
@@ -74,8 +81,8 @@ def to_world(recorded: Capture) -> Capture:
     first = _first_moving_frame(positions, recorded.rate)
     positions, rotations = positions[first:], recorded.rotations[first:]
 
-    upright = _upright(positions, legs)
-    turn = _turn_to_x(positions @ upright.T, legs) @ upright
+    upright = _rotation_to_z_up(positions, legs)
+    turn = _rotation_to_face_x(positions @ upright.T, legs) @ upright
     positions, rotations = positions @ turn.T, turn @ rotations
 
     hips = positions[0, [leg.hip for leg in legs]].mean(axis=0)
@@ -116,17 +123,17 @@ def find_legs(capture: Capture) -> tuple[Leg, Leg]:
                     best = max(best, (float(reach[one[0]]), one, other))
     if best[0] < 1e-6:
         raise InputError(f"{capture.name}: no human motion, for its {len(parents)} joints hold no pair of legs")
-    return _leg(best[1], bone), _leg(best[2], bone)
+    return _leg_of_chain(best[1], bone), _leg_of_chain(best[2], bone)
 
 
-def _leg(chain: list[int], bone: np.ndarray) -> Leg:
-    """Thigh and shank are the two neighbouring bones that are longest together, hip stubs and feet being short."""
+def _leg_of_chain(chain: list[int], bone: np.ndarray) -> Leg:
+    """The leg in a chain of joints: its two neighbouring bones that are longest together are thigh and shank."""
     knee = max(range(1, len(chain) - 1), key=lambda i: bone[chain[i]] + bone[chain[i + 1]])
     return Leg(hip=chain[knee - 1], knee=chain[knee], ankle=chain[knee + 1], tip=chain[-1])
 
 
 def _metres_per_unit(capture: Capture, legs: tuple[Leg, Leg]) -> float:
-    """The known unit that makes the legs human; the one that makes them average where none does."""
+    """Metres per file unit: the known unit that makes the legs human, or else the one that makes them average."""
     length = np.mean(
         [
             np.median(np.linalg.norm(capture.positions[:, upper] - capture.positions[:, lower], axis=1))
@@ -135,14 +142,14 @@ def _metres_per_unit(capture: Capture, legs: tuple[Leg, Leg]) -> float:
         ]
     )
     leg_length = 2.0 * float(length)
-    for unit in UNITS:
-        if LEG[0] <= leg_length * unit <= LEG[1]:
+    for unit in KNOWN_METRES_PER_UNIT:
+        if HUMAN_LEG_RANGE_M[0] <= leg_length * unit <= HUMAN_LEG_RANGE_M[1]:
             return unit
-    return AVERAGE_LEG / leg_length
+    return AVERAGE_LEG_M / leg_length
 
 
 def _first_moving_frame(positions: np.ndarray, rate: float) -> int:
-    """Index of the frame after a reference pose (T-pose), known by the jump out of it; 0 without one.
+    """Index of the first frame after a reference pose (T-pose); 0 without one. The jump out of the pose shows it.
 
     The pose may be held for some frames. A fast start is no jump: there the frames that follow are fast as well.
     """
@@ -151,12 +158,12 @@ def _first_moving_frame(positions: np.ndarray, rate: float) -> int:
     while held < len(speed) and speed[held] < 1e-6:
         held += 1
     after = speed[held + 1 :]
-    if len(after) and speed[held] > max(JUMP, 3.0 * after.max()):
+    if len(after) and speed[held] > max(REFERENCE_POSE_JUMP_SPEED, 3.0 * after.max()):
         return held + 1
     return 0
 
 
-def _upright(positions: np.ndarray, legs: tuple[Leg, Leg]) -> np.ndarray:
+def _rotation_to_z_up(positions: np.ndarray, legs: tuple[Leg, Leg]) -> np.ndarray:
     """(3, 3) rotation from the file's axes to Z up. Files are Y up or Z up; upside down would be unusual."""
     hips = positions[:, [leg.hip for leg in legs]].mean(axis=(0, 1))
     ankles = positions[:, [leg.ankle for leg in legs]].mean(axis=(0, 1))
@@ -167,7 +174,7 @@ def _upright(positions: np.ndarray, legs: tuple[Leg, Leg]) -> np.ndarray:
     return np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -side], [0.0, side, 0.0]])
 
 
-def _turn_to_x(positions: np.ndarray, legs: tuple[Leg, Leg]) -> np.ndarray:
+def _rotation_to_face_x(positions: np.ndarray, legs: tuple[Leg, Leg]) -> np.ndarray:
     """(3, 3) rotation about Z that makes the first frame's pelvis face +X."""
     one, other = legs
     lateral = positions[:, one.hip] - positions[:, other.hip]

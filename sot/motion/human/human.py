@@ -110,12 +110,12 @@ class Human:
         )
 
     def resampled(self, rate: float) -> "Human":
-        """At another rate [Hz], from the first frame to the last: cubic positions, spherically linear rotations."""
+        """The motion at another rate [Hz], first to last frame: cubic positions, spherical linear rotations."""
         times = np.arange(int(self.duration * rate + 1e-6) + 1) / rate
-        return self.at(np.minimum(times, self.duration), rate)
+        return self.resampled_at(np.minimum(times, self.duration), rate)
 
-    def at(self, times: np.ndarray, rate: float) -> "Human":
-        """As it is at times (T,) within its duration [s], taken for frames at a rate [Hz]: the same, or slower."""
+    def resampled_at(self, times: np.ndarray, rate: float) -> "Human":
+        """The motion sampled at times (T,) within its duration [s], which become frames at a rate [Hz]."""
         points = CubicSpline(self.times, np.stack(list(self.points.values()), axis=1))(times)
         frames = {body: Slerp(self.times, Rotation.from_matrix(r))(times) for body, r in self.frames.items()}
         return replace(
@@ -126,7 +126,7 @@ class Human:
         )
 
     def low_passed(self, cutoff_hz: float) -> "Human":
-        """Without what is faster than `cutoff_hz`: second-order Butterworth forth and back, so without delay.
+        """The motion without what is faster than `cutoff_hz`: second-order Butterworth, forward and backward, no delay.
 
         A cutoff that the frame rate cannot hold, at or above half of it, leaves the motion as it is.
         """
@@ -146,7 +146,7 @@ class Human:
         )
 
     def scaled(self, factor: float) -> "Human":
-        """Every position times `factor`."""
+        """The motion with every position multiplied by `factor`."""
         return replace(self, points={name: factor * position for name, position in self.points.items()})
 
 

@@ -8,17 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from sot.motion.human.scalogram import RESOLUTION, Scalogram, scalogram
+from sot.motion.human.scalogram import RELATIVE_BANDWIDTH, Scalogram, scalogram
 
 Array = NDArray[np.float64]
 
-BAND = (0.7, 7.0)  # Hz: slower is a gesture, faster a tremor
-LEAST = math.radians(0.5)
-CHANCE = 0.05  # that noise shows an oscillation anywhere in a signal
-KNOTS_A_PERIOD = 4.0  # where a stretch may begin and end before its ends are refined
-NEAR = 2  # rows that a ridge moves by in a sample at most, a twelfth of an octave
-SMOOTHED = 3.0  # rows, a third of the wavelet's own width: PyWavelets' samples of it make ripples on a ridge
-PURE = 1.0 - 1e-12  # steadiness that rounding leaves of 1
+BAND_HZ = (0.7, 7.0)  # slower is a gesture, faster a tremor
+LEAST_AMPLITUDE_RAD = math.radians(0.5)
+FALSE_ALARM_PROBABILITY = 0.05  # that noise shows an oscillation anywhere in a signal
+KNOTS_PER_PERIOD = 4.0  # candidates for a stretch's ends, before these are refined
+RIDGE_STEP_ROWS = 2  # a ridge moves by at most so many rows per sample, a twelfth of an octave
+RIDGE_SMOOTHING_ROWS = (
+    3.0  # rows, a third of the wavelet's own width: PyWavelets' samples of it make ripples on a ridge
+)
+STEADINESS_LIMIT = 1.0 - 1e-12  # steadiness that rounding leaves of 1
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class Oscillation:
     amplitude: float
     phase: float
 
-    def at(self, t: Array) -> Array:
+    def swing_at(self, t: Array) -> Array:
         """The swing at times [s], as if it had neither beginning nor end."""
         return self.amplitude * np.sin(2.0 * np.pi * self.frequency * t + self.phase)
 
@@ -58,18 +60,21 @@ class _Stretch:
     first: int
     last: int
     frequency: float
-    chance: float
+    log_probability: float
 
 
-def find_oscillations(t: Array, q: Array, band: tuple[float, float] = BAND, least: float = LEAST) -> list[Oscillation]:
+def find_oscillations(
+    t: Array, q: Array, band: tuple[float, float] = BAND_HZ, least: float = LEAST_AMPLITUDE_RAD
+) -> list[Oscillation]:
     """The oscillations of a signal, in order of their beginning.
 
     Along each ridge of the scalogram the stretches are sought whose steadiness chance explains least. Let y be the
     coefficients of a stretch, turned back by a frequency f: their steadiness R = |mean y|² / mean |y|² is 1 for a sine.
     Where n of them are independent, noise exceeds R with probability (1 - R)^(n - 1), the exponential tail behind
     Fisher's test of a hidden period, whatever the noise's spectrum and strength. A stretch counts if that is below
-    `CHANCE` for all the independent places together that the signal has. So no scale, threshold or background is
-    chosen for a signal. Of 400 signals of 24 s of white to f^-3 noise over slow motion, 16 showed an oscillation.
+    `FALSE_ALARM_PROBABILITY` for all the independent places together that the signal has. So no scale, threshold or
+    background is chosen for a signal. Of 400 signals of 24 s of white to f^-3 noise over slow motion, 16 showed an
+    oscillation.
 
     Args:
         t: times, evenly spaced [s], (N,).
@@ -81,27 +86,27 @@ def find_oscillations(t: Array, q: Array, band: tuple[float, float] = BAND, leas
         InputError: as `scalogram`.
     """
     seen = scalogram(t, q, band)
-    places = RESOLUTION * (seen.times[-1] - seen.times[0]) * (band[1] - band[0])
-    worst = math.log(CHANCE / max(places, 1.0))
-    stretches = [stretch for ridge in _ridges(seen) for stretch in _steady(seen, ridge, worst)]
+    places = RELATIVE_BANDWIDTH * (seen.times[-1] - seen.times[0]) * (band[1] - band[0])
+    worst = math.log(FALSE_ALARM_PROBABILITY / max(places, 1.0))
+    stretches = [stretch for ridge in _scalogram_ridges(seen) for stretch in _steady_stretches(seen, ridge, worst)]
     found: list[Oscillation] = []
-    for stretch in sorted(stretches, key=lambda one: one.chance):
-        one = _measured(seen, stretch)
-        if one.amplitude >= least and not any(_same(one, other) for other in found):
+    for stretch in sorted(stretches, key=lambda one: one.log_probability):
+        one = _measured_oscillation(seen, stretch)
+        if one.amplitude >= least and not any(_is_same_oscillation(one, other) for other in found):
             found.append(one)
     return sorted(found, key=lambda one: one.start)
 
 
-def _ridges(seen: Scalogram) -> list[_Ridge]:
+def _scalogram_ridges(seen: Scalogram) -> list[_Ridge]:
     """Local maxima over frequency, each followed from sample to sample as long as there is one nearby."""
-    power = gaussian_filter1d(seen.power, SMOOTHED, axis=0)
+    power = gaussian_filter1d(seen.power, RIDGE_SMOOTHING_ROWS, axis=0)
     peaks = (power[1:-1] > power[:-2]) & (power[1:-1] >= power[2:])
     done: list[tuple[int, list[int]]] = []
     growing: dict[int, tuple[int, list[int]]] = {}
     for sample, column in enumerate(peaks.T):
         grown = {}
         for row in (np.flatnonzero(column) + 1).tolist():
-            near = [other for other in growing if abs(other - row) <= NEAR]
+            near = [other for other in growing if abs(other - row) <= RIDGE_STEP_ROWS]
             before = min(near, key=lambda other: abs(other - row), default=None)
             first, rows = growing.pop(before) if before is not None else (sample, [])
             rows.append(row)
@@ -111,11 +116,11 @@ def _ridges(seen: Scalogram) -> list[_Ridge]:
     return [_Ridge(first, np.array(rows)) for first, rows in [*done, *growing.values()]]
 
 
-def _steady(seen: Scalogram, ridge: _Ridge, worst: float) -> Iterator[_Stretch]:
-    """The stretches of a ridge that chance explains least, the best one first and then what is left on either side."""
+def _steady_stretches(seen: Scalogram, ridge: _Ridge, worst: float) -> Iterator[_Stretch]:
+    """Stretches of a ridge that noise is unlikely to show: the least likely one first, then those on either side."""
     rate, count = seen.rate, len(ridge.rows)
     on_ridge = seen.frequencies[ridge.rows]
-    knots = np.arange(0, count, max(1, round(rate / (KNOTS_A_PERIOD * float(np.median(on_ridge))))))
+    knots = np.arange(0, count, max(1, round(rate / (KNOTS_PER_PERIOD * float(np.median(on_ridge))))))
     if len(knots) < 3:
         return
     times = np.arange(count) / rate
@@ -132,8 +137,8 @@ def _steady(seen: Scalogram, ridge: _Ridge, worst: float) -> Iterator[_Stretch]:
             samples = knots[i + 1 : end] - knots[i]
             energy = np.maximum(samples * (energies[i + 1 : end] - energies[i]), np.finfo(float).tiny)
             steadiness = np.abs(sums[i + 1 : end] - sums[i]) ** 2 / energy[:, None]
-            independent = RESOLUTION * samples[:, None] / rate * tried
-            chances = np.maximum(independent - 1.0, 0.0) * np.log1p(-np.minimum(steadiness, PURE))
+            independent = RELATIVE_BANDWIDTH * samples[:, None] / rate * tried
+            chances = np.maximum(independent - 1.0, 0.0) * np.log1p(-np.minimum(steadiness, STEADINESS_LIMIT))
             j, k = divmod(int(chances.argmin()), len(tried))
             best = min(best, (float(chances[j, k]), i, i + 1 + j, k))
         chance, i, j, k = best
@@ -142,16 +147,16 @@ def _steady(seen: Scalogram, ridge: _Ridge, worst: float) -> Iterator[_Stretch]:
             waiting += [(begin, i + 1), (j, end)]
 
 
-def _measured(seen: Scalogram, stretch: _Stretch) -> Oscillation:
-    """What swings in a stretch."""
+def _measured_oscillation(seen: Scalogram, stretch: _Stretch) -> Oscillation:
+    """The oscillation in a stretch, with refined ends, frequency, amplitude and phase."""
     row = int(np.abs(seen.frequencies - stretch.frequency).argmin())
     y = seen.coefficients[row] * np.exp(-2j * np.pi * stretch.frequency * seen.times)
     mean = y[stretch.first : stretch.last + 1].mean()
     # Where a sine is switched on or off, half of its amplitude is seen.
     beyond_half = (y * mean.conjugate()).real / abs(mean) ** 2 - 0.5
     middle, period = (stretch.first + stretch.last) // 2, seen.rate / stretch.frequency
-    first = middle - _change(beyond_half[middle::-1], period)
-    last = middle + _change(beyond_half[middle:], period)
+    first = middle - _switch_off_sample(beyond_half[middle::-1], period)
+    last = middle + _switch_off_sample(beyond_half[middle:], period)
     if last - first < 2.0 * period:  # weakest in its middle
         first, last = stretch.first, stretch.last
     # Away from the ends the amplitude is whole; a phase that drifts corrects the frequency.
@@ -164,17 +169,17 @@ def _measured(seen: Scalogram, stretch: _Stretch) -> Oscillation:
     return Oscillation(start, end, frequency, float(abs(steady.mean())), float(np.angle(1j * steady.mean())))
 
 
-def _change(beyond: Array, period: float) -> int:
-    """Sample at which a signal goes from above zero to below it for good: for a period at least, at full strength."""
+def _switch_off_sample(beyond: Array, period: float) -> int:
+    """Sample at which a signal falls below zero for good: for at least a period, at full strength."""
     total = np.cumsum(beyond)
     highest = np.maximum.accumulate(total)
     ended = np.flatnonzero(total < highest - 0.5 * period)
     return int(total[: ended[0] if len(ended) else len(total)].argmax())
 
 
-def _same(one: Oscillation, other: Oscillation) -> bool:
-    """Whether two ridges show one oscillation: most of the shorter in common, at frequencies the wavelet hardly tells
-    apart."""
+def _is_same_oscillation(one: Oscillation, other: Oscillation) -> bool:
+    """Whether two ridges show one oscillation: they share most of the shorter one, and the wavelet hardly tells their
+    frequencies apart."""
     shared = min(one.end, other.end) - max(one.start, other.start)
     shorter = min(one.end - one.start, other.end - other.start)
-    return shared > 0.5 * shorter and abs(math.log(one.frequency / other.frequency)) < 0.5 * RESOLUTION
+    return shared > 0.5 * shorter and abs(math.log(one.frequency / other.frequency)) < 0.5 * RELATIVE_BANDWIDTH

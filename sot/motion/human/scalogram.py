@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 from scipy.signal import hilbert
 
 from sot.errors import InputError
-from sot.smooth import slow_part
+from sot.smooth import low_passed
 
 Array = NDArray[np.float64]
 
 WAVELET = "gaus4"  # Gaussian derivative of order 4
-OVERSAMPLED = 16.0  # samples in a period of the highest frequency: PyWavelets' short wavelets are coarse
-PER_OCTAVE = 24
-RESOLUTION = 0.873
+SAMPLES_PER_PERIOD = 16.0  # samples in a period of the highest frequency: PyWavelets' short wavelets are coarse
+FREQUENCIES_PER_OCTAVE = 24
+RELATIVE_BANDWIDTH = 0.873
 """Bandwidth of the wavelet over its frequency, (∫|ψ̂|²)² / ∫|ψ̂|⁴ with ψ̂ = ω⁴ exp(-ω²/4): as many coefficients in a
 period are independent."""
-EVEN = 1e-3  # of a sample: times that differ by more are not evenly spaced
+TIME_STEP_TOLERANCE = 1e-3  # of a sample: times that differ by more are not evenly spaced
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,36 +66,36 @@ def scalogram(t: Array, q: Array, band: tuple[float, float]) -> Scalogram:
     Raises:
         InputError: times and values do not match or are no signal, or it is too short or too coarse for the band.
     """
-    t, q, rate = _checked(t, q, band)
-    step = max(1, int(rate / (OVERSAMPLED * band[1])))
+    t, q, rate = _checked_signal(t, q, band)
+    step = max(1, int(rate / (SAMPLES_PER_PERIOD * band[1])))
     if step > 1:
-        q = slow_part(q, rate, rate / (4.0 * step))[::step]
-    frequencies = np.geomspace(*band, max(3, round(PER_OCTAVE * np.log2(band[1] / band[0]))))
-    center, gain = _calibration()
+        q = low_passed(q, rate, rate / (4.0 * step))[::step]
+    frequencies = np.geomspace(*band, max(3, round(FREQUENCIES_PER_OCTAVE * np.log2(band[1] / band[0]))))
+    center, gain = _wavelet_centre_and_gain()
     # The signal goes on beyond its ends, turned by 180°, so that neither its value nor its slope jumps there.
     beyond = min(len(q) - 1, round(2.0 * rate / (step * band[0])))
     going_on = np.concatenate([2.0 * q[0] - q[beyond:0:-1], q, 2.0 * q[-1] - q[-2 : -beyond - 2 : -1]])
-    coefficients = _transform(going_on - going_on.mean(), rate / step * center / frequencies) / gain
+    coefficients = _wavelet_transform(going_on - going_on.mean(), rate / step * center / frequencies) / gain
     return Scalogram(t[::step], frequencies, coefficients[:, beyond : beyond + len(q)])
 
 
-def _transform(values: Array, scales: Array) -> NDArray[np.complex128]:
+def _wavelet_transform(values: Array, scales: Array) -> NDArray[np.complex128]:
     real, _ = pywt.cwt(values, scales, WAVELET, method="fft")
     return hilbert(real / np.sqrt(scales)[:, None], axis=1)
 
 
 @cache
-def _calibration() -> tuple[float, float]:
+def _wavelet_centre_and_gain() -> tuple[float, float]:
     """Centre frequency f_w of the wavelet and the gain at it, from the scale at which a sine shows most."""
     samples = 64.0  # in a period
     sine = np.sin(2.0 * np.pi / samples * np.arange(40 * samples))
     scales = samples * np.linspace(0.4, 0.6, 201)
-    gains = np.abs(_transform(sine, scales)[:, len(sine) // 2])
+    gains = np.abs(_wavelet_transform(sine, scales)[:, len(sine) // 2])
     best = int(gains.argmax())
     return float(scales[best] / samples), float(gains[best])
 
 
-def _checked(t: Array, q: Array, band: tuple[float, float]) -> tuple[Array, Array, float]:
+def _checked_signal(t: Array, q: Array, band: tuple[float, float]) -> tuple[Array, Array, float]:
     t, q = np.asarray(t, dtype=float), np.asarray(q, dtype=float)
     if t.ndim != 1 or t.shape != q.shape:
         raise InputError(f"a scalogram needs as many times as values, one value each, not {t.shape} and {q.shape}")
@@ -106,7 +106,7 @@ def _checked(t: Array, q: Array, band: tuple[float, float]) -> tuple[Array, Arra
     if len(t) < 2 or t[-1] - t[0] < 2.0 / band[0]:
         raise InputError(f"a scalogram from {band[0]:g} Hz on needs a signal of {2.0 / band[0]:.1f} s or more")
     period = (t[-1] - t[0]) / (len(t) - 1)
-    if np.abs(t - t[0] - period * np.arange(len(t))).max() > EVEN * period:
+    if np.abs(t - t[0] - period * np.arange(len(t))).max() > TIME_STEP_TOLERANCE * period:
         raise InputError("a scalogram needs times that rise in even steps")
     if period * band[1] > 0.25:
         raise InputError(f"a scalogram up to {band[1]:g} Hz needs {4.0 * band[1]:.0f} samples a second or more")

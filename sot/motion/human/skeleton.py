@@ -12,14 +12,18 @@ from sot.errors import InputError
 from sot.motion.human.capture import Capture
 from sot.motion.human.human import SEGMENTS, SIDES, Human, nearest_rotations
 
-LIMBS = {"leg": ("hip", "knee", "ankle"), "arm": ("shoulder", "elbow", "wrist")}
-TIPS = {"wrist": "elbow", "toe": "ankle"}  # where a file does not name it, the farthest joint below
-JOINTS = ("head", *(f"{s}_{j}" for s in SIDES for limb in LIMBS.values() for j in limb), *(f"{s}_toe" for s in SIDES))
-HEAD_HEIGHT = (0.08, 0.30)  # m, from the head joint to its top, of a human
-AVERAGE_HEAD_HEIGHT = 0.2  # of the leg's length
-SNAP = np.cos(np.radians(30.0))  # a head joint's lateral axis is one of its own axes if that is this close
+LIMB_JOINTS = {"leg": ("hip", "knee", "ankle"), "arm": ("shoulder", "elbow", "wrist")}
+JOINT_ABOVE_TIP = {"wrist": "elbow", "toe": "ankle"}  # an unnamed tip is the farthest joint below this one
+CANONICAL_JOINTS = (
+    "head",
+    *(f"{s}_{j}" for s in SIDES for limb in LIMB_JOINTS.values() for j in limb),
+    *(f"{s}_toe" for s in SIDES),
+)
+HEAD_HEIGHT_RANGE_M = (0.08, 0.30)  # from a human's head joint to the top of the head
+AVERAGE_HEAD_HEIGHT_PER_LEG = 0.2  # over the leg's length
+AXIS_SNAP_COSINE = np.cos(np.radians(30.0))  # a head's lateral axis within 30° of one of the joint's axes is that axis
 
-Names = Mapping[str, list[str]]
+JointAliases = Mapping[str, list[str]]
 
 
 def recognise(capture: Capture, mapping: str | Path | Mapping[str, str] | None = None) -> Human:
@@ -39,30 +43,30 @@ def recognise(capture: Capture, mapping: str | Path | Mapping[str, str] | None =
     Raises:
         InputError: unknown names, or names that contradict the hierarchy or the way the body faces.
     """
-    joints = _from_mapping(capture, mapping) if mapping is not None else _from_conventions(capture)
-    return _calibrated(capture, joints)
+    joints = _joints_from_mapping(capture, mapping) if mapping is not None else _joints_from_conventions(capture)
+    return _calibrated_human(capture, joints)
 
 
-def conventions() -> dict[str, Names]:
+def naming_conventions() -> dict[str, JointAliases]:
     """Known naming conventions: name -> canonical joint -> the names it may have."""
     folder = files("sot.motion.human") / "skeletons"
     found = sorted((entry for entry in folder.iterdir() if entry.name.endswith(".toml")), key=lambda e: e.name)
-    return {entry.name.removesuffix(".toml"): _parse(entry.read_text("utf-8"), entry.name) for entry in found}
+    return {entry.name.removesuffix(".toml"): _parse_aliases(entry.read_text("utf-8"), entry.name) for entry in found}
 
 
-def _parse(text: str, where: str) -> Names:
+def _parse_aliases(text: str, where: str) -> JointAliases:
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{where}: not a mapping of joints: {error}") from error
-    return _checked(table, where)
+    return _checked_aliases(table, where)
 
 
-def _checked(table: Mapping[str, object], where: str) -> Names:
+def _checked_aliases(table: Mapping[str, object], where: str) -> JointAliases:
     names: dict[str, list[str]] = {}
     for joint, value in table.items():
-        if joint not in JOINTS:
-            raise InputError(f"{where}: '{joint}' is no canonical joint; known are {', '.join(JOINTS)}")
+        if joint not in CANONICAL_JOINTS:
+            raise InputError(f"{where}: '{joint}' is no canonical joint; known are {', '.join(CANONICAL_JOINTS)}")
         aliases = value if isinstance(value, list) else [value]
         names[joint] = [alias for alias in aliases if isinstance(alias, str)]
         if not aliases or len(names[joint]) < len(aliases):
@@ -70,15 +74,15 @@ def _checked(table: Mapping[str, object], where: str) -> Names:
     return names
 
 
-def _from_mapping(capture: Capture, mapping: str | Path | Mapping[str, str]) -> dict[str, int]:
+def _joints_from_mapping(capture: Capture, mapping: str | Path | Mapping[str, str]) -> dict[str, int]:
     if isinstance(mapping, str | Path):
         try:
-            names = _parse(Path(mapping).read_text("utf-8"), str(mapping))
+            names = _parse_aliases(Path(mapping).read_text("utf-8"), str(mapping))
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"{mapping}: cannot be read as a mapping of joints: {error}") from error
         where = str(mapping)
     else:
-        names, where = _checked(mapping, "mapping"), "mapping"
+        names, where = _checked_aliases(mapping, "mapping"), "mapping"
     table = {name.lower(): index for index, name in enumerate(capture.joints)}
     joints: dict[str, int] = {}
     for joint, aliases in names.items():
@@ -87,30 +91,30 @@ def _from_mapping(capture: Capture, mapping: str | Path | Mapping[str, str]) -> 
             has = ", ".join(capture.joints)
             raise InputError(f'{where}: {joint} = "{aliases[0]}" is no joint of {capture.name}, which has {has}')
         joints[joint] = known[0]
-    joints = _complete(capture, joints)
-    if missing := [joint for joint in JOINTS if joint not in joints]:
+    joints = _with_unnamed_tips(capture, joints)
+    if missing := [joint for joint in CANONICAL_JOINTS if joint not in joints]:
         raise InputError(f"{where}: leaves out {', '.join(missing)}")
-    if wrong := _contradiction(capture, joints):
+    if wrong := _contradiction_in_hierarchy(capture, joints):
         raise InputError(f"{where}: {wrong}")
     return joints
 
 
-def _from_conventions(capture: Capture) -> dict[str, int]:
+def _joints_from_conventions(capture: Capture) -> dict[str, int]:
     table: dict[str, int] = {}
     for index, name in enumerate(capture.joints):
-        table.setdefault(_plain(name), index)
-    closest, reason = list(JOINTS), ""
-    for names in conventions().values():
-        for prefix in _prefixes(table, names):
+        table.setdefault(_plain_name(name), index)
+    closest, reason = list(CANONICAL_JOINTS), ""
+    for names in naming_conventions().values():
+        for prefix in _possible_prefixes(table, names):
             joints = {
-                joint: table[prefix + _plain(alias)]
+                joint: table[prefix + _plain_name(alias)]
                 for joint, aliases in names.items()
                 for alias in reversed(aliases)
-                if prefix + _plain(alias) in table
+                if prefix + _plain_name(alias) in table
             }
-            joints = _complete(capture, joints)
-            missing = [joint for joint in JOINTS if joint not in joints]
-            wrong = "" if missing else _contradiction(capture, joints)
+            joints = _with_unnamed_tips(capture, joints)
+            missing = [joint for joint in CANONICAL_JOINTS if joint not in joints]
+            wrong = "" if missing else _contradiction_in_hierarchy(capture, joints)
             if not missing and not wrong:
                 return joints
             if len(missing) < len(closest):
@@ -118,25 +122,25 @@ def _from_conventions(capture: Capture) -> dict[str, int]:
     lacking = f"not found: {', '.join(closest)}" if closest else reason
     raise InputError(
         f"{capture.name}: unknown skeleton ({lacking}); write a mapping file with lines like"
-        f' left_knee = "Their name" for {", ".join(JOINTS)}; its joints are {", ".join(capture.joints)}'
+        f' left_knee = "Their name" for {", ".join(CANONICAL_JOINTS)}; its joints are {", ".join(capture.joints)}'
     )
 
 
-def _plain(name: str) -> str:
+def _plain_name(name: str) -> str:
     return "".join(c for c in name.lower() if c.isalnum())
 
 
-def _prefixes(table: Mapping[str, int], names: Names) -> list[str]:
-    """What may stand before every name of a convention, read off the joints that end like its head."""
-    heads = [_plain(alias) for alias in names["head"]]
+def _possible_prefixes(table: Mapping[str, int], names: JointAliases) -> list[str]:
+    """Prefixes that all names of a file may share, read off the joints whose names end like a convention's head."""
+    heads = [_plain_name(alias) for alias in names["head"]]
     found = {name.removesuffix(head) for name in table for head in heads if name.endswith(head)}
     return sorted(found | {""}, key=len)
 
 
-def _complete(capture: Capture, joints: dict[str, int]) -> dict[str, int]:
-    """Wrists and toes that have no name, from the farthest joint or end site below the joint before."""
+def _with_unnamed_tips(capture: Capture, joints: dict[str, int]) -> dict[str, int]:
+    """The joints with unnamed wrists and toes added: each is the farthest joint or end site below elbow or ankle."""
     for side in SIDES:
-        for tip, base in TIPS.items():
+        for tip, base in JOINT_ABOVE_TIP.items():
             if f"{side}_{tip}" not in joints and f"{side}_{base}" in joints:
                 farthest = _farthest_below(capture, joints[f"{side}_{base}"])
                 if farthest is not None:
@@ -145,12 +149,12 @@ def _complete(capture: Capture, joints: dict[str, int]) -> dict[str, int]:
 
 
 def _farthest_below(capture: Capture, joint: int) -> int | None:
-    below = [j for j in range(len(capture.joints)) if j != joint and joint in _ancestry(capture, j)]
+    below = [j for j in range(len(capture.joints)) if j != joint and joint in _joint_and_ancestors(capture, j)]
     first = capture.positions[0]
     return max(below, key=lambda j: float(np.linalg.norm(first[j] - first[joint])), default=None)
 
 
-def _ancestry(capture: Capture, joint: int) -> list[int]:
+def _joint_and_ancestors(capture: Capture, joint: int) -> list[int]:
     """The joint itself, its parent, and so on to the root."""
     line = []
     while joint >= 0:
@@ -160,17 +164,17 @@ def _ancestry(capture: Capture, joint: int) -> list[int]:
 
 
 def _common_ancestor(capture: Capture, one: int, other: int) -> int:
-    above = set(_ancestry(capture, other))
-    return next(joint for joint in _ancestry(capture, one) if joint in above)
+    above = set(_joint_and_ancestors(capture, other))
+    return next(joint for joint in _joint_and_ancestors(capture, one) if joint in above)
 
 
-def _contradiction(capture: Capture, joints: dict[str, int]) -> str:
-    """What in the hierarchy speaks against these names; empty if nothing does."""
+def _contradiction_in_hierarchy(capture: Capture, joints: dict[str, int]) -> str:
+    """Why the hierarchy rules these names out, in words; empty if it does not."""
     for side in SIDES:
-        for limb in (*LIMBS.values(), ("ankle", "toe")):
+        for limb in (*LIMB_JOINTS.values(), ("ankle", "toe")):
             for upper, lower in pairwise(limb):
                 one, other = joints[f"{side}_{upper}"], joints[f"{side}_{lower}"]
-                if one == other or one not in _ancestry(capture, other):
+                if one == other or one not in _joint_and_ancestors(capture, other):
                     names = capture.joints[other], capture.joints[one]
                     return f"{side}_{lower} ({names[0]}) is not below {side}_{upper} ({names[1]})"
     for name in ("hip", "shoulder"):
@@ -180,18 +184,18 @@ def _contradiction(capture: Capture, joints: dict[str, int]) -> str:
     return ""
 
 
-def _calibrated(capture: Capture, joints: dict[str, int]) -> Human:
+def _calibrated_human(capture: Capture, joints: dict[str, int]) -> Human:
     pelvis = _common_ancestor(capture, joints["left_hip"], joints["right_hip"])
     chest = _common_ancestor(capture, joints["left_shoulder"], joints["right_shoulder"])
-    points = _points(capture, joints, chest)
-    _check_apart(capture, points)
+    points = _canonical_points(capture, joints, chest)
+    _check_points_apart(capture, points)
     trunk = points["neck"] - points["waist"]
     tilt = np.arctan2(np.linalg.norm(trunk[:, :2], axis=1), trunk[:, 2])
     upright = tilt <= np.median(tilt)
     level = np.broadcast_to([0.0, 0.0, 1.0], trunk.shape)
-    target = {"pelvis": _frame(points["left_hip"] - points["right_hip"], trunk)}
-    target["chest"] = _frame(points["left_shoulder"] - points["right_shoulder"], trunk)
-    target["head"] = _frame(np.cross(level, target["chest"][:, :, 0]), level)
+    target = {"pelvis": _frame_from_lateral_and_up(points["left_hip"] - points["right_hip"], trunk)}
+    target["chest"] = _frame_from_lateral_and_up(points["left_shoulder"] - points["right_shoulder"], trunk)
+    target["head"] = _frame_from_lateral_and_up(np.cross(level, target["chest"][:, :, 0]), level)
     frames = {}
     for body, joint in (("pelvis", pelvis), ("chest", chest), ("head", joints["head"])):
         turns = capture.rotations[:, joint]
@@ -206,13 +210,13 @@ def _calibrated(capture: Capture, joints: dict[str, int]) -> Human:
     return human
 
 
-def _points(capture: Capture, joints: dict[str, int], chest: int) -> dict[str, np.ndarray]:
+def _canonical_points(capture: Capture, joints: dict[str, int], chest: int) -> dict[str, np.ndarray]:
     """Canonical points (T, 3), but for the top of the head."""
     positions = capture.positions
     points = {name: positions[:, joint] for name, joint in joints.items()}
     points["waist"] = 0.5 * (points["left_hip"] + points["right_hip"])
     points["chest"] = positions[:, chest]
-    between = _ancestry(capture, joints["head"])[1:]
+    between = _joint_and_ancestors(capture, joints["head"])[1:]
     between = between[: between.index(chest)] if chest in between else []
     # Some conversions drop a bone and leave the neck on the chest: take the next joint up. Others have no neck at all.
     bones = [np.linalg.norm(positions[0, j] - positions[0, chest]) for j in between]
@@ -221,7 +225,7 @@ def _points(capture: Capture, joints: dict[str, int], chest: int) -> dict[str, n
     return points
 
 
-def _check_apart(capture: Capture, points: dict[str, np.ndarray]) -> None:
+def _check_points_apart(capture: Capture, points: dict[str, np.ndarray]) -> None:
     segments = [ends for ends in SEGMENTS.values() if "head_top" not in ends]
     for one, other in (*segments, ("left_hip", "right_hip"), ("left_shoulder", "right_shoulder")):
         distance = np.linalg.norm(points[one] - points[other], axis=1)
@@ -229,7 +233,7 @@ def _check_apart(capture: Capture, points: dict[str, np.ndarray]) -> None:
             raise InputError(f"{capture.name}: {one} and {other} coincide in frame {int(distance.argmin())}")
 
 
-def _frame(lateral: np.ndarray, up: np.ndarray) -> np.ndarray:
+def _frame_from_lateral_and_up(lateral: np.ndarray, up: np.ndarray) -> np.ndarray:
     """(T, 3, 3) rotations with Y along `lateral` and Z as near as it can be to `up`."""
     y = lateral / np.linalg.norm(lateral, axis=1, keepdims=True)
     x = np.cross(y, up)
@@ -238,15 +242,18 @@ def _frame(lateral: np.ndarray, up: np.ndarray) -> np.ndarray:
 
 
 def _snap_lateral(to_head: np.ndarray) -> np.ndarray:
-    """Animators align a head joint with the head's plane of symmetry: where that shows, yaw and roll become exact."""
+    """The head's calibration with its lateral axis on the nearest axis of the joint, if that is near enough.
+
+    Animators align a head joint with the head's plane of symmetry; yaw and roll become exact so.
+    """
     y, z = to_head[:, 1], to_head[:, 2]
     axis = np.zeros(3)
     axis[np.argmax(np.abs(y))] = np.sign(y[np.argmax(np.abs(y))])
-    return _frame(axis[None], z[None])[0] if axis @ y > SNAP else to_head
+    return _frame_from_lateral_and_up(axis[None], z[None])[0] if axis @ y > AXIS_SNAP_COSINE else to_head
 
 
 def _head_height(capture: Capture, head: int, leg: float) -> float:
     """From the head joint to its top [m]: the file's, where that is a human's."""
     top = _farthest_below(capture, head)
     height = 0.0 if top is None else float(np.linalg.norm(capture.positions[0, top] - capture.positions[0, head]))
-    return height if HEAD_HEIGHT[0] <= height <= HEAD_HEIGHT[1] else AVERAGE_HEAD_HEIGHT * leg
+    return height if HEAD_HEIGHT_RANGE_M[0] <= height <= HEAD_HEIGHT_RANGE_M[1] else AVERAGE_HEAD_HEIGHT_PER_LEG * leg

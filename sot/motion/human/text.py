@@ -1,4 +1,4 @@
-"""What readers of text files of joint angles share: lines, numbers, rates, and turns about a joint's own axes."""
+"""Parts that all readers of text files of joint angles share: lines, numbers, rates, turns about own axes."""
 
 import math
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ import numpy as np
 
 from sot.errors import InputError
 
-RATES = (5.0, 2000.0)  # Hz, what a motion capture system can plausibly have recorded
+RATE_RANGE_HZ = (5.0, 2000.0)  # what a motion capture system can plausibly have recorded
 AXES = "XYZ"
 
 
@@ -29,8 +29,8 @@ def read_lines(path: Path, kind: str) -> list[str]:
     return data.decode("utf-8-sig", errors="replace").splitlines()
 
 
-def numbers(where: str, words: Sequence[str], count: int) -> tuple[float, ...]:
-    """So many finite numbers; where: the place in the file, for messages.
+def parse_numbers(where: str, words: Sequence[str], count: int) -> tuple[float, ...]:
+    """`count` finite numbers from words; where: the place in the file, for messages.
 
     Raises:
         InputError: more, fewer, or something else.
@@ -45,7 +45,7 @@ def numbers(where: str, words: Sequence[str], count: int) -> tuple[float, ...]:
     return found
 
 
-def rotate(rotation: np.ndarray, axis: int, angle: np.ndarray) -> None:
+def rotate_about_own_axis(rotation: np.ndarray, axis: int, angle: np.ndarray) -> None:
     """Multiply (T, 3, 3) rotations from the right by turns (T,) [rad] about one of their own axes, in place."""
     c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
     u, v = (axis + 1) % 3, (axis + 2) % 3

@@ -75,8 +75,8 @@ LOSSES = {"strong": (0.5, 0.3), "light": (0.2, 0.1)}  # damping N m s/rad, frict
 MOTOR_SPEED = 7500 * 2 * pi / 60  # rad/s, estimated: HRP-2's velocity limits are not public
 ACCELERATION, ACCELERATION_HARD = 60.0, 400.0  # rad/s²: for references and braking; bound of a tick
 
-LEG_AT_REST = {2: -0.453786, 3: 0.872665, 4: -0.418879}
-RIGHT_ARM_AT_REST = (0.2618, -0.1745, 0.0, -0.5236, 0.0, 0.0, 0.1)
+LEG_REST_ANGLES = {2: -0.453786, 3: 0.872665, 4: -0.418879}
+RIGHT_ARM_REST_ANGLES = (0.2618, -0.1745, 0.0, -0.5236, 0.0, 0.0, 0.1)
 
 # Points named on the right side or in the middle. The knee point lies on the knee axis where hip, knee and ankle of
 # a stretched leg are in line; the palm belongs to the wrist's link, so that closing the gripper does not move it.
@@ -117,13 +117,13 @@ CORNERS = {  # right sole, in the foot frame, going round
 }
 
 
-def _joint(name: str) -> Joint:
+def _joint_from_table(name: str) -> Joint:
     axis, _, limits, torque, gear, armature = JOINTS[name]
     losses = "strong" if name.startswith(("RLEG", "CHEST")) else "light"
     return Joint(name, axis, radians(limits[0]), radians(limits[1]), torque, gear, armature, losses)
 
 
-def _link(name: str, parent: str | None) -> Link:
+def _link_from_table(name: str, parent: str | None) -> Link:
     body = MassProperties.diagonal(*MASSES[name])
     if name in COVERS:
         body = body + MassProperties.diagonal(*COVERS[name])
@@ -132,16 +132,16 @@ def _link(name: str, parent: str | None) -> Link:
     sites = dict(POINTS.get(name, {}))
     if name == "RLEG5":
         sites |= {corner: (x, y, SOLE_Z) for corner, (x, y) in CORNERS.items()}
-    joint = _joint(name) if parent else None
+    joint = _joint_from_table(name) if parent else None
     shapes, collision = VISUAL[name], COLLISION.get(name, ())
     return Link(
         f"{name}_LINK" if parent else name, parent, offset, body, joint, shapes, collision, contact, collides, sites
     )
 
 
-def _chain(prefix: str, count: int, parent: str) -> Iterator[Link]:
+def _chain_links(prefix: str, count: int, parent: str) -> Iterator[Link]:
     for k in range(count):
-        link = _link(f"{prefix}{k}", parent)
+        link = _link_from_table(f"{prefix}{k}", parent)
         yield link
         parent = link.name
 
@@ -171,7 +171,7 @@ def _with_roll(chain: list[Link]) -> list[Link]:
     name = last.name.removesuffix("_LINK")
     cut = MassProperties.diagonal(*CUT_FOR_ROLL[name])
     carrier = replace(last, body=cut, shapes=last.shapes[:1], collision=(), sites={})
-    roll = _joint(f"{name[:-1]}2")
+    roll = _joint_from_table(f"{name[:-1]}2")
     end = replace(
         last,
         name=f"{roll.name}_LINK",
@@ -186,16 +186,16 @@ def _with_roll(chain: list[Link]) -> list[Link]:
 
 def links(modified: bool = False) -> list[Link]:
     """The tree, base first, in the order RLEG, LLEG, CHEST, HEAD, RARM, LARM."""
-    right_leg = list(_chain("RLEG", 6, "BODY"))
-    chest = list(_chain("CHEST", 2, "BODY"))
+    right_leg = list(_chain_links("RLEG", 6, "BODY"))
+    chest = list(_chain_links("CHEST", 2, "BODY"))
     chest = _with_roll(chest) if modified else chest
     chest[-1] = replace(chest[-1], sites=POINTS["CHEST"])
-    head = list(_chain("HEAD", 2, chest[-1].name))
+    head = list(_chain_links("HEAD", 2, chest[-1].name))
     head = _with_roll(head) if modified else head
     head[-1] = replace(head[-1], sites=POINTS["HEAD"])
-    right_arm = list(_chain("RARM", 7, chest[-1].name))
+    right_arm = list(_chain_links("RARM", 7, chest[-1].name))
     return [
-        _link("BODY", None),
+        _link_from_table("BODY", None),
         *right_leg,
         *map(_mirrored, right_leg),
         *chest,
@@ -205,14 +205,14 @@ def links(modified: bool = False) -> list[Link]:
     ]
 
 
-def half_sitting(joints: Sequence[Joint]) -> list[float]:
+def half_sitting_configuration(joints: Sequence[Joint]) -> list[float]:
     """Configuration in MuJoCo's order, the soles flat and on z = 0."""
-    angles = {f"{side}LEG{k}": angle for side in "RL" for k, angle in LEG_AT_REST.items()}
-    for k, angle in enumerate(RIGHT_ARM_AT_REST):
+    angles = {f"{side}LEG{k}": angle for side in "RL" for k, angle in LEG_REST_ANGLES.items()}
+    for k, angle in enumerate(RIGHT_ARM_REST_ANGLES):
         angles[f"RARM{k}"] = angle
         angles[f"LARM{k}"] = angle if JOINTS[f"RARM{k}"][0] == "y" else -angle
     thigh, shank = -JOINTS["RLEG3"][1][2], -JOINTS["RLEG4"][1][2]
-    height = thigh * cos(LEG_AT_REST[2]) + shank * cos(LEG_AT_REST[2] + LEG_AT_REST[3]) - SOLE_Z
+    height = thigh * cos(LEG_REST_ANGLES[2]) + shank * cos(LEG_REST_ANGLES[2] + LEG_REST_ANGLES[3]) - SOLE_Z
     return [0.0, 0.0, height, 1.0, 0.0, 0.0, 0.0, *(angles.get(j.name, 0.0) for j in joints)]
 
 
@@ -220,7 +220,7 @@ def model_text(name: str, tree: Sequence[Link]) -> str:
     """The MJCF file."""
     joints = [link.joint for link in tree if link.joint]
     note = "HRP-2-like humanoid, written by sot.robots.models.hrp2: change its tables, not this file"
-    return mjcf.write(name, tree, LOSSES, LOOKS, ("half_sitting", half_sitting(joints)), note)
+    return mjcf.mjcf_text(name, tree, LOSSES, LOOKS, ("half_sitting", half_sitting_configuration(joints)), note)
 
 
 def robot_text(name: str, label: str, tree: Sequence[Link]) -> str:
@@ -245,10 +245,10 @@ def robot_text(name: str, label: str, tree: Sequence[Link]) -> str:
         *(f'{point} = "{point}"' for point in points),
         "",
         "[soles]                            # corners: frames of the model",
-        *(f"{side}_foot = {_strings(c.replace('right', side) for c in CORNERS)}" for side in ("left", "right")),
+        *(f"{side}_foot = {_string_list(c.replace('right', side) for c in CORNERS)}" for side in ("left", "right")),
         "",
         "[groups]",
-        *(f"{group} = {_strings(j.name for j in joints if j.name.startswith(p))}" for group, p in groups.items()),
+        *(f"{group} = {_string_list(j.name for j in joints if j.name.startswith(p))}" for group, p in groups.items()),
         "",
         "[limits]",
         f"acceleration = {ACCELERATION}              # rad/s², for references and braking",
@@ -260,11 +260,11 @@ def robot_text(name: str, label: str, tree: Sequence[Link]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _strings(names: Iterator[str]) -> str:
+def _string_list(names: Iterator[str]) -> str:
     return "[" + ", ".join(f'"{name}"' for name in names) + "]"
 
 
-def files() -> dict[str, str]:
+def file_texts() -> dict[str, str]:
     """File name -> text of all four files."""
     out = {}
     for name, label, modified in (("hrp2", "HRP-2-like", False), ("hrp2_modified", "HRP-2-like, modified", True)):
@@ -275,5 +275,5 @@ def files() -> dict[str, str]:
 
 
 if __name__ == "__main__":
-    for file_name, content in files().items():
+    for file_name, content in file_texts().items():
         (Path(__file__).parent / file_name).write_text(content, encoding="utf-8")

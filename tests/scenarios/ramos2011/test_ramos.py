@@ -8,7 +8,7 @@ import pinocchio as pin
 import pytest
 
 from scenarios import cli
-from scenarios.inputs.clips import locate
+from scenarios.inputs.clips import find_clip
 from scenarios.ramos2011 import ramos
 from scenarios.ramos2011.ramos_edits import merged_spans, oscillating_part, oscillation_amplitude, spans_without_slides
 from scenarios.ramos2011.ramos_figures import geometric_figures, required_torque
@@ -23,14 +23,14 @@ from tests.sim.runs import still_motion
 
 
 def test_a_short_clip_is_danced_whole_and_what_is_asked_for_is_danced():
-    human = recognise(read(locate("groove")))
+    human = recognise(read(find_clip("groove")))
     assert ramos.clip_part(human, 0.0, None) == (0.0, human.duration)
     assert ramos.clip_part(human, 2.0, None) == (2.0, human.duration - 2.0)
     assert ramos.clip_part(human, 0.0, 5.0) == (0.0, 5.0)
 
 
 def test_of_a_long_clip_the_part_is_danced_in_which_the_knees_swing_most():
-    human = recognise(read(locate("groove"))).slice(0.0, 1.0)
+    human = recognise(read(find_clip("groove"))).slice(0.0, 1.0)
     count = round(90.0 * human.rate)
     times = np.arange(count) / human.rate
     swings = np.where((times > 55.0) & (times < 65.0), 0.3 * np.sin(2.0 * np.pi * 2.0 * times), 0.0)

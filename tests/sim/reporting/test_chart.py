@@ -6,14 +6,14 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from sim.reporting.chart import SHADES, Bar, Curve, Field, Lane, Panel, limits, write, write_lanes
+from sim.reporting.chart import FIELD_COLORS, Bar, Curve, Field, Lane, Panel, limit_lines, write_lanes, write_panels
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
 def drawn(tmp_path, *panels, columns=2):
     path = tmp_path / "curves.svg"
-    write(path, "some <curves>", panels, columns)
+    write_panels(path, "some <curves>", panels, columns)
     assert [p.name for p in tmp_path.iterdir()] == ["curves.svg"]
     return ElementTree.parse(path).getroot()
 
@@ -21,7 +21,7 @@ def drawn(tmp_path, *panels, columns=2):
 def test_a_panel_holds_its_words_and_its_curves(tmp_path):
     t = np.linspace(0.0, 1.0, 5000)
     root = drawn(
-        tmp_path, Panel("a & b", "s", "m", [Curve(t, np.sin(9 * t), "red", "wave"), *limits([-0.5, 0.5], 1.0)])
+        tmp_path, Panel("a & b", "s", "m", [Curve(t, np.sin(9 * t), "red", "wave"), *limit_lines([-0.5, 0.5], 1.0)])
     )
     words = [text.text for text in root.iter(f"{SVG}text")]
     assert {"some <curves>", "a & b", "s", "m", "wave", "limit"} <= set(words)
@@ -56,7 +56,7 @@ def test_a_field_is_painted_in_shades_and_leaves_its_axes_nothing_uncovered(tmp_
     field = Field(np.arange(6.0), 1.0 + np.arange(4.0), values)
     root = drawn(tmp_path, Panel("power", "s", "Hz", [], field=field))
     low, high = root.iter(f"{SVG}path")
-    assert (low.get("stroke"), high.get("stroke")) == (SHADES[0], SHADES[-1])
+    assert (low.get("stroke"), high.get("stroke")) == (FIELD_COLORS[0], FIELD_COLORS[-1])
     runs = {path: [re.findall(r"[\d.]+", run) for run in path.get("d").split("M")[1:]] for path in (low, high)}
     assert len(runs[low]) == 4 and len(runs[high]) == 1
     (start, row, end), full = map(float, runs[high][0]), [float(value) for value in runs[low][0]]

@@ -13,9 +13,9 @@ from sim.log import FOOT_OFF, FOOT_SLIDING, Fallback, RunInfo, RunLog
 from sim.push import Push
 from sim.reference import Reference, hot_reference_us
 from sim.reporting import figures
-from sim.reporting.report import lines, report, show, write
+from sim.reporting.report import print_table, run_report, table_rows, write_json
 from solvers.rows import Status
-from sot.motion.feet.flight import Flight, remark
+from sot.motion.feet.flight import Flight, flight_remark
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from tests.sim.runs import PERIOD, perfect_log, same_plan, still_motion
@@ -34,7 +34,7 @@ def log(motion: Motion) -> RunLog:
 
 
 def test_a_perfect_run_has_no_error(motion, log):
-    made = report(log, INFO, 0.5, motion, same_plan(motion))
+    made = run_report(log, INFO, 0.5, motion, same_plan(motion))
     assert made["duration_s"] == pytest.approx(2.0)
     assert made["real_time_factor"] == pytest.approx(4.0)
     assert (made["fell"], made["fell_at_s"]) == (False, None)
@@ -52,7 +52,7 @@ def test_a_perfect_run_has_no_error(motion, log):
 
 
 def test_has_the_agreed_keys(motion, log):
-    made = report(log, INFO, 0.5, motion, same_plan(motion))
+    made = run_report(log, INFO, 0.5, motion, same_plan(motion))
     assert set(made) >= {
         *("clip", "robot", "solver", "feet", "rate_hz", "speed", "speed_min", "stretched_s", "duration_s", "fell"),
         *(
@@ -84,13 +84,15 @@ def test_has_the_agreed_keys(motion, log):
 
 def test_says_what_became_of_leaps(motion, log):
     plan = same_plan(motion)
-    assert report(log, INFO, 0.5, motion, plan)["flights"]["count"] == 0
-    made = report(log, INFO, 0.5, motion, replace(plan, flights=(Flight(1.0, 1.5), Flight(2.0, 2.25))))
+    assert run_report(log, INFO, 0.5, motion, plan)["flights"]["count"] == 0
+    made = run_report(log, INFO, 0.5, motion, replace(plan, flights=(Flight(1.0, 1.5), Flight(2.0, 2.25))))
     assert made["flights"] == {"count": 2, "longest_s": 0.5}
     (said,) = made["remarks"]
     assert "leaps 2 times" in said and "up to 0.50 s" in said and "its feet stay on the floor" in said
-    assert "leaps once" in remark([Flight(1.0, 1.5)], stepping=True) and "it steps" in remark([Flight(0, 1)], True)
-    assert report(log, INFO, 0.5, motion, None)["remarks"] == []
+    assert "leaps once" in flight_remark([Flight(1.0, 1.5)], stepping=True) and "it steps" in flight_remark(
+        [Flight(0, 1)], True
+    )
+    assert run_report(log, INFO, 0.5, motion, None)["remarks"] == []
 
 
 def test_tick_times(log):
@@ -231,7 +233,7 @@ def test_fallbacks_are_explained_in_a_few_lines(motion, log):
     log.fallbacks = [Fallback(t, "forces", "ProxQP gave up", 1e-9 * t) for t in (0.5, 0.7, 1.9)]
     log.fallbacks += [Fallback(1.0 + 0.1 * k, f"level {k}", "refused", 0.0) for k in range(4)]
     log.conflicts = [(0.25, "JointBounds: knee lower +3 rad/s² against Contact left_foot (6 rows)")]
-    made = report(log, INFO, 0.5, motion, same_plan(motion))
+    made = run_report(log, INFO, 0.5, motion, same_plan(motion))
     first = made["solver"]["fallbacks"][0]
     assert first == {
         **{"level": "forces", "reason": "ProxQP gave up", "ticks": 3},
@@ -239,7 +241,7 @@ def test_fallbacks_are_explained_in_a_few_lines(motion, log):
     }
     assert sum(entry["ticks"] for entry in made["solver"]["fallbacks"]) == len(log.fallbacks)
     console = Console(file=StringIO(), width=100)
-    show([made], console)
+    print_table([made], console)
     told = console.file.getvalue().splitlines()[-5:]
     assert told == [
         "made-up: no solution of the hard level at 0.250 s: JointBounds: knee lower +3 rad/s² "
@@ -254,15 +256,15 @@ def test_fallbacks_are_explained_in_a_few_lines(motion, log):
 def test_writes_whole_json_and_a_table(motion, log, tmp_path: Path):
     log.zmp_measured[:] = np.nan
     fallen = RunInfo("made-up", "hrp2", "cascade", "planted", 200.0, fell_at_s=1.5, reason="the waist sank")
-    made = report(log, fallen, 0.5, motion, None)
-    write(made, tmp_path / "report.json")
+    made = run_report(log, fallen, 0.5, motion, None)
+    write_json(made, tmp_path / "report.json")
     assert [path.name for path in tmp_path.iterdir()] == ["report.json"]
     read = json.loads((tmp_path / "report.json").read_text())
     assert read == made
     assert read["zmp"] == {"inside": 0.0, "min_margin_m": None, "rms_to_planned_m": None}
     assert read["likeness"]["segment_deg"] is None
     console = Console(file=StringIO(), width=100)
-    show([made, made], console)
+    print_table([made, made], console)
     shown = " ".join(console.file.getvalue().split())
     assert "fell at 1.50 s: the waist sank" in shown
     assert "slide" not in shown and "pushes" not in shown
@@ -270,8 +272,8 @@ def test_writes_whole_json_and_a_table(motion, log, tmp_path: Path):
 
 def test_what_one_of_two_runs_has_is_told_of_both(motion, log):
     pushed = replace(INFO, pushes=(Push(1.0, (80.0, 0.0, 0.0)),))
-    calm, other = (report(log, info, 0.5, motion, same_plan(motion)) for info in (INFO, pushed))
-    told = {words: values for words, values, _, _ in lines([calm, other])}
+    calm, other = (run_report(log, info, 0.5, motion, same_plan(motion)) for info in (INFO, pushed))
+    told = {words: values for words, values, _, _ in table_rows([calm, other])}
     assert told["pushes survived"] == ["0", "1"]
     assert told["strongest push survived"] == ["-", "8"]
 

@@ -5,7 +5,7 @@ import pytest
 
 from sim.log import FOOT_SLIDING
 from sim.reporting import figures
-from sim.reporting.slides import slides, worst
+from sim.reporting.slides import slide_figures, worst_of_slides
 from sot.robots.robot import Robot
 from tests.sim.runs import PERIOD, perfect_log, still_motion
 
@@ -31,7 +31,7 @@ def log(motion):
 
 
 def test_a_slide_is_measured_and_is_no_slip(motion, log):
-    (slide,) = slides(log, motion)
+    (slide,) = slide_figures(log, motion)
     assert slide["foot"] == "right_foot"
     assert (slide["start_s"], slide["end_s"]) == pytest.approx((100 * PERIOD, 201 * PERIOD))
     assert (slide["way_m"], slide["moved_m"]) == pytest.approx((0.2, 0.2))
@@ -43,7 +43,7 @@ def test_a_slide_is_measured_and_is_no_slip(motion, log):
 
 def test_a_foot_that_hops_is_not_in_contact_though_its_mean_load_may_be_right(motion, log):
     log.foot_wrench[SLID, 1, 2] = np.where(np.arange(101) % 2, 0.2, 0.0) * WEIGHTS
-    (slide,) = slides(log, motion)
+    (slide,) = slide_figures(log, motion)
     assert slide["contact"] == pytest.approx(50 / 101)
     assert slide["light"] == 0.0
     assert slide["load_raw_max"] == pytest.approx(0.2)
@@ -54,20 +54,20 @@ def test_a_zmp_that_strays_to_the_sliding_foot_is_seen(motion, log):
     right = figures.Points.of(motion.robot, motion.q[:1]).positions["right_foot"][0]
     log.zmp_measured[150] = right[:2]
     log.zmp_measured[151] = np.nan
-    (slide,) = slides(log, motion)
+    (slide,) = slide_figures(log, motion)
     assert slide["zmp_inside"] == pytest.approx(99 / 101)
     assert slide["zmp_min_margin_m"] == slide["zmp_raw_min_margin_m"] == -np.inf
     log.zmp_measured[151] = log.zmp_measured[149]
-    (slide,) = slides(log, motion)
+    (slide,) = slide_figures(log, motion)
     assert slide["zmp_raw_min_margin_m"] < -0.1 < 0.0 < slide["zmp_min_margin_m"]  # of one tick in ten
 
 
 def test_of_several_slides_the_worst_counts(motion, log):
     log.foot_mode[300:321, 0] = FOOT_SLIDING
-    found = slides(log, motion)
+    found = slide_figures(log, motion)
     assert [slide["foot"] for slide in found] == ["right_foot", "left_foot"]
-    summary = worst(found)
+    summary = worst_of_slides(found)
     assert summary["way_m"] == pytest.approx(0.2)
     assert summary["load_max"] == pytest.approx(0.5, rel=1e-3)
     assert summary["load_min"] == pytest.approx(0.1)
-    assert worst([]) == dict.fromkeys(summary)
+    assert worst_of_slides([]) == dict.fromkeys(summary)

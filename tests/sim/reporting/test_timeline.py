@@ -17,8 +17,8 @@ def words(path):
 def test_nothing_changes_in_a_run_without_changes(tmp_path):
     motion = still_motion(Robot.load("hrp2"), 1.0)
     log = perfect_log(motion)
-    assert not timeline.changes(log)
-    timeline.draw(tmp_path / "schedule.svg", log, INFO, motion.robot)
+    assert not timeline.has_changes(log)
+    timeline.write_timeline(tmp_path / "schedule.svg", log, INFO, motion.robot)
     assert {"balance: com", "posture: joints", "left foot", "fixed"} <= set(words(tmp_path / "schedule.svg"))
 
 
@@ -26,9 +26,9 @@ def test_a_task_that_comes_and_a_foot_that_slides_are_changes(tmp_path):
     motion = still_motion(Robot.load("hrp2"), 4.0)
     log = perfect_log(motion)
     log.level_place[:400, 1], log.level_share[:400, 1] = 0, 0.0
-    assert timeline.changes(log)
+    assert timeline.has_changes(log)
     log = perfect_log(motion)
     log.foot_mode[300:500, 0] = FOOT_SLIDING
-    assert timeline.changes(log)
-    timeline.draw(tmp_path / "schedule.svg", log, INFO, motion.robot)
+    assert timeline.has_changes(log)
+    timeline.write_timeline(tmp_path / "schedule.svg", log, INFO, motion.robot)
     assert "sliding" in words(tmp_path / "schedule.svg")

@@ -11,7 +11,7 @@ from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.control.tick import GRAVITY
 from sot.errors import InputError
-from sot.motion.feet.contacts import support
+from sot.motion.feet.contacts import support_polygon
 from sot.motion.feet.support import supports
 from sot.robots.robot import Robot
 from tasks import Balance, LeastForces, Posture
@@ -76,7 +76,7 @@ def test_what_no_floor_gives_is_done_all_the_same(still):
     """Arms so fast that the floor would have to push from outside the soles: done, and told."""
     motion = swinging(still, 2.5, 0.9)
     made = rehearse(motion, stack(motion, kp=400.0), Cascade())
-    soles = support(motion.robot, motion.phases[0])
+    soles = support_polygon(motion.robot, motion.phases[0])
     assert soles.margin(made.zmp()).min() < -0.02
 
 

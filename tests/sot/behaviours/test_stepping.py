@@ -5,7 +5,7 @@ import pytest
 from sot.behaviours.stepping import MAX_LANDING_DELAY, SteppingSchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
-from sot.motion.feet.contacts import Phase, planted
+from sot.motion.feet.contacts import Phase, planted_phases
 from sot.robots.robot import Robot
 
 LEFT, RIGHT = "left_foot", "right_foot"
@@ -26,7 +26,7 @@ def stack(robot: Robot) -> Stack:
 @pytest.fixture
 def stepping(robot: Robot) -> SteppingSchedule:
     """The right foot is in the air between LIFT and LAND."""
-    both = planted(robot, 0.0)[0].feet
+    both = planted_phases(robot, 0.0)[0].feet
     alone = {LEFT: both[LEFT]}
     return SteppingSchedule(robot, [Phase(0.0, LIFT, both), Phase(LIFT, LAND, alone), Phase(LAND, 2.0, both)])
 
@@ -93,13 +93,13 @@ def test_a_step_for_which_it_is_too_late_is_left_out(robot, stepping, stack):
 
 
 def test_planted_feet_stay(robot, stack):
-    changes, ramp = modes(SteppingSchedule(robot, planted(robot, 2.0)), stack)
+    changes, ramp = modes(SteppingSchedule(robot, planted_phases(robot, 2.0)), stack)
     assert changes == []
     assert set(ramp.values()) == {1.0}
 
 
 def test_a_step_that_was_not_planned(robot, stack):
-    stepping = SteppingSchedule(robot, planted(robot, 2.0))
+    stepping = SteppingSchedule(robot, planted_phases(robot, 2.0))
     assert (stepping.stances_begun(RIGHT), stepping.stances_to_come(RIGHT)) == (1, 0)
     stepping.apply(0.2, stack)
     stepping.add_step(RIGHT, LIFT, LAND)

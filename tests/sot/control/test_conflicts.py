@@ -24,7 +24,7 @@ class Planted(Task):
         self.row, self.least, self.gives_way = row, least, gives_way
 
     def rows(self, tick):
-        return self._rows(self.row(tick)[None], np.array([self.least]), np.array([np.inf]))
+        return self.make_rows(self.row(tick)[None], np.array([self.least]), np.array([np.inf]))
 
 
 def on_foot(foot, axis):

@@ -10,13 +10,13 @@ from scipy.optimize import linprog
 from sot.control.contact import Contact
 from sot.control.pose import Pose
 from sot.control.tick import FrameState, Tick
-from sot.robots.robot import Robot, robots
+from sot.robots.robot import Robot, robot_names
 from tests.sot.states import random_state
 
 FOOT = "left_foot"
 
 
-@pytest.fixture(params=robots())
+@pytest.fixture(params=robot_names())
 def robot(request):
     return Robot.load(request.param)
 
@@ -162,17 +162,17 @@ def test_modes_hold_what_they_say(robot, mode, axes, forces):
     for form in ("pyramid", "unilateral"):
         contact = Contact(FOOT, robot.sole(FOOT), form=form)
         contact.mode = mode
-        assert len(contact.held) == axes
+        assert len(contact.held_axes) == axes
         assert bool(contact.force_count) == forces
-    assert set(contact.held) <= {2, 3, 4} or mode == "fixed"
+    assert set(contact.held_axes) <= {2, 3, 4} or mode == "fixed"
 
 
 @pytest.mark.parametrize("form", ["pyramid", "unilateral"])
 def test_a_sliding_foot_meets_friction_against_its_way(robot, form):
     """Each vertex on its own: the foot goes forward and turns."""
     twist = np.array([0.1, 0.02, 0.0, 0.0, 0.0, 0.5])
-    way = Pose(np.zeros(3), np.eye(3), twist, np.zeros(6))
-    contact = Contact(FOOT, robot.sole(FOOT), form=form, way=lambda t: way, sliding_friction=0.6)
+    path = Pose(np.zeros(3), np.eye(3), twist, np.zeros(6))
+    contact = Contact(FOOT, robot.sole(FOOT), form=form, path=lambda t: path, sliding_friction=0.6)
     contact.mode = "sliding"
     tick = Tick(robot)
     G, normals = contact.wrench_map(tick), np.array([3.0, 4.0, 5.0, 6.0])
@@ -215,7 +215,7 @@ def test_the_drive_lays_a_tilted_foot_flat_and_at_rest(robot):
 def test_what_a_contact_asks_for_is_led_over_from_how_its_point_arrived(robot):
     contact, tick = Contact(FOOT, robot.sole(FOOT)), Tick(robot)
     tick.update(0.0, *random_state(robot, np.random.default_rng(3)))
-    wanted, contact.arrival = contact.acceleration(tick), np.arange(6.0)
+    wanted, contact.arrival_acceleration = contact.acceleration(tick), np.arange(6.0)
     away = []
     for contact.load in np.linspace(0.0, 1.0, 11):
         away.append(np.abs(contact.acceleration(tick) - wanted).max())

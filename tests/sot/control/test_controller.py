@@ -6,12 +6,12 @@ import pytest
 
 from solvers import Cascade, LevelResult, Solution, Status
 from sot.control.controller import HOLD_DAMPING, Controller
-from sot.robots.robot import Robot, robots
+from sot.robots.robot import Robot, robot_names
 from tests.sot.stances import leaning, standing_stack
 from tests.sot.states import standing_state
 
 
-@pytest.fixture(params=robots())
+@pytest.fixture(params=robot_names())
 def robot(request):
     return Robot.load(request.param)
 

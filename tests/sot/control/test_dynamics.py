@@ -6,7 +6,7 @@ import pytest
 from solvers import Cascade, Status
 from sot.control.dynamics import Dynamics
 from sot.control.tick import Tick
-from sot.robots.robot import Robot, robots
+from sot.robots.robot import Robot, robot_names
 from tasks import CenterOfMass
 from tests.sot.stances import standing_stack
 from tests.sot.states import standing_state
@@ -14,7 +14,7 @@ from tests.sot.states import standing_state
 FORMS = ("condensed", "full")
 
 
-@pytest.fixture(params=robots())
+@pytest.fixture(params=robot_names())
 def robot(request):
     return Robot.load(request.param)
 
@@ -40,7 +40,7 @@ def assert_obeys_level_0(robot, stack, tick, decoded):
     for contact, wrench, phi in zip(stack.contacts, decoded.wrenches, shares(stack, decoded), strict=True):
         frame = tick.frame(contact.point)
         pushed += frame.jacobian.T @ wrench
-        held = list(contact.held)
+        held = list(contact.held_axes)
         acceleration = frame.jacobian @ decoded.acceleration + frame.drift
         np.testing.assert_allclose(acceleration[held], contact.acceleration(tick)[held], atol=1e-5)
         if len(phi):

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from solvers import Cascade, Status
-from sot.control.contact import SLIDING_SHARE, Contact
+from sot.control.contact import SLIDING_LOAD_RAMP, Contact
 from sot.control.controller import Controller
 from sot.control.schedule import Schedule
 from sot.control.stack import Stack
 from sot.errors import InputError
-from sot.robots.robot import Robot, robots
+from sot.robots.robot import Robot, robot_names
 from tasks import CenterOfMass
 from tests.sot.stances import leaning, standing_stack
 
@@ -90,7 +90,7 @@ def test_a_contact_gives_its_load_away_before_it_is_broken_and_takes_it_after_it
     loads = np.array(loads)
     up, down, begun = times < 0.5 - ramp - 1e-9, (times > 0.5 - 1e-9) & (times < 1.0 - 1e-9), times > 1.0 - 1e-9
     assert np.all(loads[up] == 1.0) and np.all(loads[times > 1.0 + ramp] == 1.0)
-    np.testing.assert_allclose(loads[down], SLIDING_SHARE if mode == "sliding" else 0.0, atol=1e-9)
+    np.testing.assert_allclose(loads[down], SLIDING_LOAD_RAMP if mode == "sliding" else 0.0, atol=1e-9)
     assert np.abs(np.diff(loads)).max() <= PERIOD / ramp + 1e-9  # as smooth as the ticks are
     halfway = 0.5 * (1.0 + loads[down][0])
     assert loads[np.searchsorted(times, 0.5 - ramp / 2)] == pytest.approx(halfway, abs=PERIOD / ramp)
@@ -118,7 +118,7 @@ def torques(robot, share, schedule, mode="fixed"):
     return np.array([command.torque for command in commands]), np.array([c.wrenches[0][2] for c in commands])
 
 
-@pytest.mark.parametrize("name", robots())
+@pytest.mark.parametrize("name", robot_names())
 @pytest.mark.parametrize("share", [0.8, 1.0])
 def test_torques_do_not_jump_when_a_foot_is_taken_off_the_floor_or_set_on_it(name, share):
     """The CoM is over the right foot; the left one still carries what costs least."""

@@ -12,7 +12,7 @@ from tasks import Posture
 from tests.sot.stances import standing_stack
 
 PERIOD = 0.002
-RAMP = 0.2
+TASK_RAMP = 0.2
 ON = "arm"
 
 
@@ -33,11 +33,13 @@ def accelerations(robot, schedule, stack, seconds):
 
 
 CHANGES = {
-    "into a level of its own": lambda schedule, task: schedule.add(0.1, task, "own", before="posture", ramp=RAMP),
-    "into a level of its own far up": lambda schedule, task: schedule.add(0.1, task, "own", before="head", ramp=RAMP),
-    "into a level of others": lambda schedule, task: schedule.add(0.1, task, "posture", ramp=RAMP),
+    "into a level of its own": lambda schedule, task: schedule.add(0.1, task, "own", before="posture", ramp=TASK_RAMP),
+    "into a level of its own far up": lambda schedule, task: schedule.add(
+        0.1, task, "own", before="head", ramp=TASK_RAMP
+    ),
+    "into a level of others": lambda schedule, task: schedule.add(0.1, task, "posture", ramp=TASK_RAMP),
     "up through levels": lambda schedule, task: schedule.add(0.0, task, "low", before="forces", ramp=0.0).move(
-        0.1, ON, "trunk", ramp=RAMP
+        0.1, ON, "trunk", ramp=TASK_RAMP
     ),
 }
 
@@ -52,8 +54,10 @@ def test_no_jump(robot, change):
 
 
 def test_out_is_the_way_in_backwards(robot):
-    coming = Schedule().add(0.1, arm(robot), "own", before="posture", ramp=RAMP)
-    going = Schedule().add(0.0, arm(robot), "own", before="posture", ramp=0.0).remove(0.1 + RAMP, ON, ramp=RAMP)
+    coming = Schedule().add(0.1, arm(robot), "own", before="posture", ramp=TASK_RAMP)
+    going = (
+        Schedule().add(0.0, arm(robot), "own", before="posture", ramp=0.0).remove(0.1 + TASK_RAMP, ON, ramp=TASK_RAMP)
+    )
     there = accelerations(robot, coming, standing_stack(robot), 0.4)
     back = accelerations(robot, going, standing_stack(robot), 0.4)
     # Ticks begin a period later, seen from the other end.
@@ -63,17 +67,17 @@ def test_out_is_the_way_in_backwards(robot):
 def test_a_task_arrives_with_its_own_weight_and_passes_where_it_says(robot):
     stack, task = standing_stack(robot), arm(robot)
     task.weight = 2.0
-    schedule = Schedule().add(1.0, task, "own", before="head", ramp=RAMP).move(2.0, ON, "posture", ramp=RAMP)
+    schedule = Schedule().add(1.0, task, "own", before="head", ramp=TASK_RAMP).move(2.0, ON, "posture", ramp=TASK_RAMP)
     seen = []
     for t in np.arange(0.9, 2.5, 0.01):
         schedule.apply(t, stack)
         level = stack.level_of(task)
         if not seen or seen[-1] != level:
             seen.append(level)
-        assert (ON in schedule.underway) == (1.0 - 1e-9 <= t < 1.199 or 2.0 - 1e-9 <= t < 2.199)
+        assert (ON in schedule.transition_shares) == (1.0 - 1e-9 <= t < 1.199 or 2.0 - 1e-9 <= t < 2.199)
     assert seen == [None, "forces", "posture", "head", "own", "head", "posture"]
     assert task.weight == 2.0
-    assert stack.order.index("own") == stack.order.index("head") - 1
+    assert stack.level_names.index("own") == stack.level_names.index("head") - 1
 
 
 def test_a_change_ends_the_one_before(robot):
@@ -83,7 +87,7 @@ def test_a_change_ends_the_one_before(robot):
         schedule.apply(t, stack)
     assert stack.level_of(task) is None
     assert task.weight == 1.0
-    assert not schedule.underway
+    assert not schedule.transition_shares
 
 
 def test_what_cannot_be_changed_says_so_at_once(robot):

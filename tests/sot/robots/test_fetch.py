@@ -8,7 +8,7 @@ import pytest
 
 from sot.errors import InputError
 from sot.robots import fetch
-from sot.robots.fetch import Package, fetched
+from sot.robots.fetch import Package, package_folder
 
 PACKAGE = Package("robot-description", "1.0", "0" * 64)
 
@@ -39,11 +39,11 @@ def no_network(command: list[str], **_: object) -> subprocess.CompletedProcess[s
 
 def test_fetches_once_and_tells_the_terms(cache, monkeypatch, capsys) -> None:
     monkeypatch.setattr(subprocess, "run", wheel)
-    folder = fetched(PACKAGE, "somebody; Apache 2.0")
+    folder = package_folder(PACKAGE, "somebody; Apache 2.0")
     assert (folder / "robot_description/robot.urdf").read_text() == "<robot/>"
     assert "robot-description 1.0 (somebody; Apache 2.0)" in capsys.readouterr().err
     monkeypatch.setattr(subprocess, "run", no_network)
-    assert fetched(PACKAGE, "somebody; Apache 2.0") == folder
+    assert package_folder(PACKAGE, "somebody; Apache 2.0") == folder
     assert capsys.readouterr().err == ""
     assert list(cache.iterdir()) == [folder]
 
@@ -54,5 +54,5 @@ def test_fetches_once_and_tells_the_terms(cache, monkeypatch, capsys) -> None:
 def test_a_failed_fetch_leaves_nothing(cache, monkeypatch, pip, message) -> None:
     monkeypatch.setattr(subprocess, "run", pip)
     with pytest.raises(InputError, match=message):
-        fetched(PACKAGE, "somebody; Apache 2.0")
+        package_folder(PACKAGE, "somebody; Apache 2.0")
     assert list(cache.iterdir()) == []

@@ -21,9 +21,9 @@ def at(robot: Robot, q: np.ndarray, *points: str) -> list[np.ndarray]:
     return [data.oMf[robot.point(point)].translation.copy() for point in points]
 
 
-@pytest.mark.parametrize("file", hrp2.files())
+@pytest.mark.parametrize("file", hrp2.file_texts())
 def test_committed_files_are_what_the_tables_write(file):
-    assert (MODELS / file).read_text(encoding="utf-8") == hrp2.files()[file]
+    assert (MODELS / file).read_text(encoding="utf-8") == hrp2.file_texts()[file]
 
 
 def test_joint_order():

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from sot.robots.models import hrp2
-from sot.robots.models.mjcf import AXES, Link, text
+from sot.robots.models.mjcf import AXES, Link, number_text
 
 ROBOT_FILE = """
 label = "A robot from a URDF"
@@ -75,24 +75,24 @@ def write(folder: Path, robot_file: str = ROBOT_FILE) -> Path:
 def _add(root: ET.Element, link: Link) -> None:
     element = ET.SubElement(root, "link", name=link.name)
     inertial = ET.SubElement(element, "inertial")
-    ET.SubElement(inertial, "origin", xyz=text(link.body.com))
-    ET.SubElement(inertial, "mass", value=text(link.body.mass))
+    ET.SubElement(inertial, "origin", xyz=number_text(link.body.com))
+    ET.SubElement(inertial, "mass", value=number_text(link.body.mass))
     names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
     values = link.body.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-    ET.SubElement(inertial, "inertia", {name: text(value) for name, value in zip(names, values, strict=True)})
+    ET.SubElement(inertial, "inertia", {name: number_text(value) for name, value in zip(names, values, strict=True)})
     if link.name[1:5] == "LEG5":
         sole = link.collision[0]
         collision = ET.SubElement(element, "collision")
-        ET.SubElement(collision, "origin", xyz=text(sole.at))
-        ET.SubElement(ET.SubElement(collision, "geometry"), "box", size=text(2 * np.array(sole.size)))
+        ET.SubElement(collision, "origin", xyz=number_text(sole.at))
+        ET.SubElement(ET.SubElement(collision, "geometry"), "box", size=number_text(2 * np.array(sole.size)))
     if link.joint and link.parent:
         j = link.joint
         damping, friction = hrp2.LOSSES[j.losses]
         joint = ET.SubElement(root, "joint", name=j.name, type="revolute")
         ET.SubElement(joint, "parent", link=link.parent)
         ET.SubElement(joint, "child", link=link.name)
-        ET.SubElement(joint, "origin", xyz=text(link.offset))
+        ET.SubElement(joint, "origin", xyz=number_text(link.offset))
         ET.SubElement(joint, "axis", xyz=AXES[j.axis])
         limits = {"lower": j.lower, "upper": j.upper, "effort": j.torque, "velocity": hrp2.MOTOR_SPEED / j.gear_ratio}
-        ET.SubElement(joint, "limit", {name: text(value) for name, value in limits.items()})
-        ET.SubElement(joint, "dynamics", damping=text(damping), friction=text(friction))
+        ET.SubElement(joint, "limit", {name: number_text(value) for name, value in limits.items()})
+        ET.SubElement(joint, "dynamics", damping=number_text(damping), friction=number_text(friction))

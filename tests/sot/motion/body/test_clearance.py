@@ -10,7 +10,7 @@ from sot.motion.body.limits import Limits
 from sot.motion.body.parts import Arm, Body
 from sot.motion.body.retarget import solve_knots
 from sot.motion.body.targets import targets_of_human
-from sot.motion.feet.stance import Build, on_time_line, over_feet
+from sot.motion.feet.stance import Build, human_on_time_line, human_over_feet
 from sot.motion.feet.swing import FootPath
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer
@@ -28,7 +28,7 @@ def robot():
 def arms(robot):
     """A right arm whose forearm is to point into the thigh: as it would, and kept clear."""
     build = Build.of(robot)
-    human = on_time_line(over_feet(dancer(1.0), build), 50.0)
+    human = human_on_time_line(human_over_feet(dancer(1.0), build), 50.0)
     wanted = targets_of_human(human, robot, build, np.zeros(human.count))
     down, inward = np.array([0.0, 0.1, -1.0]), np.array([0.2, 0.6, -1.0])
     wanted.directions["right_upper_arm"][:] = down / np.linalg.norm(down)
@@ -49,7 +49,7 @@ def bodies(robot):
     """Low hips over feet with their toes turned in, where knees meet: as a body would, and kept clear, with its legs'
     clearance."""
     build = Build.of(robot)
-    human = on_time_line(over_feet(dancer(1.0), build), 50.0)
+    human = human_on_time_line(human_over_feet(dancer(1.0), build), 50.0)
     wanted = targets_of_human(human, robot, build, np.zeros(human.count))
     wanted.hips[:, 2] -= 0.02
     data = robot.model.createData()

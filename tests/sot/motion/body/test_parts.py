@@ -12,9 +12,9 @@ from sot.motion.body.parts import Arm, Body, Head
 from sot.motion.body.retarget import PartFit, _bounded_step, solve_knots
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import targets_of_human
-from sot.motion.feet.contacts import planted
-from sot.motion.feet.stance import Build, on_time_line, over_feet
-from sot.motion.feet.swing import standing
+from sot.motion.feet.contacts import planted_phases
+from sot.motion.feet.stance import Build, human_on_time_line, human_over_feet
+from sot.motion.feet.swing import standing_paths
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer
 
@@ -30,7 +30,7 @@ def robot():
 @pytest.fixture(scope="module")
 def wanted(robot):
     build = Build.of(robot)
-    human = on_time_line(over_feet(dancer(), build), 1.0 / PERIOD)
+    human = human_on_time_line(human_over_feet(dancer(), build), 1.0 / PERIOD)
     return targets_of_human(human, robot, build, np.zeros(human.count))
 
 
@@ -40,7 +40,7 @@ def rest(robot, wanted):
 
 
 def make(name, robot, wanted):
-    feet = standing(planted(robot, 1.0)[0], wanted.length)
+    feet = standing_paths(planted_phases(robot, 1.0)[0], wanted.length)
     build = Build.of(robot)
     if name == "arm":
         return Arm(robot, "left", wanted)
@@ -91,7 +91,7 @@ def test_body_solved_has_its_feet_on_the_floor(robot, wanted, rest):
     limits, body = Limits.of(robot), make("body", robot, wanted)
     path = rest.copy()
     path[:, body.columns], _ = solve_knots(body, np.arange(wanted.length), rest, limits)
-    data, phase = robot.model.createData(), planted(robot, 1.0)[0]
+    data, phase = robot.model.createData(), planted_phases(robot, 1.0)[0]
     assert np.all(path >= limits.lower) and np.all(path <= limits.upper)
     for q in to_configuration(path[::10]):
         pin.framesForwardKinematics(robot.model, data, q)

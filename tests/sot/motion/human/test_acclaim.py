@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from sot.errors import InputError
 from sot.motion import read
-from sot.motion.human.acclaim import RATE, read_acclaim
+from sot.motion.human.acclaim import DEFAULT_RATE_HZ, read_acclaim
 from sot.motion.human.bvh import read_bvh
 
 ASF = """# a comment
@@ -102,7 +102,7 @@ def test_forward_kinematics_by_hand(tmp_path: Path) -> None:
     capture = read_acclaim(written(tmp_path, ASF, AMC))
     assert capture.joints == ("root", "thigh", "spine", "shank", "sole", "spine_end", "sole_end")
     assert capture.parents == (-1, 0, 0, 1, 3, 2, 4)
-    assert (capture.rate, capture.frames, capture.name) == (RATE, 2, "clip")
+    assert (capture.rate, capture.frames, capture.name) == (DEFAULT_RATE_HZ, 2, "clip")
     # A quarter turn about Z takes down to the right, and up to the left.
     here = [[1, 2, 3], [1, 2, 3], [1, 2, 3], [8, 2, 3], [14, 2, 3], [-4, 2, 3], [14, 2, 5]]
     np.testing.assert_allclose(capture.positions[0], here, atol=1e-12)

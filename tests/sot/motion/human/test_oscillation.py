@@ -6,7 +6,7 @@ import pytest
 from sot.errors import InputError
 from sot.motion.human.oscillation import find_oscillations
 from sot.motion.human.scalogram import scalogram
-from sot.smooth import ease
+from sot.smooth import minimum_jerk
 
 RATE, SECONDS = 100.0, 24.0
 T = np.arange(round(RATE * SECONDS)) / RATE
@@ -20,7 +20,7 @@ def slow_motion(rng: np.random.Generator) -> np.ndarray:
 
 def step(rng: np.random.Generator, when: float) -> np.ndarray:
     """A joint that goes elsewhere at once, as a knee does at a footstep."""
-    return rng.uniform(-0.3, 0.3) * ease((T - when) / rng.uniform(0.3, 0.8))
+    return rng.uniform(-0.3, 0.3) * minimum_jerk((T - when) / rng.uniform(0.3, 0.8))
 
 
 def coloured_noise(rng: np.random.Generator, exponent: float, rms: float) -> np.ndarray:
@@ -69,8 +69,8 @@ def test_the_clock_of_a_signal_may_start_anywhere_and_tick_at_any_rate():
     (later,) = find_oscillations(T + 100.0, q)
     assert (later.start, later.end) == pytest.approx((found.start + 100.0, found.end + 100.0), abs=0.01)
     inside = (found.start < T) & (found.end > T)
-    np.testing.assert_allclose(found.at(T)[inside], q[inside], atol=0.01)
-    np.testing.assert_allclose(later.at(T + 100.0)[inside], q[inside], atol=0.01)
+    np.testing.assert_allclose(found.swing_at(T)[inside], q[inside], atol=0.01)
+    np.testing.assert_allclose(later.swing_at(T + 100.0)[inside], q[inside], atol=0.01)
     faster = np.arange(round(1000.0 * SECONDS)) / 1000.0
     (same,) = find_oscillations(faster, np.interp(faster, T, q))
     assert (same.start, same.end, same.frequency) == pytest.approx((found.start, found.end, found.frequency), abs=0.05)

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from sot.errors import InputError
 from sot.motion import SEGMENTS, Capture, Human, read, recognise
-from sot.motion.human.skeleton import JOINTS, conventions
+from sot.motion.human.skeleton import CANONICAL_JOINTS, naming_conventions
 
 ROOT = Path(__file__).parents[4]
 GROOVE = ROOT / "scenarios/inputs/data/groove.bvh"
@@ -34,12 +34,12 @@ def tilt_deg(rotations: np.ndarray) -> np.ndarray:
     return np.degrees(Rotation.from_matrix(rotations).magnitude())
 
 
-@pytest.mark.parametrize("convention", sorted(conventions()))
+@pytest.mark.parametrize("convention", sorted(naming_conventions()))
 @pytest.mark.parametrize("prefix", ["", "mixamorig:", "Character1_"])
 def test_every_convention_names_the_same_human(capture: Capture, human: Human, convention: str, prefix: str) -> None:
-    ours = conventions()["motionbuilder"]
-    theirs = conventions()[convention]
-    names = {ours[joint][0]: prefix + theirs[joint][-1].upper() for joint in JOINTS}
+    ours = naming_conventions()["motionbuilder"]
+    theirs = naming_conventions()[convention]
+    names = {ours[joint][0]: prefix + theirs[joint][-1].upper() for joint in CANONICAL_JOINTS}
     names |= {name: f"other {i}" for i, name in enumerate(capture.joints) if name not in names}
     other = recognise(renamed(capture, names))
     for name, position in human.points.items():
@@ -96,7 +96,7 @@ def test_unknown_names_ask_for_a_mapping(capture: Capture, tmp_path: Path) -> No
     strange = renamed(capture, {"LeftLeg": "Genou gauche", "Head": "Tête"})
     with pytest.raises(InputError, match=r"unknown skeleton \(not found: head, left_knee\); write a mapping file"):
         recognise(strange)
-    table = {joint: names[0] for joint, names in conventions()["motionbuilder"].items()}
+    table = {joint: names[0] for joint, names in naming_conventions()["motionbuilder"].items()}
     table |= {"left_knee": "Genou gauche", "head": "Tête"}
     file = tmp_path / "skeleton.toml"
     file.write_text("".join(f'{joint} = "{name}"\n' for joint, name in table.items()), encoding="utf-8")
@@ -127,7 +127,7 @@ def test_a_wrong_mapping_says_so(capture: Capture, tmp_path: Path, text: str, me
 
 
 def test_names_must_agree_with_the_body(capture: Capture) -> None:
-    table = {joint: names[0] for joint, names in conventions()["motionbuilder"].items()}
+    table = {joint: names[0] for joint, names in naming_conventions()["motionbuilder"].items()}
     crossed = table | {"left_knee": "RightLeg"}
     with pytest.raises(InputError, match=r"left_knee \(RightLeg\) is not below left_hip"):
         recognise(capture, crossed)
