@@ -184,7 +184,7 @@ def retarget_command(
         f"{1e3 * figures['key_point_rms_m']:.0f} mm from the scaled human's, {figures['frames_per_s']:.0f} frames/s",
         soft_wrap=True,
     )
-    _print_remarks(planned.remarks)
+    _print_remarks((*planned.motion.robot.remarks, *planned.remarks))
     return DONE
 
 

@@ -7,7 +7,7 @@ from math import ceil
 import mujoco
 import numpy as np
 
-from sim.convert import joint_order, state_from_mujoco, state_to_mujoco
+from sim.convert import state_from_mujoco, state_to_mujoco
 from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.push import Push, Pusher
 from sim.scene import build_model
@@ -24,7 +24,7 @@ class World:
     step just made: the forces that acted in it and where the bodies were at its start.
 
     Args:
-        robot: the robot; MuJoCo reads the same model file as Pinocchio.
+        robot: the robot, of whose tree both MuJoCo's and Pinocchio's model are made.
         timestep: time that one `step` advances, the control period [s]. It is cut into equal physics steps of at
             most `MAX_PHYSICS_TIMESTEP`, the torque held.
         mismatch: how the real robot and floor differ from the model that the controller has.
@@ -35,7 +35,7 @@ class World:
         model, data: MuJoCo's, open for forces of one's own (`data.xfrc_applied`) and rendering.
 
     Raises:
-        InputError: MuJoCo cannot read the robot's model file, or the robot has no body that a push names.
+        InputError: MuJoCo cannot compile the robot, or the robot has no body that a push names.
     """
 
     def __init__(
@@ -55,7 +55,6 @@ class World:
         self.data = mujoco.MjData(self.model)
         # Live views: to ask MuJoCo for its arrays anew takes longer than to read them.
         self._qpos, self._qvel = self.data.qpos[: robot.nq], self.data.qvel[: robot.nv]
-        self._order = joint_order(robot.joints, [self.model.joint(1 + k).name for k in range(robot.na)])
         self._apply_pushes = Pusher(self.model, self.data, robot, self.pushes)
         self._delay_steps = round(self.mismatch.delay * self._substeps / timestep)
         self.reset(robot.rest)
@@ -66,7 +65,7 @@ class World:
         """Start over at a Pinocchio configuration (nq,) and velocity (nv,), at rest unless given, and time 0."""
         mujoco.mj_resetData(self.model, self.data)
         v = np.zeros(self.robot.nv) if v is None else v
-        self.data.qpos[: self.robot.nq], self.data.qvel[: self.robot.nv] = state_to_mujoco(q, v, self._order)
+        self.data.qpos[: self.robot.nq], self.data.qvel[: self.robot.nv] = state_to_mujoco(q, v)
         mujoco.mj_forward(self.model, self.data)
         self._random = np.random.default_rng(self.mismatch.seed)
         self._delayed_torques: deque[np.ndarray] = deque()
@@ -78,7 +77,7 @@ class World:
 
     def state(self) -> tuple[np.ndarray, np.ndarray]:
         """Configuration (nq,) and velocity (nv,) in Pinocchio's conventions; not numbers once the physics diverged."""
-        return state_from_mujoco(self._qpos, self._qvel, self._order)
+        return state_from_mujoco(self._qpos, self._qvel)
 
     def measured(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """A state as the controller is told: with the mismatch's noise on angular velocities."""

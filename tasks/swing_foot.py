@@ -4,7 +4,7 @@ import numpy as np
 
 from solvers.rows import Rows
 from sot.behaviours.stride import lowered_pose, raised_pose
-from sot.control.contact import ARRIVAL_FADE_POWER
+from sot.control.contact import ARRIVAL_ACCELERATION_FADE_POWER
 from sot.control.pose import Pose
 from sot.control.tick import Tick
 from sot.motion.feet.footfalls import Footfalls
@@ -65,7 +65,7 @@ class SwingFoot(OperationalPoint):
         start, left = self._release
         share = 1.0 - (tick.t - start) / RELEASE_TIME
         if share > 0.0:
-            feedforward = feedforward + share**ARRIVAL_FADE_POWER * (
+            feedforward = feedforward + share**ARRIVAL_ACCELERATION_FADE_POWER * (
                 left - feedforward - self.kp * error - self.kd * rate
             )
         return error, rate, J, drift, feedforward

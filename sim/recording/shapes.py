@@ -5,8 +5,6 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from sim.scene import robot_spec
-from sot.errors import InputError
 from sot.robots.robot import Robot
 
 SHAPE_KINDS = {
@@ -42,15 +40,8 @@ class Shape:
 
 
 def read_shapes(robot: Robot) -> list[Shape]:
-    """Visible shapes of a robot's model; a mesh is shown by its bounding box.
-
-    Raises:
-        InputError: MuJoCo cannot read the model.
-    """
-    try:
-        model = robot_spec(robot).compile()
-    except ValueError as error:
-        raise InputError(f"{robot.path}: MuJoCo cannot read this model: {str(error).splitlines()[0]}") from error
+    """Visible shapes of a robot's model."""
+    model = robot.mujoco_spec().compile()
     return [
         _shape(model, geom)
         for geom in range(model.ngeom)

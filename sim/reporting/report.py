@@ -106,7 +106,7 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
         "retarget": dict(plan.retarget) if plan else dict.fromkeys(RETARGET_KEYS),
         "steps": figures.steps(log, plan),
         "flights": figures.flights(plan),
-        "remarks": plan.remarks if plan else [],
+        "remarks": [*robot.remarks, *(plan.remarks if plan else [])],
         "zmp": figures.zmp(log, motion),
         "contacts": figures.contacts(log, robot),
         "slide": worst_of_slides(slid),

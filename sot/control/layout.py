@@ -16,10 +16,10 @@ from sot.control.tick import Tick
 
 Array = np.ndarray
 
-FRICTION_GIVES_WAY = 3
+FRICTION_RELAXATION_ORDER = 3
 """Place of the friction pyramids in the order in which rows of level 0 are relaxed: the last."""
 _ROWS_NOT_PLACED = slice(0)
-_NOT_A_VARIABLE = 0, 0.0
+_NO_VARIABLE_START_AND_UNIT = 0, 0.0
 """First index and unit (none) of a kind of variable that the form does not have: torques in the condensed one."""
 
 
@@ -67,7 +67,7 @@ class Layout:
                 block = Block(
                     task.name, task.unit, task.weight, task.equality, _ROWS_NOT_PLACED, task.gives_way, task.labels
                 )
-                start, unit = form.variables.get(task.variable, _NOT_A_VARIABLE)
+                start, unit = form.variables.get(task.variable, _NO_VARIABLE_START_AND_UNIT)
                 if task.equality:
                     equality = Equality(own.A, own.lower, start=start, selects=own.selects if unit else None)
                     self._equalities.append((k, unit, builder.add_equality(block, equality)))
@@ -98,7 +98,7 @@ class Layout:
         for k, unit, task, bounds in self._inequalities:
             own = rows[k]
             if unit:
-                bounds.write(own.A, own.weight * unit, own.lower, own.upper, own.weight)
+                bounds.write_rows(own.A, own.weight * unit, own.lower, own.upper, own.weight)
             else:
                 bounds.write_torques(*form.torque_rows(own), own.lower, own.upper, own.weight)
             bounds.block.labels = task.labels
@@ -144,13 +144,15 @@ class ContactRows:
         if own.start == own.stop:
             return
         share = 1.0 / form.units.force
-        if links := contact.link_count:
+        if links := contact.force_equality_count:
             E = np.empty((links, contact.force_count))
             block = Block(f"Pressure {contact.point}", "N", share, True, _ROWS_NOT_PLACED)
             self._pressure = builder.add_equality(block, Equality(E, np.zeros(links), start=columns.start))
         count = len(contact.force_inequalities(1.0)[1])
         labels = contact.force_labels(count)
-        block = Block(f"Friction {contact.point}", "N", share, False, _ROWS_NOT_PLACED, FRICTION_GIVES_WAY, labels)
+        block = Block(
+            f"Friction {contact.point}", "N", share, False, _ROWS_NOT_PLACED, FRICTION_RELAXATION_ORDER, labels
+        )
         self._friction = builder.add_inequality(_InequalityRows(block, columns, count, constant=True))
 
     def write(self, tick: Tick) -> None:
@@ -163,11 +165,13 @@ class ContactRows:
         self._place[:] = frame.position
         if self._friction is None:
             return
-        _write_force_columns(frame.jacobian, contact.wrench_map(tick), -self._units.force, self._map, self._on_motion)
+        _write_wrench_map_and_motion_columns(
+            frame.jacobian, contact.wrench_map(tick), -self._units.force, self._map, self._on_motion
+        )
         if self._pressure is not None:
             self._pressure.A = contact.force_equalities(tick)
         F, lower, upper = contact.force_inequalities(self._units.weight)
-        self._friction.write(F, 1.0, lower, upper, 1.0 / self._units.force)
+        self._friction.write_rows(F, 1.0, lower, upper, 1.0 / self._units.force)
 
 
 class _InequalityRows:
@@ -190,32 +194,36 @@ class _InequalityRows:
         """Take the views of the level's matrix and bounds to write to."""
         self._C, self._lower, self._upper = C[:, self._columns], lower, upper
 
-    def write(self, A: Array, scale: float, lower: Array, upper: Array, share: float) -> None:
-        """Write ``lower <= A y <= upper``, times a share that is in the scale of A already.
+    def write_rows(self, A: Array, matrix_scale: float, lower: Array, upper: Array, bound_scale: float) -> None:
+        """Write ``lower <= A y <= upper``, times a scale of the bounds that is in the one of A already.
 
         A read-only array that was written last time has not changed since.
         """
-        same, (matrix, least, most) = scale == self._last_scale, self._last_arrays
+        same, (matrix, least, most) = matrix_scale == self._last_scale, self._last_arrays
         if not (same and (self._constant or (A is matrix and not A.flags.writeable))):
-            np.multiply(A, scale, out=self._C)
+            np.multiply(A, matrix_scale, out=self._C)
         if not (same and lower is least and upper is most and not lower.flags.writeable):
-            _write_scaled(lower, upper, self._no_offset, share, self._lower, self._upper)
-        self._last_scale, self._last_arrays = scale, (A, lower, upper)
+            _write_scaled(lower, upper, self._no_offset, bound_scale, self._lower, self._upper)
+        self._last_scale, self._last_arrays = matrix_scale, (A, lower, upper)
 
-    def write_torques(self, B: Array, offset: Array, lower: Array, upper: Array, share: float) -> None:
-        """Write ``lower <= B x + offset <= upper``, times a share."""
-        np.multiply(B, share, out=self._C)
-        _write_scaled(lower, upper, offset, share, self._lower, self._upper)
+    def write_torques(self, B: Array, offset: Array, lower: Array, upper: Array, bound_scale: float) -> None:
+        """Write ``lower <= B x + offset <= upper``, times a scale."""
+        np.multiply(B, bound_scale, out=self._C)
+        _write_scaled(lower, upper, offset, bound_scale, self._lower, self._upper)
 
 
 @compiled
-def _write_scaled(lower: Array, upper: Array, offset: Array, share: float, to_lower: Array, to_upper: Array) -> None:
+def _write_scaled(
+    lower: Array, upper: Array, offset: Array, bound_scale: float, to_lower: Array, to_upper: Array
+) -> None:
     for k in range(len(lower)):
-        to_lower[k], to_upper[k] = share * (lower[k] - offset[k]), share * (upper[k] - offset[k])
+        to_lower[k], to_upper[k] = bound_scale * (lower[k] - offset[k]), bound_scale * (upper[k] - offset[k])
 
 
 @compiled
-def _write_force_columns(jacobian: Array, G: Array, scale: float, to_map: Array, to_motion: Array) -> None:
+def _write_wrench_map_and_motion_columns(
+    jacobian: Array, G: Array, scale: float, to_map: Array, to_motion: Array
+) -> None:
     """Write the wrench map G to `to_map`, and ``scale Jᵀ G`` to `to_motion`."""
     to_map[:] = G
     for i in range(to_motion.shape[0]):

@@ -37,7 +37,7 @@ MIN_ZMP_MARGIN = 0.01  # m, from the ZMP to the edge of the support, for longer 
 MAX_FOOT_ERROR = 0.002  # m, of a foot off its path
 RELAXATION = 0.75  # of the way from what a round was planned on to what came of it: a full step oscillates
 ZMP_TOLERANCE = 0.005  # m, of the ZMP off its plan: less ends the rounds
-WORTHWHILE_REDUCTION = (
+MAX_STRAINED_SHARE_LEFT = (
     0.5  # of the strained knots, that two rounds may leave: if more are left, further rounds do not help
 )
 ZMP_TOLERANCE_STEPPING = 0.04  # m, of the ZMP off its plan where feet step and nothing is strained
@@ -121,7 +121,7 @@ class BalanceRounds:
                     left[part] = self._round(part)
                     if not left[part].any():
                         break
-                if attempt and self._strained[part].sum() > WORTHWHILE_REDUCTION * before:
+                if attempt and self._strained[part].sum() > MAX_STRAINED_SHARE_LEFT * before:
                     left[part] = False
         return self.body_motion.period * np.flatnonzero(self._strained).astype(float)
 
@@ -131,7 +131,7 @@ class BalanceRounds:
 
     def _fit_each_knot(self) -> None:
         """Fits every knot for itself, after which the motion's accelerations mean something."""
-        self._plan_com(self._everything)
+        self._plan_com_and_zmp(self._everything)
         body = Body(self._robot, self._build, self._body_targets(), self._feet, self._com.knots)
         y = self.body_motion.knots
         y[:, body.columns], _ = solve_knots(body, np.arange(len(y)), y, self._limits)
@@ -143,7 +143,7 @@ class BalanceRounds:
         robot, period = self._robot, self.body_motion.period
         if self._lowers:
             self._lower_hips(part)
-        zmp = self._plan_com(part)
+        zmp = self._plan_com_and_zmp(part)
         body = ClearBody(robot, self._build, self._body_targets(), self._feet, self._legs, self._com.knots)
         control, y = slice(part.start, part.stop + 2), self.body_motion.knots[part]
         if len(y) not in self._fits:
@@ -172,7 +172,7 @@ class BalanceRounds:
         """The body's targets, with hips as low as legs have to reach."""
         return replace(self._human, hips=np.column_stack([self._human.hips[:, :2], self._height.knots]))
 
-    def _plan_com(self, part: slice) -> Array:
+    def _plan_com_and_zmp(self, part: slice) -> Array:
         """Plans the CoM over a part of the knots; the ZMP (n, 2) there."""
         wanted, period, held = self._wanted_com[part], self._com.period, self._held_ends(self._com, part)
         plan = plan_balance(self._asked[part], wanted, self._supports, period, period * part.start, held)

@@ -1,7 +1,6 @@
 """Limbs that keep their distance: arms from the rest of the body, legs from each other."""
 
 from collections.abc import Iterable, Mapping
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -36,9 +35,9 @@ class _NearestPair(NamedTuple):
 class Clearance:
     """Signed distances from each shape of a limb to the nearest one of what it keeps clear of, at the knots of a clip.
 
-    Pairs that are less than MIN_CLEARANCE apart at rest, neighbours in the tree mostly, do not count. A distance
-    changes by no more than the joints between two shapes turn, each times its reach: distances at a knot are measured
-    again only where something may have come near since.
+    Only the robot's own pairs of shapes count; those that are less than MIN_CLEARANCE apart at rest need be no further
+    apart. A distance changes by no more than the joints between two shapes turn, each times its reach: distances at a
+    knot are measured again only where something may have come near since.
     """
 
     def __init__(self, robot: Robot, pairs: Iterable[tuple[int, int]], length: int):
@@ -55,9 +54,7 @@ class Clearance:
         for pair in pairs:
             self._geometry.addCollisionPair(pin.CollisionPair(*pair))
         self._allocate_results()
-        for k in np.flatnonzero(self._distances(robot.rest) < MIN_CLEARANCE)[::-1]:
-            self._geometry.removeCollisionPair(self._geometry.collisionPairs[int(k)])
-        self._allocate_results()
+        self._min_distances = np.minimum(MIN_CLEARANCE, self._distances(robot.rest))
         left, shapes = list(self._geometry.collisionPairs), self._geometry.geometryObjects
         owners = np.array([pair.second for pair in left], dtype=int)
         self._pairs_of_shape = [
@@ -72,16 +69,18 @@ class Clearance:
     @staticmethod
     def of_arm(robot: Robot, side: str, length: int) -> "Clearance":
         """Clearance of an arm from the rest of the body."""
-        arm, shapes = _shapes_of_group(robot, f"{side}_arm"), range(robot.shapes.ngeoms)
-        return Clearance(robot, product([k for k in shapes if k not in arm], arm), length)
+        arm = set(_shapes_of_group(robot, f"{side}_arm"))
+        return Clearance(robot, _pairs_between(robot, set(range(robot.shapes.ngeoms)) - arm, arm), length)
 
     @staticmethod
     def of_legs(robot: Robot, length: int) -> "Clearance":
         """Clearance of the left leg from the right one; pairs of feet do not count, since their motion is given."""
-        left, right = (_shapes_of_group(robot, f"{side}_leg") for side in ("left", "right"))
+        left, right = (set(_shapes_of_group(robot, f"{side}_leg")) for side in ("left", "right"))
         soles = {robot.model.frames[robot.point(foot)].parentJoint for foot in robot.feet}
         feet = {k for k, shape in enumerate(robot.shapes.geometryObjects) if shape.parentJoint in soles}
-        return Clearance(robot, (pair for pair in product(right, left) if not feet.issuperset(pair)), length)
+        return Clearance(
+            robot, [pair for pair in _pairs_between(robot, right, left) if not feet.issuperset(pair)], length
+        )
 
     def evaluate(self, knots: Indices, y: Array, columns: Indices) -> tuple[Array, Array]:
         """Distance that is missing from MIN_CLEARANCE at n knots (n, shapes) [m], 0 where none is, and its Jacobian
@@ -90,16 +89,17 @@ class Clearance:
         J = np.zeros((*missing.shape, len(columns)))
         nearest: dict[int, list[_NearestPair]] = {}  # pair -> where it is the nearest
         turned = np.abs(y[:, 6:] - self._measured_angles[knots]) @ self._reach.T
-        due = np.flatnonzero((self._known_distances[knots] - turned < MIN_CLEARANCE).any(axis=1))
+        due = np.flatnonzero((self._known_distances[knots] - turned < self._min_distances).any(axis=1))
         self._measured_angles[knots[due]] = y[due, 6:]
         for n, q in zip(due.tolist(), to_configuration(y[due]), strict=True):
             self._known_distances[knots[n]] = apart = self._distances(q)
-            if apart.min(initial=np.inf) >= MIN_CLEARANCE:
+            spare = apart - self._min_distances
+            if spare.min(initial=np.inf) >= 0.0:
                 continue
             for i, pairs in enumerate(self._pairs_of_shape):
-                if (least := apart[pairs].min()) < MIN_CLEARANCE:
-                    k = int(pairs[apart[pairs].argmin()])
-                    missing[n, i] = MIN_CLEARANCE - least
+                if (least := spare[pairs].min()) < 0.0:
+                    k = int(pairs[spare[pairs].argmin()])
+                    missing[n, i] = -least
                     found = self._pair_results[k]
                     place = _NearestPair(n, i, found.normal.copy(), found.getNearestPoint1(), found.getNearestPoint2())
                     nearest.setdefault(k, []).append(place)
@@ -160,6 +160,13 @@ def _shapes_of_group(robot: Robot, group: str) -> list[int]:
     """Numbers of the shapes that a group of joints carries."""
     joints = {2 + joint for joint in robot.groups[group]}
     return [k for k, shape in enumerate(robot.shapes.geometryObjects) if shape.parentJoint in joints]
+
+
+def _pairs_between(robot: Robot, first: set[int], second: set[int]) -> list[tuple[int, int]]:
+    """Pairs of the robot's shapes that may collide, each one of the first and one of the second shapes."""
+    pairs = [(int(pair.first), int(pair.second)) for pair in robot.shapes.collisionPairs]
+    swapped = [(b, a) for a, b in pairs]
+    return [(a, b) for a, b in (*pairs, *swapped) if a in first and b in second]
 
 
 def _with_clearance(limb: str, residuals: tuple[Array, Array], clearance: tuple[Array, Array]) -> tuple[Array, Array]:

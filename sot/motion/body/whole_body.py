@@ -1,7 +1,8 @@
 """The whole body retargeted: its parts are fitted so that the robot looks like the human."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 import pinocchio as pin
@@ -22,6 +23,7 @@ from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
+AnyPart = TypeVar("AnyPart", bound=Part)
 
 LIMB_GAUSS_NEWTON_STEPS = 2  # Gauss-Newton steps of head and arms over the whole clip
 
@@ -38,10 +40,10 @@ def retarget(
         y[:, :2] = wanted.hips[:, :2]
         wanted = _with_reachable_hips(robot, wanted, feet, y, period)
     parts: list[Part] = [Body(robot, build, wanted, feet), Head(robot, wanted)]
-    for part in parts:
+    for part in _with_joints(parts):
         y[:, part.columns], _ = solve_knots(part, knots, y, limits)
-    for side in SIDES:
-        y = choose_arm_path(Arm(robot, side, wanted), y, limits, period)
+    for arm in _with_joints([Arm(robot, side, wanted) for side in SIDES]):
+        y = choose_arm_path(arm, y, limits, period)
     body_motion = Spline.through(y, period)
     body_motion.control[:3] = y[0]
     return fit_limbs(robot, wanted, limits, body_motion, LIMB_GAUSS_NEWTON_STEPS)
@@ -51,11 +53,16 @@ def fit_limbs(robot: Robot, wanted: Targets, limits: Limits, body_motion: Spline
     """Body motion with head and arms fitted anew, under their limits, to the chest as it moves."""
     y, control = body_motion.knots, body_motion.control.copy()
     limbs: list[Part] = [Head(robot, wanted), *(ClearArm(robot, side, wanted) for side in SIDES)]
-    for limb in limbs:
+    for limb in _with_joints(limbs):
         fit = PartFit(limb.columns, wanted.length, body_motion.period, limits)
         spline = Spline(control[:, limb.columns], body_motion.period)
         control[:, limb.columns] = fit.refine(limb, spline, y, steps).control
     return Spline(control, body_motion.period)
+
+
+def _with_joints(parts: Sequence[AnyPart]) -> list[AnyPart]:
+    """Those of the parts that have joints: a robot may have no head or arms."""
+    return [part for part in parts if len(part.columns)]
 
 
 def _with_reachable_hips(

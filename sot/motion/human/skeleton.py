@@ -200,7 +200,7 @@ def _calibrated_human(capture: Capture, joints: dict[str, int]) -> Human:
     for body, joint in (("pelvis", pelvis), ("chest", chest), ("head", joints["head"])):
         turns = capture.rotations[:, joint]
         to_body = nearest_rotations((turns.swapaxes(1, 2) @ target[body])[upright].mean(axis=0))
-        frames[body] = turns @ (_snap_lateral(to_body) if body == "head" else to_body)
+        frames[body] = turns @ (_with_snapped_lateral_axis(to_body) if body == "head" else to_body)
     ahead = sum(points[f"{side}_toe"] - points[f"{side}_ankle"] for side in SIDES)
     if np.sum(ahead * frames["pelvis"][:, :, 0]) < 0:
         raise InputError(f"{capture.name}: its toes point backwards; are left and right swapped in the joints' names?")
@@ -241,7 +241,7 @@ def _frame_from_lateral_and_up(lateral: np.ndarray, up: np.ndarray) -> np.ndarra
     return np.stack([x, y, np.cross(x, y)], axis=2)
 
 
-def _snap_lateral(to_head: np.ndarray) -> np.ndarray:
+def _with_snapped_lateral_axis(to_head: np.ndarray) -> np.ndarray:
     """The head's calibration with its lateral axis on the nearest axis of the joint, if that is near enough.
 
     Animators align a head joint with the head's plane of symmetry; yaw and roll become exact so.
