@@ -181,7 +181,10 @@ class BalanceRounds:
 
     def _lower_hips(self, part: slice) -> None:
         """Lowers the hips, in a part of the knots, to where both legs reach."""
-        feet = {foot: FootPath(path.position[part], path.rotation[part]) for foot, path in self._feet.items()}
+        feet = {
+            foot: FootPath(path.position[part], path.rotation[part], path.free[part])
+            for foot, path in self._feet.items()
+        }
         highest = reachable_hip_height(self._robot, self.body_motion.knots[part], feet)
         low = smooth_height_below(
             self._human.hips[part, 2], highest, self.body_motion.period, self._held_ends(self._height, part)

@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 FOOT_WEIGHT = 1.0 / 0.0001  # 1/m and 1/rad
+ACCEPTED_SWING_TILT = 0.05  # rad, of a foot in the middle of a swing
 COM_WEIGHT_STANDING, COM_WEIGHT_STEPPING = 1.0 / 0.0003, 1.0 / 0.00005  # 1/m: support is scarce where feet step
 HIP_PLACE_WEIGHT = 1.0 / 0.05  # 1/m, of the hips' horizontal place, where there is no CoM to follow
 HIP_HEIGHT_WEIGHT_STANDING, HIP_HEIGHT_WEIGHT_STEPPING = 1.0 / 0.05, 1.0 / 0.01  # 1/m
@@ -72,14 +73,14 @@ class Body:
             com, J_com = kinematics.com()
             place = self._com_weight, com[:, :2] - self._com[knots], J_com[:, :2]
         tilt, J_tilt = kinematics.orientation_residual(self._waist, wanted.frames["pelvis"][knots])
-        feet = [
-            (FOOT_WEIGHT, *residual)
-            for foot, path in self._feet
-            for residual in (
-                kinematics.position_residual(foot, path.position[knots]),
-                kinematics.orientation_residual(foot, path.rotation[knots]),
-            )
-        ]
+        feet = []
+        for foot, path in self._feet:
+            level = FOOT_WEIGHT / (1.0 + FOOT_WEIGHT * ACCEPTED_SWING_TILT * path.free[knots, None])
+            turn, J_turn = kinematics.orientation_residual(foot, path.rotation[knots])
+            feet += [
+                (FOOT_WEIGHT, *kinematics.position_residual(foot, path.position[knots])),
+                (1.0, level * turn, level[:, None] * J_turn),
+            ]
         return _stacked_residuals(
             *feet,
             place,

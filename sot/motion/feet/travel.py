@@ -88,6 +88,7 @@ def plan_travel(human: Human, build: Build, reach: LegReach, contacts: Sequence[
         foot: stance_frames(track, [move for move in moves if move.foot == foot], human.rate)
         for foot, track in feet.items()
     }
+    ends = np.array([(step.lift, step.land) for step in timed]).reshape(-1, 2)
     found, scales = reachable_footholds(
         footholds(_foot_tracks(human), moves, human.rate),
         turned,
@@ -95,6 +96,7 @@ def plan_travel(human: Human, build: Build, reach: LegReach, contacts: Sequence[
         reach,
         {foot: way.carry_at(frames) for foot, frames in asked_at.items()},
         way.stiffness,
+        human.points["waist"][np.round(ends * human.rate).astype(int), :2],
     )
     scaled = _human_shifted(human, way.shift(scales))
     own = footholds(_foot_tracks(scaled), moves, human.rate)
