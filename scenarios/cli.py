@@ -3,7 +3,7 @@
 import json
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from enum import StrEnum
 from pathlib import Path
@@ -16,12 +16,11 @@ from rich.table import Table
 
 import tasks
 from scenarios import viewer
-from scenarios.bench import benchmark_figures, read_figures
+from scenarios.bench import read_figures
 from scenarios.bench import show as show_bench
 from scenarios.inputs import clips
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.page import write_page
-from scenarios.peers import read_peer_figures
 from scenarios.replay import (
     RECORDING_FILE,
     REPORT_FILE,
@@ -33,6 +32,10 @@ from scenarios.replay import (
     replay,
     retarget,
 )
+from scenarios.robots.bench import bench_robots, robot_pieces, show_robots
+from scenarios.robots.check import check
+from scenarios.robots.findings import print_findings, stopping
+from scenarios.robots.new import new, print_evidence
 from scenarios.studies import MOTION_SCENARIOS, SCENARIOS, default_solver, is_file, run_scenario
 from scenarios.suite import SUITES, bench_suite, suite_pieces
 from scenarios.suite import show as show_suite
@@ -49,6 +52,8 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+robot_app = typer.Typer(help="Make a robot file from a model, and see whether it will work.", no_args_is_help=True)
+app.add_typer(robot_app, name="robot")
 PIPE_WIDTH_COLUMNS = 200
 """Columns of tables that are not printed on a terminal, where nobody can make the window wider."""
 output, messages = Console(width=None if sys.stdout.isatty() else PIPE_WIDTH_COLUMNS), Console(stderr=True)
@@ -256,13 +261,22 @@ def bench_command(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="The figures as JSON instead of a table.")] = False,
     suite: Annotated[str | None, typer.Option(help="dance: many clips, and a row of figures each.")] = None,
+    robots: Annotated[bool, typer.Option("--robots", help="All named robots, and a row of figures a dance.")] = False,
     feet: Annotated[str, typer.Option(help="With --suite: what `sot replay --feet` takes.")] = "auto",
-    mocap: Annotated[Path | None, typer.Option(help="With --suite: a folder of more clips (.bvh, .amc).")] = None,
-    out: Annotated[Path | None, typer.Option(help="With --suite: folder to keep recordings and reports in.")] = None,
+    mocap: Annotated[Path | None, typer.Option(help="With --suite or --robots: a folder of more clips.")] = None,
+    out: Annotated[Path | None, typer.Option(help="With either: folder to keep recordings and reports in.")] = None,
 ) -> int:
     """Dance a clip and say what a tick costs, phase by phase; or dance a suite of clips and say how they went."""
+    common = Replay("", robot, solver=solver, rate=rate, feet=feet)
+    if robots:
+        check_writable(out or Path())
+        make_solver(solver)
+        dances = robot_pieces(mocap)
+        with _progress() as tell:
+            table = bench_robots(common, dances, out, tell)
+        return _shown_table(table, show_robots, as_json)
     if suite is not None:
-        return _bench_suite(Replay("", robot, solver=solver, rate=rate, feet=feet), suite, mocap, out, as_json)
+        return _bench_suite(common, suite, mocap, out, as_json)
     if against and peer:
         raise InputError("--against and --peer: one table compares two runs, the other one shows peers; choose one")
     others = read_figures(against) if against else None
@@ -275,6 +289,28 @@ def bench_command(
     else:
         show_bench(figures, output, others)
     return FELL if figures["fell"] else DONE
+
+
+@robot_app.command("new")
+def robot_new_command(
+    model: Annotated[Path, typer.Argument(help="A humanoid's model (.xml, .urdf).")],
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="File to write; MODEL.toml by default.")] = None,
+) -> int:
+    """Guess the robot file of a model, say how sure that is, draw it, and check it."""
+    written = new(model, out)
+    print_evidence(written.found, output)
+    output.print(f"\nWritten: {written.file}, {written.picture}\n", soft_wrap=True)
+    return robot_check_command(str(written.file))
+
+
+@robot_app.command("check")
+def robot_check_command(
+    robot: Annotated[str, typer.Argument(metavar="FILE", help="A robot file (.toml), or a name of `sot list robots`.")],
+) -> int:
+    """Say all that will not work of a robot file; exit status 2 if something stops it."""
+    findings = check(robot)
+    print_findings(findings, output)
+    return BAD_INPUT if stopping(findings) else DONE
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -321,11 +357,16 @@ def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | No
     chosen = suite_pieces(mocap)
     with _progress() as tell:
         table = bench_suite(request, chosen, out, tell)
+    return _shown_table(table, show_suite, as_json)
+
+
+def _shown_table(table: dict[str, Any], show: Callable[[dict[str, Any], Console], None], as_json: bool) -> int:
+    """Print a table of dances, and say by which status it ended."""
     if as_json:
         print(json.dumps(table, indent=2))
     else:
-        show_suite(table, output)
-    return DONE if table["summary"]["successes"] == len(chosen) else FELL
+        show(table, output)
+    return DONE if table["summary"]["successes"] == table["summary"]["clips"] else FELL
 
 
 def _error_message(error: Exception) -> str:
