@@ -16,11 +16,12 @@ from rich.table import Table
 
 import tasks
 from scenarios import viewer
-from scenarios.bench import read_figures
+from scenarios.bench import benchmark_figures, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.inputs import clips
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.page import write_page
+from scenarios.peers import read_peer_figures
 from scenarios.replay import (
     RECORDING_FILE,
     REPORT_FILE,

@@ -150,27 +150,20 @@ class Controller:
         """Solution of the levels, and what it means within the torque limits; None of that if level 0 has none.
 
         Raises:
-            InvalidRowsError: If something is not finite, in the solution or in what it is of.
+            InvalidRowsError: If the solver raises, or its solution is not finite.
         """
         try:
             solution = self.solver.solve(levels)
         except (ArithmeticError, ValueError) as error:
-            raise InvalidRowsError(self._why_invalid(f"{type(error).__name__}: {error}")) from error
+            raise InvalidRowsError(f"solver '{self.solver.name}': {type(error).__name__}: {error}") from error
         if solution.levels[0].status == Status.FAILED:
-            if reason := self.dynamics.first_invalid():
-                raise InvalidRowsError(reason)
             return solution, None
         decoded = self.dynamics.decode(solution.x)
         # Only rounding is left to clip: the bounds are rows of level 0.
         decoded.torque, finite = _within(decoded.torque, self.robot.effort, solution.x)
         if not finite:
-            raise InvalidRowsError(self._why_invalid("its answer is not finite"))
-        if solution.status == Status.FAILED and (reason := self.dynamics.first_invalid()):
-            raise InvalidRowsError(reason)
+            raise InvalidRowsError(f"solver '{self.solver.name}': its answer is not finite")
         return solution, decoded
-
-    def _why_invalid(self, what: str) -> str:
-        return self.dynamics.first_invalid() or f"solver '{self.solver.name}': {what}"
 
     def _held_torque(self, v: Array) -> Array:
         """The last torque that was solved for, damped where the joint velocities are finite.
@@ -192,10 +185,11 @@ class Controller:
 
 def _no_solution(stack: Stack, reason: str) -> Solution:
     """Solution of a tick without levels to solve."""
-    results = []
-    for name in ("hard", *[name for name, _ in stack.levels]):
-        results.append(LevelResult(Level.stack(name, [], 0), np.zeros(0), False, 0.0, Status.INVALID, reason=reason))
-    return Solution(np.zeros(0), results, Status.INVALID)
+    nothing = np.zeros(0)
+    names = ["hard", *[name for name, _ in stack.levels]]
+    levels = [Level(name, 0, [], np.zeros((0, 0)), nothing, nothing) for name in names]
+    results = [LevelResult(level, nothing, False, 0.0, Status.INVALID, reason=reason) for level in levels]
+    return Solution(nothing, results, Status.INVALID)
 
 
 @compiled

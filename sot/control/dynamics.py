@@ -14,7 +14,7 @@ from sot.control.layout import Layout
 from sot.control.row_check import check_rows
 from sot.control.task import Task
 from sot.control.tick import Tick
-from sot.errors import InputError, InvalidRowsError
+from sot.errors import InputError
 from sot.robots.robot import Robot
 
 Array = np.ndarray
@@ -61,9 +61,6 @@ class Dynamics:
         self.units = Units.of(robot)
         self._layout: Layout | None = None
         self._key: list[object] = []
-        self._contacts: Sequence[Contact] = ()  # of the last tick
-        self._tasks: list[Task] = []  # likewise, those of level 0 first
-        self._rows: list[Rows] = []  # and what they returned
 
     def assemble(
         self,
@@ -81,13 +78,12 @@ class Dynamics:
             levels: Names and tasks of the levels below, in order.
 
         Raises:
-            InvalidRowsError: If a task's rows have a wrong shape or type. Values that are not finite are found in
-                limits and in rows that are new; for others see `first_invalid`.
+            InvalidRowsError: If a task's rows have a wrong shape or type, or a value that is not finite.
             InputError: If a task raises anything.
         """
         all_levels = [("hard", hard), *levels]
-        self._contacts = contacts
-        self._tasks, self._rows = tasks, rows = [task for _, tasks in all_levels for task in tasks], []
+        tasks = [task for _, tasks in all_levels for task in tasks]
+        rows: list[Rows] = []
         try:
             for task in tasks:
                 rows.append(task.rows(tick))
@@ -100,7 +96,10 @@ class Dynamics:
             key += [own.A.shape for own in rows]
             key += [len(own.lower) for own in rows]
         except (AttributeError, TypeError):
-            raise InvalidRowsError(self.first_invalid()) from None
+            counts = variable_counts(self.robot, sum(contact.force_count for contact in contacts))
+            for task, own in zip(tasks, rows, strict=True):
+                check_rows(task, own, counts[task.variable])
+            raise
         for name, own_tasks in all_levels:
             key += [name, *own_tasks]
         if self._layout is None or key != self._key:
@@ -110,16 +109,6 @@ class Dynamics:
         form = self._layout.form
         form.motion[:, : form.nv], form.bias = tick.M.T, tick.h  # M is symmetric, and so it lies in memory like motion
         return self._layout.write(tick, rows)
-
-    def first_invalid(self) -> str:
-        """Which task of the last tick returned rows that cannot be used, and why; empty if none did."""
-        counts = variable_counts(self.robot, sum(contact.force_count for contact in self._contacts))
-        for task, rows in zip(self._tasks, self._rows, strict=True):
-            try:
-                check_rows(task, rows, counts[task.variable])
-            except InvalidRowsError as error:
-                return str(error)
-        return ""
 
     def decode(self, x: Array) -> Decoded:
         """Read a solution of the levels that were assembled last."""

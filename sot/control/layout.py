@@ -25,6 +25,16 @@ _NO_VARIABLE_START_AND_UNIT = 0, 0.0
 """First index and unit (none) of a kind of variable that the form does not have: torques in the condensed one."""
 
 
+@compiled
+def _is_finite(A: Array) -> bool:
+    """Whether all values of a matrix are."""
+    total = 0.0  # nan as soon as one is not
+    for i in range(A.shape[0]):
+        for k in range(A.shape[1]):
+            total += 0.0 * A[i, k]
+    return total == 0.0
+
+
 class Layout:
     """The levels of ticks with the same contacts, tasks and numbers of rows.
 
@@ -57,7 +67,7 @@ class Layout:
         self.wrench_maps, self.contact_positions = np.zeros((6, form.forces)), np.zeros((len(contacts), 3))
         self.contact_of_force = np.repeat(np.arange(len(contacts)), [contact.force_count for contact in contacts])
         self._contact_rows: list[ContactRows] = []
-        self._equalities: list[tuple[int, float, Equality]] = []
+        self._equalities: list[tuple[int, float, Task, Equality]] = []
         self._inequalities: list[tuple[int, float, Task, _InequalityRows]] = []
         asked = iter(enumerate(rows))
         for name, tasks in levels:
@@ -76,7 +86,7 @@ class Layout:
                 start, unit = form.variables.get(task.variable, _NO_VARIABLE_START_AND_UNIT)
                 if task.equality:
                     equality = Equality(own.A, own.lower, start=start, selects=own.selects if unit else None)
-                    self._equalities.append((k, unit, builder.add_equality(block, equality)))
+                    self._equalities.append((k, unit, task, builder.add_equality(block, equality)))
                 else:
                     width = own.A.shape[1] if unit else form.nv + form.forces
                     bounds = _InequalityRows(
@@ -90,13 +100,13 @@ class Layout:
         """Write the rows of a tick and return its levels; the form has the mass matrix and the bias already.
 
         Raises:
-            InvalidRowsError: If inequalities have bounds of another length than before, or hold nan.
+            InvalidRowsError: If a value is not finite, or bounds have another length than before.
         """
         form, dynamics = self.form, self._dynamics
         for contact_rows in self._contact_rows:
             contact_rows.write(tick)
         dynamics.A, dynamics.b = form.equation()
-        for k, unit, equality in self._equalities:
+        for k, unit, task, equality in self._equalities:
             own = rows[k]
             weight, wanted = own.weight, own.lower
             if unit:
@@ -104,7 +114,9 @@ class Layout:
             else:
                 equality.A, offset = form.torque_rows(own)
                 equality.scale, wanted = weight, wanted - offset
-            equality.b = wanted if weight == 1.0 else weight * wanted
+            equality.b, valid = _scaled_wish(equality.A, wanted, weight, own.selects is not None)
+            if not valid:
+                raise self._invalid(task, own)
         for k, unit, task, bounds in self._inequalities:
             own = rows[k]
             if unit:
@@ -112,12 +124,19 @@ class Layout:
             else:
                 valid = bounds.write_torques(*form.torque_rows(own), own.lower, own.upper, own.weight)
             if not valid:
-                check_rows(task, own, form.counts[task.variable])
-                raise InvalidRowsError(f"task '{task.name}': its rows hold a value that is not finite")
+                raise self._invalid(task, own)
             bounds.block.labels = task.labels
         for level in self.levels:
             level.clear_cache()
         return self.levels
+
+    def _invalid(self, task: Task, rows: Rows) -> InvalidRowsError:
+        """Error that says what is wrong with rows."""
+        try:
+            check_rows(task, rows, self.form.counts[task.variable])
+        except InvalidRowsError as error:
+            return error
+        return InvalidRowsError(f"task '{task.name}': its rows hold a value that is not finite")
 
     def _add_contacts(self, contacts: Sequence[Contact], builder: "_LevelBuilder") -> None:
         """Add the rows of the contacts to level 0."""
@@ -178,9 +197,9 @@ class ContactRows:
         self._place[:] = frame.position
         if self._friction is None:
             return
-        _write_wrench_map_and_motion_columns(
-            frame.jacobian, contact.wrench_map(tick), -self._units.force, self._map, self._on_motion
-        )
+        G = contact.wrench_map(tick)
+        if not _write_wrench_map_and_motion_columns(frame.jacobian, G, -self._units.force, self._map, self._on_motion):
+            raise InvalidRowsError(f"contact '{contact.point}': its path holds a value that is not finite")
         if self._pressure is not None:
             self._pressure.A = contact.force_equalities(tick)
         F, lower, upper = contact.force_inequalities(self._units.weight)
@@ -228,9 +247,20 @@ class _InequalityRows:
 
 
 @compiled
+def _scaled_wish(A: Array, wanted: Array, weight: float, constant: bool) -> tuple[Array, bool]:
+    """What rows ``A x = wanted`` want, times their weight, and whether all is finite; A not looked at if constant."""
+    out = np.empty(len(wanted))
+    total = 0.0
+    for k in range(len(wanted)):
+        out[k] = weight * wanted[k]
+        total += 0.0 * wanted[k]
+    return out, total == 0.0 and (constant or _is_finite(A))
+
+
+@compiled
 def _write_matrix(A: Array, scale: float, to: Array) -> bool:
     """Write a matrix of the same shape, scaled; returns whether all its values are finite."""
-    total = 0.0  # nan as soon as one is not
+    total = 0.0
     for i in range(A.shape[0]):
         for k in range(A.shape[1]):
             to[i, k] = scale * A[i, k]
@@ -255,15 +285,17 @@ def _write_bounds(
 @compiled
 def _write_wrench_map_and_motion_columns(
     jacobian: Array, G: Array, scale: float, to_map: Array, to_motion: Array
-) -> None:
-    """Write the wrench map G to `to_map`, and ``scale Jᵀ G`` to `to_motion`."""
+) -> bool:
+    """Write the wrench map G to `to_map`, and ``scale Jᵀ G`` to `to_motion`; returns whether G is finite."""
     to_map[:] = G
+    finite = _is_finite(G)
     for i in range(to_motion.shape[0]):
         for j in range(to_motion.shape[1]):
             total = 0.0
             for k in range(6):
                 total += jacobian[k, i] * G[k, j]
             to_motion[i, j] = scale * total
+    return finite
 
 
 class _LevelBuilder:
