@@ -11,20 +11,20 @@ from rich.console import Console
 from rich.table import Table
 
 from scenarios.inputs import clips
-from scenarios.replay import Dance, Replay, Tell, dance, keep
+from scenarios.replay import Dance, ProgressCallback, Replay, dance, write_outputs
 from sim.reporting.report import figure_at
 from sot.errors import InputError
 
-MPJPE_MM = 100.0  # a dance whose key bodies are farther off, on average, is no success
-PIECE_S = 20.0  # length of the pieces that a long named clip is danced in
-LONG, LEAPS = "lafan1_dance1_subject2", "cmu_01_01"
+MAX_SUCCESS_MPJPE_MM = 100.0  # a dance whose key bodies are farther off, on average, is no success
+PIECE_DURATION_S = 20.0  # length of the pieces that a long named clip is danced in
+LONG_CLIP, LEAPING_CLIP = "lafan1_dance1_subject2", "cmu_01_01"
 SUITES = ("dance",)
 UPRIGHT = "upright"
 
 Columns = tuple[tuple[str, str, float, int], ...]
 """Figures of a row: place in the report, head, factor to the unit shown, digits after the point."""
 
-FIGURES: Columns = (
+TABLE_FIGURES: Columns = (
     ("speed", "speed", 1.0, 2),
     ("zmp.inside", "zmp in %", 100.0, 1),
     ("contacts.slip_max_m", "slip mm", 1e3, 1),
@@ -58,7 +58,7 @@ class Piece:
         return replace(common, clip=self.clip, start=self.start, duration=self.duration, robot=robot, feet=feet)
 
 
-def pieces(mocap: Path | None) -> list[Piece]:
+def suite_pieces(mocap: Path | None) -> list[Piece]:
     """What the suite "dance" is made of: the clips (.bvh, .amc) of a folder, the long named dance in pieces, and leaps,
     which no robot here can do and a planner has to make something of.
 
@@ -70,24 +70,31 @@ def pieces(mocap: Path | None) -> list[Piece]:
         found = [Piece(path.stem, str(path)) for path in sorted([*mocap.glob("*.bvh"), *mocap.glob("*.amc")])]
         if not found:
             raise InputError(f"{mocap}: no clips (.bvh, .amc) there")
-    seconds = next(clip.seconds for clip in clips.named_clips() if clip.name == LONG)
-    starts = [k * PIECE_S for k in range(int(seconds // PIECE_S) + 1) if seconds - k * PIECE_S > 0.5 * PIECE_S]
-    long = [Piece(f"{LONG} {start:.0f} s", LONG, start, min(PIECE_S, seconds - start)) for start in starts]
-    return [*found, *long, Piece(LEAPS, LEAPS)]
+    seconds = next(clip.seconds for clip in clips.named_clips() if clip.name == LONG_CLIP)
+    starts = [
+        k * PIECE_DURATION_S
+        for k in range(int(seconds // PIECE_DURATION_S) + 1)
+        if seconds - k * PIECE_DURATION_S > 0.5 * PIECE_DURATION_S
+    ]
+    long = [
+        Piece(f"{LONG_CLIP} {start:.0f} s", LONG_CLIP, start, min(PIECE_DURATION_S, seconds - start))
+        for start in starts
+    ]
+    return [*found, *long, Piece(LEAPING_CLIP, LEAPING_CLIP)]
 
 
 def close_to_its_reference(row: Mapping[str, Any]) -> bool:
     """Whether the key bodies of a dance that ended upright were near their reference."""
     off = row["tracking.mpjpe_mm"]
-    return off is not None and off <= MPJPE_MM
+    return off is not None and off <= MAX_SUCCESS_MPJPE_MM
 
 
 def bench_suite(
     request: Replay,
     pieces: Sequence[Piece],
     out: Path | None,
-    tell: Tell,
-    columns: Columns = FIGURES,
+    tell: ProgressCallback,
+    columns: Columns = TABLE_FIGURES,
     more: Callable[[Dance, Mapping[str, Any]], Mapping[str, Any]] = lambda danced, report: {},
     succeeded: Callable[[Mapping[str, Any]], bool] = close_to_its_reference,
 ) -> dict[str, Any]:
@@ -117,12 +124,14 @@ def bench_suite(
                 tell(said + what, share)
 
             own, place = piece.request(request), (out or Path(folder)) / piece.name.replace(" ", "_")
-            row = {"name": piece.name} | nothing | _row(own, place, told, columns, more)
+            row = {"name": piece.name} | nothing | _figures_row(own, place, told, columns, more)
             rows.append(row | {"success": row["ending"] == UPRIGHT and succeeded(row)})
     return {"rows": rows, "summary": _summary(rows, columns)}
 
 
-def show(table: Mapping[str, Any], console: Console, columns: Columns = FIGURES, words: Sequence[str] = ()) -> None:
+def show(
+    table: Mapping[str, Any], console: Console, columns: Columns = TABLE_FIGURES, words: Sequence[str] = ()
+) -> None:
     """Print the rows, and what they come to; `words` are entries of a row that are no figures."""
     shown = Table(box=None, padding=(0, 1, 0, 0))
     shown.add_column("clip", no_wrap=True)
@@ -139,10 +148,10 @@ def show(table: Mapping[str, Any], console: Console, columns: Columns = FIGURES,
     console.print(shown)
 
 
-def _row(
+def _figures_row(
     request: Replay,
     folder: Path,
-    tell: Tell,
+    tell: ProgressCallback,
     columns: Columns,
     more: Callable[[Dance, Mapping[str, Any]], Mapping[str, Any]],
 ) -> dict[str, Any]:
@@ -150,7 +159,7 @@ def _row(
         danced = dance(request, tell)
     except InputError as refusal:
         return {"ending": f"refused: {refusal}"}
-    report = keep(danced, folder, tell)
+    report = write_outputs(danced, folder, tell)
     row: dict[str, Any] = {"ending": UPRIGHT if not report["fell"] else f"fell at {report['fell_at_s']:.1f} s"}
     row |= more(danced, report)
     row["speed"] = report["speed"] * (1.0 - report["stretched_s"] / report["duration_s"])

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 from rich.console import Console
 
-from scenarios.replay import Dance, Replay, Tell
+from scenarios.replay import Dance, ProgressCallback, Replay
 from scenarios.suite import Columns, Piece, bench_suite, show
 from sot.errors import InputError
 from sot.robots.robot import Robot, robot_names
@@ -56,7 +56,7 @@ def robot_pieces(mocap: Path | None, robots: Sequence[str] | None = None) -> lis
     ]
 
 
-def bench_robots(request: Replay, pieces: Sequence[Piece], out: Path | None, tell: Tell) -> dict[str, Any]:
+def bench_robots(request: Replay, pieces: Sequence[Piece], out: Path | None, tell: ProgressCallback) -> dict[str, Any]:
     """Dance them all, as `bench_suite` does.
 
     A success is upright, no farther off than a robot of its size may be, without a tick whose hard level had to give

@@ -37,7 +37,7 @@ class Stance:
 
 
 def stances(robot: Robot) -> Iterator[Stance]:
-    """Standing on both feet at rest, and, on legs of six joints, on either one with the other still on the floor."""
+    """Standing on both feet at rest and, if legs have joints enough, on either one, the other still on the floor."""
     yield Stance(robot.feet, robot.rest, _torques(robot, robot.rest, robot.feet), True)
     for foot in robot.feet:
         if len(robot.groups[foot.replace("foot", "leg")]) < LEG_JOINTS:

@@ -7,14 +7,14 @@ import numpy as np
 
 from sot.robots.robot import Robot
 
-KINDS = {
+SHAPE_KINDS = {
     mujoco.mjtGeom.mjGEOM_BOX: "box",
     mujoco.mjtGeom.mjGEOM_SPHERE: "ellipsoid",
     mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
     mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
     mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
 }
-HIDDEN_GROUP = 3  # MuJoCo's viewers show geom groups 0 to 2: a model keeps its collision shapes in the others
+FIRST_HIDDEN_GROUP = 3  # MuJoCo's viewers show geom groups 0 to 2: a model keeps its collision shapes in the others
 
 
 @dataclass(frozen=True)
@@ -45,14 +45,14 @@ def read_shapes(robot: Robot) -> list[Shape]:
     return [
         _shape(model, geom)
         for geom in range(model.ngeom)
-        if model.geom_bodyid[geom] > 0 and model.geom_group[geom] < HIDDEN_GROUP
+        if model.geom_bodyid[geom] > 0 and model.geom_group[geom] < FIRST_HIDDEN_GROUP
     ]
 
 
 def _shape(model: mujoco.MjModel, geom: int) -> Shape:
     size, position = model.geom_size[geom].copy(), model.geom_pos[geom].copy()
     w, x, y, z = model.geom_quat[geom]
-    kind = KINDS.get(mujoco.mjtGeom(model.geom_type[geom]))
+    kind = SHAPE_KINDS.get(mujoco.mjtGeom(model.geom_type[geom]))
     if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_SPHERE:
         size[:] = size[0]
     elif kind in ("capsule", "cylinder"):
