@@ -40,7 +40,7 @@ PLAN_RATE = 50.0  # knots per second
 MAX_SLOWDOWNS, MAX_FINAL_SLOWDOWNS = 4, 2  # times that a body gets more time, before and after its arms are fitted
 SLOWDOWN_FACTOR, MAX_SLOWNESS = 1.3, 3.0  # by which one slowdown slows, and times slower than the dancer in all
 LIMB_REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
-CALMING_TIME = 0.5  # s before a slide, in which the hips stop bouncing
+BOUNCE_FADE_TIME = 0.5  # s before a slide, in which the hips stop bouncing
 BOUNCE_HZ = 0.5  # slower motion of the hips is no bounce
 CAPTURE_NOISE_HZ = 6.0  # faster motion of a capture is noise
 
@@ -61,7 +61,7 @@ class Plan:
         flights: of the dancer; the robot has a foot on the floor all the time.
         seconds: time that planning took, by step.
         imitation: the body that looks like the human, joint limits kept, before anything of it is balanced or slowed
-            down; coordinates of `sot.motion.body.coordinates` at PLAN_RATE. `sampled` makes a motion of it, which no
+            down; coordinates of `sot.motion.body.coordinates` at PLAN_RATE. `sampled_motion` makes one of it, which no
             robot can do.
     """
 
@@ -84,7 +84,8 @@ class Plan:
     @property
     def remarks(self) -> list[str]:
         """What the robot does otherwise than the dancer, a sentence each."""
-        return [flight_remark(self.flights, self.travel is not None)] if self.flights else []
+        told = [one.words for one in self.human.remarks]
+        return [*told, *([flight_remark(self.flights, self.travel is not None)] if self.flights else [])]
 
     @property
     def added_time(self) -> float:
@@ -172,7 +173,7 @@ class _Fitter:
     robot: Robot
     build: Build
     limits: Limits
-    height: float | None
+    hip_height_error: float | None
 
     def stepping_course(self, human: Human, contacts: Sequence[Step] | None) -> Course:
         """A course that steps; contacts: the steps to make, on the clip's time, instead of those found."""
@@ -180,9 +181,11 @@ class _Fitter:
 
     def targets(self, course: Course) -> Targets:
         wanted = targets_of_human(course.human, self.robot, self.build, feet_heading(course.feet))
-        if self.height is None:
+        if self.hip_height_error is None:
             return wanted
-        return replace(wanted, hips=hips_without_bounce(wanted.hips, course.phases), height=self.height)
+        return replace(
+            wanted, hips=hips_without_bounce_in_slides(wanted.hips, course.phases), height=self.hip_height_error
+        )
 
     def unbalanced_body(self, course: Course) -> tuple[Targets, Spline]:
         """The body's targets, and the motion of a body that meets them, not yet balanced."""
@@ -250,14 +253,14 @@ def body_at_clock(body_motion: Spline, clock: Array) -> Spline:
     return slow
 
 
-def hips_without_bounce(hips: Array, phases: Sequence[Phase]) -> Array:
+def hips_without_bounce_in_slides(hips: Array, phases: Sequence[Phase]) -> Array:
     """The hips (T, 3) without their bounce where a foot slides, whose load has to be light and steady [m]."""
     times = np.arange(len(hips)) / PLAN_RATE
     share = np.zeros(len(hips))
     for phase in phases:
         if phase.sliding:
             inside = np.minimum(times - phase.start, phase.end - times)
-            share = np.maximum(share, minimum_jerk(1.0 + inside / CALMING_TIME))
+            share = np.maximum(share, minimum_jerk(1.0 + inside / BOUNCE_FADE_TIME))
     calm = hips.copy()
     calm[:, 2] += share * (low_passed(hips[:, 2], PLAN_RATE, BOUNCE_HZ) - hips[:, 2])
     return calm

@@ -33,7 +33,7 @@ WINDOW_ATTEMPTS = 3  # times that it is cut into windows
 WINDOW_OVERLAP_S = 1.2  # before and after what is not settled, that may give way: four time constants of a pendulum
 RELAXATION = 0.75  # of the way from what a round was planned on to what came of it: a full step oscillates
 ZMP_TOLERANCE = 0.005  # m, of the ZMP off its plan: less ends the rounds
-WORTHWHILE_REDUCTION = (
+MAX_STRAINED_SHARE_LEFT = (
     0.5  # of the strained knots, that two rounds may leave: if more are left, further rounds do not help
 )
 ZMP_TOLERANCE_STEPPING = 0.04  # m, of the ZMP off its plan where feet step and nothing is strained
@@ -113,7 +113,7 @@ class BalanceRounds:
             for part in _windows(left, round(WINDOW_OVERLAP_S / self.body_motion.period)):
                 before = self._count_strained(part)
                 left[part], worse = self._improve(part, left[part], WINDOW_ITERATIONS)
-                if worse or (attempt and self._count_strained(part) > WORTHWHILE_REDUCTION * before):
+                if worse or (attempt and self._count_strained(part) > MAX_STRAINED_SHARE_LEFT * before):
                     left[part] = False
         return self.body_motion.period * np.flatnonzero(self._steps & (self._strain > 0.0)).astype(float)
 
@@ -158,7 +158,7 @@ class BalanceRounds:
 
     def _fit_each_knot(self) -> None:
         """Fits every knot for itself, after which the motion's accelerations mean something."""
-        self._plan_com(self._everything)
+        self._plan_com_and_zmp(self._everything)
         body = Body(self._robot, self._build, self._body_targets(), self._feet, self._com.knots)
         y = self.body_motion.knots
         y[:, body.columns], _ = solve_knots(body, np.arange(len(y)), y, self._limits)
@@ -170,7 +170,7 @@ class BalanceRounds:
         robot, period = self._robot, self.body_motion.period
         if self._lowers:
             self._lower_hips(part)
-        zmp = self._plan_com(part)
+        zmp = self._plan_com_and_zmp(part)
         body = ClearBody(robot, self._build, self._body_targets(), self._feet, self._legs, self._com.knots)
         control, y = slice(part.start, part.stop + 2), self.body_motion.knots[part]
         if len(y) not in self._fits:
@@ -198,7 +198,7 @@ class BalanceRounds:
         """The body's targets, with hips as low as legs have to reach."""
         return replace(self._human, hips=np.column_stack([self._human.hips[:, :2], self._height.knots]))
 
-    def _plan_com(self, part: slice) -> Array:
+    def _plan_com_and_zmp(self, part: slice) -> Array:
         """Plans the CoM over a part of the knots; the ZMP (n, 2) there."""
         wanted, period, held = self._wanted_com[part], self._com.period, self._held_ends(self._com, part)
         plan = plan_balance(self._asked[part], wanted, self._supports, period, period * part.start, held)

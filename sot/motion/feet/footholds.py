@@ -25,9 +25,10 @@ SWING_SPEED_SHARE = 0.5  # of the joints' speed limit, in the mean of a swing, w
 TURN_SPEED_SHARE = 0.75  # of the hip's speed limit, in the mean of a turn: the pelvis turns as well
 MIN_PATH_SCALE = 0.25  # of the dancer's path in the robot's size: the shortest that a piece is scaled to
 MAX_FOOTHOLD_OFFSET = 0.13  # m, from the dancer's to the robot's: farther, its price changes
-PRICE_FACTOR, MAX_PRICE = 4.0, 64.0  # by which the price of a foothold that is too far off rises at a time, and its end
-ABANDONED_PRICE = 0.05  # of a foothold that stays too far off at MAX_PRICE
-ACCEPTED_MOVE, ACCEPTED_TURN = 0.01, 0.05  # m and rad, that cost one unit
+FOOTHOLD_PRICE_FACTOR = 4.0  # by which the price of a foothold that is too far off rises at a time
+MAX_FOOTHOLD_PRICE = 64.0  # to which it rises
+GIVEN_UP_FOOTHOLD_PRICE = 0.05  # of a foothold that stays too far off at MAX_FOOTHOLD_PRICE
+UNIT_COST_MOVE, UNIT_COST_TURN = 0.01, 0.05  # m and rad, that cost one unit
 QP_TOLERANCE = 1e-6  # of the programmes' multipliers and residuals
 ROUNDING_ERROR = 1e-12  # m: less is taken for zero
 
@@ -168,7 +169,9 @@ def reachable_headings(
         (np.tile([1.0, -1.0], count), (np.repeat(np.arange(count), 2), np.ravel(pairs))), shape=(count, index.count)
     )
     now = differences @ target
-    change = sparse_qp(sp.eye_array(index.count) / ACCEPTED_TURN**2, differences, least - now, most - now, QP_TOLERANCE)
+    change = sparse_qp(
+        sp.eye_array(index.count) / UNIT_COST_TURN**2, differences, least - now, most - now, QP_TOLERANCE
+    )
     return index.split(target + change.x)
 
 
@@ -191,8 +194,8 @@ def reachable_footholds(
         Σ v ‖p − w − C (s − 1)‖² + (s − 1)ᵀ K (s − 1).
 
     Legs that cross want two feet where each other's is: rather than that both miss their place by half of that, one
-    after the other of those that do by more than MAX_FOOTHOLD_OFFSET is given up, v = ABANDONED_PRICE instead of 1,
-    until none is left.
+    after the other of those that do by more than MAX_FOOTHOLD_OFFSET is given up, v = GIVEN_UP_FOOTHOLD_PRICE
+    instead of 1, until none is left.
 
     Args:
         wanted: footholds of both feet along the path as it is.
@@ -220,16 +223,16 @@ def reachable_footholds(
     upper = np.concatenate([np.full(len(least), np.inf), np.full(count, ROUNDING_ERROR)])
     value = np.ones(index.count)
     while True:
-        H = sp.block_diag([sp.diags_array(np.repeat(value, 2)), stiffness], format="csr") / ACCEPTED_MOVE**2
+        H = sp.block_diag([sp.diags_array(np.repeat(value, 2)), stiffness], format="csr") / UNIT_COST_MOVE**2
         change, scale = np.split(sparse_qp(H, limits, lower, upper, QP_TOLERANCE).x, [spots])
         off = np.linalg.norm(change.reshape(-1, 2), axis=1)
-        far = (off > MAX_FOOTHOLD_OFFSET) & (value > ABANDONED_PRICE)
+        far = (off > MAX_FOOTHOLD_OFFSET) & (value > GIVEN_UP_FOOTHOLD_PRICE)
         if not far.any():
             break
-        if value[far].max() < MAX_PRICE:
-            value[far] *= PRICE_FACTOR
+        if value[far].max() < MAX_FOOTHOLD_PRICE:
+            value[far] *= FOOTHOLD_PRICE_FACTOR
         else:
-            value[np.flatnonzero(far)[(off * (value >= MAX_PRICE))[far].argmax()]] = ABANDONED_PRICE
+            value[np.flatnonzero(far)[(off * (value >= MAX_FOOTHOLD_PRICE))[far].argmax()]] = GIVEN_UP_FOOTHOLD_PRICE
     found = index.split((target + C @ scale + change).reshape(-1, 2))
     return {
         foot: [Foothold(float(x), float(y), float(yaw)) for (x, y), yaw in zip(found[foot], turned[foot], strict=True)]

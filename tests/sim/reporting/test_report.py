@@ -68,6 +68,7 @@ def test_has_the_agreed_keys(motion, log):
             "contacts",
         ),
         *("limits", "slide", "slides", "solver", "torque_rms_nm", "torque_saturated", "power_w", "reference_us"),
+        *("command", "seed", "revision"),
     }
     assert set(made["tick_us"]) == {"p50", "p99", "max", "model", "assemble", "solve"}
     assert set(made["tracking"]) == {"mpjpe_mm", "joint_rms_rad", "com_rms_m", "hand_rms_m", "head_rms_rad"}

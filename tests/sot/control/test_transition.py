@@ -74,7 +74,7 @@ def test_a_task_arrives_with_its_own_weight_and_passes_where_it_says(robot):
         level = stack.level_of(task)
         if not seen or seen[-1] != level:
             seen.append(level)
-        assert (ON in schedule.transition_shares) == (1.0 - 1e-9 <= t < 1.199 or 2.0 - 1e-9 <= t < 2.199)
+        assert (ON in stack.transition_shares) == (1.0 - 1e-9 <= t < 1.199 or 2.0 - 1e-9 <= t < 2.199)
     assert seen == [None, "forces", "posture", "head", "own", "head", "posture"]
     assert task.weight == 2.0
     assert stack.level_names.index("own") == stack.level_names.index("head") - 1
@@ -87,7 +87,7 @@ def test_a_change_ends_the_one_before(robot):
         schedule.apply(t, stack)
     assert stack.level_of(task) is None
     assert task.weight == 1.0
-    assert not schedule.transition_shares
+    assert not stack.transition_shares
 
 
 def test_what_cannot_be_changed_says_so_at_once(robot):
