@@ -1,6 +1,6 @@
 """What a planned body motion falls short of: feet off their paths, and a zero moment point off the support."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 
 MIN_ZMP_MARGIN = 0.01  # m, from the ZMP to the edge of the support, for longer than an instant
 MAX_FOOT_ERROR = 0.002  # m, of a foot off its path
+MOST_NAMED = 4  # stretches in a sentence
 JOINED = 0.5  # s: what falls short twice within that time does so once
 
 
@@ -36,6 +37,21 @@ class Shortfall:
     end: float
     foot: float
     zmp: float
+
+
+def shortfall_remark(found: Sequence[Shortfall], clip_time: Callable[[float], float]) -> str:
+    """The sentence that says where a plan falls short, and by how much: some stretches, one at least.
+
+    clip_time: from the motion's time to the clip's [s].
+    """
+    where = [f"{clip_time(short.start):.1f} to {clip_time(short.end):.1f} s" for short in found[:MOST_NAMED]]
+    more = f" and {len(found) - MOST_NAMED} times more" if len(found) > MOST_NAMED else ""
+    foot, zmp = (1e3 * max(values) for values in ([s.foot for s in found], [s.zmp for s in found]))
+    off = [f"its feet are up to {foot:.0f} mm off their places"] if foot > 1e3 * MAX_FOOT_ERROR else []
+    outside = [f"its balance is up to {zmp:.0f} mm outside the soles"] if zmp > 0.0 else []
+    return (
+        f"The robot cannot do all of the clip from {', '.join(where)}{more}: {' and '.join(off + outside)} in the plan."
+    )
 
 
 def strain(
