@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.table import Table
 
 from scenarios.inputs.clips import find_clip
-from scenarios.stacks import planted
+from scenarios.stacks import planted_stack
 from sim.log import RunLog
 from sim.loop import run
 from sim.reference import hot_reference_us
@@ -31,9 +31,9 @@ from sot.motion import plan, read, recognise
 from sot.robots.robot import Robot
 
 Array = np.ndarray
-BASE = {"levels": 5, "contacts": 2, "dofs": 36}
-SERIES = {"levels": range(1, 9), "contacts": range(1, 5), "dofs": range(20, 61, 10)}
-ROWS = 3  # of each level but the last two
+DEFAULT_SIZES = {"levels": 5, "contacts": 2, "dofs": 36}
+SIZE_SERIES = {"levels": range(1, 9), "contacts": range(1, 5), "dofs": range(20, 61, 10)}
+ROWS_PER_LEVEL = 3  # of each level but the last two
 
 
 def hierarchy(rng: np.random.Generator, levels: int, contacts: int, dofs: int) -> list[Level]:
@@ -46,8 +46,10 @@ def hierarchy(rng: np.random.Generator, levels: int, contacts: int, dofs: int) -
     box, width = np.eye(n), np.append(np.full(dofs, 1e3), np.full(forces, 30.0))
     none = np.zeros((0, n)), np.zeros(0), np.zeros(0)
     soft = [
-        Level(f"task {k}", n, [Equality(rng.normal(size=(ROWS, dofs)), rng.normal(size=ROWS))], *none)
-        for k in range(min(levels - 2, (dofs - len(J) - 1) // ROWS))
+        Level(
+            f"task {k}", n, [Equality(rng.normal(size=(ROWS_PER_LEVEL, dofs)), rng.normal(size=ROWS_PER_LEVEL))], *none
+        )
+        for k in range(min(levels - 2, (dofs - len(J) - 1) // ROWS_PER_LEVEL))
     ]
     posture = Equality(np.eye(dofs), rng.normal(size=dofs), 1.0, 0, slice(0, dofs))
     least = Equality(np.eye(forces), np.zeros(forces), 0.1, dofs, slice(0, forces))
@@ -55,15 +57,15 @@ def hierarchy(rng: np.random.Generator, levels: int, contacts: int, dofs: int) -
     return [Level("hard", n, equalities, box, -width, width), *soft, *last[:levels]]
 
 
-def grown(repeats: int) -> dict[str, dict[int, float]]:
+def median_solve_times(repeats: int) -> dict[str, dict[int, float]]:
     """Median time of a solve [µs] along each series, the other sizes as in BASE."""
     out: dict[str, dict[int, float]] = {}
-    for name, values in SERIES.items():
+    for name, values in SIZE_SERIES.items():
         out[name] = {}
         for value in values:
             rng, cascade, times = np.random.default_rng(0), Cascade(), []
             for _ in range(repeats):
-                levels = hierarchy(rng, **(BASE | {name: value}))
+                levels = hierarchy(rng, **(DEFAULT_SIZES | {name: value}))
                 start = perf_counter()
                 cascade.solve(levels)
                 times.append(1e6 * (perf_counter() - start))
@@ -71,8 +73,8 @@ def grown(repeats: int) -> dict[str, dict[int, float]]:
     return out
 
 
-def memory(minutes: float) -> dict[str, Any]:
-    """Memory of a process that dances groove under physics, over and over, with one controller in one world.
+def memory_growth(minutes: float) -> dict[str, Any]:
+    """Memory of a process that dances groove under physics again and again, with one controller in one world.
 
     Returns:
         "readings", simulated time [s] and resident memory [MB] after each dance, its log freed; "slope_mb_min" of
@@ -80,7 +82,7 @@ def memory(minutes: float) -> dict[str, Any]:
     """
     robot = Robot.load("hrp2")
     motion = plan(recognise(read(find_clip("groove"))), robot).motion
-    controller, world = Controller(robot, planted(robot, motion), Cascade()), World(robot)
+    controller, world = Controller(robot, planted_stack(robot, motion), Cascade()), World(robot)
     readings: list[tuple[float, float]] = []
     while len(readings) * motion.duration < 60.0 * minutes:
         done = run(controller, world, motion)
@@ -90,13 +92,13 @@ def memory(minutes: float) -> dict[str, Any]:
             sum(getattr(done.log, column.name).nbytes for column in fields(RunLog) if column.type is np.ndarray) / 1e6
         )
         del done
-        readings.append(((len(readings) + 1) * motion.duration, _resident()))
+        readings.append(((len(readings) + 1) * motion.duration, _resident_mb()))
     times, sizes = np.array(readings[len(readings) // 2 :]).T
     slope = 60.0 * float(np.polyfit(times, sizes, 1)[0]) if len(times) > 1 else 0.0
     return {"readings": readings, "slope_mb_min": slope, "log_mb_s": log_mb / motion.duration}
 
 
-def _resident() -> float:
+def _resident_mb() -> float:
     """Memory that the process holds [MB]."""
     with open("/proc/self/statm", encoding="ascii") as file:
         return int(file.read().split()[1]) * 4096 / 1e6
@@ -109,9 +111,9 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=0.0, help="how long to dance and watch the memory (Linux)")
     parser.add_argument("--json", action="store_true", help="print the figures as JSON")
     args = parser.parse_args()
-    result: dict[str, Any] = {"reference_us": hot_reference_us(), "p50_us": grown(args.repeats)}
+    result: dict[str, Any] = {"reference_us": hot_reference_us(), "p50_us": median_solve_times(args.repeats)}
     if args.minutes:
-        result["memory"] = memory(args.minutes)
+        result["memory"] = memory_growth(args.minutes)
     if args.json:
         json.dump(result, sys.stdout, indent=2)
         return 0

@@ -30,16 +30,16 @@ from scenarios.replay import Replay, retarget
 from sim.reference import hot_reference_us
 from sim.world import World
 from solvers import Cascade, Level
-from solvers.reduction import Reduction, leading_of
+from solvers.reduction import Reduction, leading_count
 from sot.control.controller import Controller
 from sot.robots.robot import Robot
 
 Array = np.ndarray
 BACK_ENDS = ("proxqp", "quadprog", "daqp", "piqp")
-EQUALITY = 5  # DAQP's word for it
+DAQP_EQUALITY = 5  # DAQP's word for it
 
 
-class Recorded:
+class RecordingSolver:
     """A solver that keeps copies of what it is given."""
 
     name = "recorded"
@@ -62,26 +62,26 @@ def _copied(level: Level) -> Level:
     )
 
 
-def by_daqp(levels: Sequence[Level]) -> Array:
+def solve_with_daqp(levels: Sequence[Level]) -> Array:
     """x of DAQP's hierarchical mode."""
     A = np.vstack([part for level in levels for part in (level.C, level.A)])
     upper = np.concatenate([part for level in levels for part in (level.upper, level.b)])
     lower = np.concatenate([part for level in levels for part in (level.lower, level.b)])
     ends = np.cumsum([len(level.lower) + len(level.b) for level in levels]).astype(np.int32)
     sense = np.zeros(len(upper), dtype=np.int32)
-    sense[len(levels[0].lower) : ends[0]] = EQUALITY
+    sense[len(levels[0].lower) : ends[0]] = DAQP_EQUALITY
     x, _, status, _ = daqp.solve(None, None, A, upper, lower, sense, ends)
     return x if status > 0 else np.full(levels[0].size, np.nan)
 
 
-def by_daqp_reduced(levels: Sequence[Level]) -> Array:
+def solve_reduced_with_daqp(levels: Sequence[Level]) -> Array:
     """The same without level 0's equalities."""
-    reduction = Reduction.of(levels[0], leading_of(levels), 1e-7)
+    reduction = Reduction.of(levels[0], leading_count(levels), 1e-7)
     assert reduction is not None
-    return reduction.back(by_daqp(reduction.levels(levels)))
+    return reduction.full_solution(solve_with_daqp(reduction.reduced_levels(levels)))
 
 
-def by_chain(back_end: str) -> Callable[[Sequence[Level]], Array]:
+def qp_chain_solver(back_end: str) -> Callable[[Sequence[Level]], Array]:
     """One exact QP a level in (x, w); what a level has reached is an equality of those below."""
 
     def solve(levels: Sequence[Level]) -> Array:
@@ -97,21 +97,21 @@ def by_chain(back_end: str) -> Callable[[Sequence[Level]], Array]:
                 return np.full(n, np.nan)
             x = solution.x
             A, b = np.vstack([A, level.A]), np.concatenate([b, level.A @ x])
-            Q, R, _ = _independent(A)
+            Q, R, _ = _independent_rows(A)
             A, b = R, Q.T @ b
         return x
 
     return solve
 
 
-def _independent(A: Array) -> tuple[Array, Array, Array]:
+def _independent_rows(A: Array) -> tuple[Array, Array, Array]:
     """Orthonormal combinations of rows without those that others imply, as many back ends want them."""
     U, s, Vt = np.linalg.svd(A, full_matrices=False)
     keep = s > 1e-9 * s[0]
     return U[:, keep], s[keep, None] * Vt[keep], s
 
 
-def difference(levels: Sequence[Level], x: Array, reference: Array) -> float:
+def excess_violation(levels: Sequence[Level], x: Array, reference: Array) -> float:
     """Largest amount by which a level is violated more than in the reference answer, over 1 + its right-hand side."""
     if not np.isfinite(x).all():
         return np.inf
@@ -125,7 +125,9 @@ def difference(levels: Sequence[Level], x: Array, reference: Array) -> float:
     return worst
 
 
-def measured(ticks: Sequence[Sequence[Level]], solve: Callable[[Sequence[Level]], Array]) -> tuple[Array, list[Array]]:
+def times_and_answers(
+    ticks: Sequence[Sequence[Level]], solve: Callable[[Sequence[Level]], Array]
+) -> tuple[Array, list[Array]]:
     """Times [µs] and answers."""
     times, answers = np.empty(len(ticks)), []
     for k, levels in enumerate(ticks):
@@ -136,15 +138,15 @@ def measured(ticks: Sequence[Sequence[Level]], solve: Callable[[Sequence[Level]]
     return times, answers
 
 
-def recorded(clip: str, count: int) -> list[list[Level]]:
+def recorded_ticks(clip: str, count: int) -> list[list[Level]]:
     """Levels of ticks spread over a dance."""
     robot = Robot.load("hrp2")
     with TemporaryDirectory() as folder:
         request = Replay(clip, feet="planted")
         motion = retarget(request, Path(folder) / "motion.npz", lambda what, share: None).motion
     total = round(motion.duration * 1000.0)
-    recorder = Recorded(max(2, 2 * total // count))
-    controller, world = Controller(robot, stacks.planted(robot, motion), recorder), World(robot)
+    recorder = RecordingSolver(max(2, 2 * total // count))
+    controller, world = Controller(robot, stacks.planted_stack(robot, motion), recorder), World(robot)
     world.reset(motion.q[0], motion.v[0])
     for k in range(total):
         world.step(controller(0.001 * k, *world.state()).torque)
@@ -158,20 +160,20 @@ def main() -> int:
     parser.add_argument("--ticks", type=int, default=400, help="how many of its ticks are solved")
     parser.add_argument("--json", action="store_true", help="print the figures as JSON")
     args = parser.parse_args()
-    ticks = recorded(args.clip, args.ticks)
+    ticks = recorded_ticks(args.clip, args.ticks)
     cascade = Cascade()
     solvers = {
         "cascade": lambda levels: cascade.solve(levels).x,
-        "daqp": by_daqp,
-        "daqp, reduced": by_daqp_reduced,
-        **{f"chain of QPs, {name}": by_chain(name) for name in BACK_ENDS if name in qpsolvers.available_solvers},
+        "daqp": solve_with_daqp,
+        "daqp, reduced": solve_reduced_with_daqp,
+        **{f"chain of QPs, {name}": qp_chain_solver(name) for name in BACK_ENDS if name in qpsolvers.available_solvers},
     }
     figures = {}
     reference: list[Array] = []
     for name, solve in solvers.items():
-        times, answers = measured(ticks, solve)
+        times, answers = times_and_answers(ticks, solve)
         reference = reference or answers
-        off = [difference(levels, x, best) for levels, x, best in zip(ticks, answers, reference, strict=True)]
+        off = [excess_violation(levels, x, best) for levels, x, best in zip(ticks, answers, reference, strict=True)]
         figures[name] = {
             "p50_us": float(np.median(times)),
             "p99_us": float(np.percentile(times, 99)),

@@ -19,9 +19,9 @@ import numpy as np
 import pinocchio as pin
 from threadpoolctl import threadpool_limits
 
-from scenarios.bench import phases
+from scenarios.bench import phase_statistics
 from scenarios.replay import Replay, dance
-from scenarios.stacks import planted
+from scenarios.stacks import planted_stack
 from sim.log import RunLog
 from sim.reference import Reference
 from solvers import Cascade
@@ -29,17 +29,17 @@ from sot.control.controller import Controller
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 
-POINTS = ("waist", "left_foot", "right_foot")
-EVERY = 20  # ticks, between two runs of the reference computation
+POINT_NAMES = ("waist", "left_foot", "right_foot")
+TICKS_PER_REFERENCE = 20  # ticks, between two runs of the reference computation
 
 
 def robot_arrays(robot: Robot, q: np.ndarray) -> dict[str, Any]:
-    """What makes the robot, joint by joint after the free base, and what must come of it at a configuration (nq,)."""
+    """The robot as arrays, joint by joint after the free base, and its mass matrix at a configuration (nq,)."""
     model = robot.model
     data = model.createData()
-    frames = [model.frames[robot.point(name)] for name in POINTS]
+    frames = [model.frames[robot.point(name)] for name in POINT_NAMES]
     inertias = list(model.inertias)[1:]
-    axes = [_axis(model, joint) for joint in range(2, model.njoints)]
+    axes = [_joint_axis(model, joint) for joint in range(2, model.njoints)]
     return {
         "names": np.array(list(model.names)[2:]),
         "parents": np.array(list(model.parents)[2:]),
@@ -60,8 +60,8 @@ def robot_arrays(robot: Robot, q: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _axis(model: pin.Model, joint: int) -> np.ndarray:
-    """Of a joint that turns, in its own frame (3,)."""
+def _joint_axis(model: pin.Model, joint: int) -> np.ndarray:
+    """Axis (3,) of a revolute joint in its own frame."""
     data = model.createData()
     pin.computeJointJacobians(model, data, pin.neutral(model))
     column = model.joints[joint].idx_v
@@ -69,7 +69,7 @@ def _axis(model: pin.Model, joint: int) -> np.ndarray:
 
 
 def tick_arrays(motion: Motion, log: RunLog) -> dict[str, Any]:
-    """States of a run, and what the planted stack is to reach then."""
+    """States of a run, and the references of the planted stack at these times."""
     rows = np.round(log.time * motion.rate).astype(int)
     waist = motion.track("waist")
     return {
@@ -84,8 +84,8 @@ def tick_arrays(motion: Motion, log: RunLog) -> dict[str, Any]:
 
 
 def own_figures(motion: Motion, log: RunLog) -> dict[str, Any]:
-    """What a tick of our controller costs on the states of a run."""
-    controller = Controller(motion.robot, planted(motion.robot, motion), Cascade(), log.period)
+    """Time of a tick of our controller on the states of a run."""
+    controller = Controller(motion.robot, planted_stack(motion.robot, motion), Cascade(), log.period)
     again, reference = RunLog.allocate(motion.robot, log.ticks), Reference()
     with threadpool_limits(1):
         for k in range(log.ticks):
@@ -94,10 +94,10 @@ def own_figures(motion: Motion, log: RunLog) -> dict[str, Any]:
             again.tick_us[k] = 1e6 * (perf_counter() - start)
             again.model_us[k], again.assemble_us[k] = command.model_us, command.assemble_us
             again.solve_us[k] = command.solve_us
-            if k % EVERY == 0:
+            if k % TICKS_PER_REFERENCE == 0:
                 reference()
     name = "this controller, in a tight loop"
-    return {"name": name, "ticks": log.ticks, "tick_us": phases(again), "reference_us": reference.median_us}
+    return {"name": name, "ticks": log.ticks, "tick_us": phase_statistics(again), "reference_us": reference.median_us}
 
 
 def main() -> int:
@@ -108,10 +108,10 @@ def main() -> int:
     args = parser.parse_args()
     danced = dance(Replay("groove", start=2.0, duration=args.seconds), lambda what, share: None)
     motion, log = danced.motion, danced.run.log.trimmed()
-    contacts = planted(motion.robot, motion).contacts
+    contacts = planted_stack(motion.robot, motion).contacts
     soles = {"soles": np.array([contact.vertices for contact in contacts]), "friction": contacts[0].friction}
     arrays = robot_arrays(motion.robot, log.q[0]) | soles | tick_arrays(motion, log)
-    np.savez_compressed(args.file, points=np.array(POINTS), **arrays)
+    np.savez_compressed(args.file, points=np.array(POINT_NAMES), **arrays)
     print(json.dumps(own_figures(motion, log), indent=2))
     return 0
 

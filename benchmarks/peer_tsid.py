@@ -31,9 +31,9 @@ import pinocchio as pin
 VERSION = "1.7.1"
 KP, KD = 100.0, 20.0  # as in the stack
 WEIGHTS = {"com": 1.0, "waist": 0.1, "posture": 0.01, "forces": 1e-5}
-LARGEST_FORCE = 1e4  # N, of a foot: no limit
-EVERY = 20  # ticks, between two runs of the reference computation
-SHARES = {"p50": 50.0, "p95": 95.0, "p99": 99.0}
+MAX_FOOT_FORCE = 1e4  # N, of a foot: no limit
+TICKS_PER_REFERENCE = 20  # ticks, between two runs of the reference computation
+PERCENTILES = {"p50": 50.0, "p95": 95.0, "p99": 99.0}
 
 
 def load_tsid() -> ModuleType:
@@ -80,7 +80,7 @@ def _revolute(axis: np.ndarray) -> Any:
     return pin.JointModelRevoluteUnaligned(axis)
 
 
-class Peer:
+class TsidController:
     """TSID's controller with the tasks of the planted stack."""
 
     def __init__(self, tsid: ModuleType, ticks: Any) -> None:
@@ -92,7 +92,7 @@ class Peer:
         self._dynamics.computeProblemData(0.0, ticks["q"][0], ticks["v"][0])
         self._kept: list[Any] = []  # TSID refers to what it is given, and does not keep it alive
         for foot, sole in zip(ticks["points"][1:].tolist(), ticks["soles"], strict=True):
-            self._stand(foot, sole, float(ticks["friction"]) / np.sqrt(2.0))
+            self._add_contact(foot, sole, float(ticks["friction"]) / np.sqrt(2.0))
 
         self._com, self._posture = tsid.TaskComEquality("com", robot), tsid.TaskJointPosture("posture", robot)
         self._waist = tsid.TaskSE3Equality("waist", robot, "waist")
@@ -103,7 +103,7 @@ class Peer:
         self._waist.setMask(np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0]))  # before it is added, which fixes its size
         for task in (self._com, self._waist, self._posture):
             self._dynamics.addMotionTask(task, WEIGHTS[task.name], 1, 0.0)
-        self._bound()
+        self._add_bounds()
         self._solver = tsid.SolverHQuadProgFast("solver")
         self._solver.resize(self._dynamics.nVar, self._dynamics.nEq, self._dynamics.nIn)
         self._samples = [tsid.TrajectorySample(3), tsid.TrajectorySample(12, 6), tsid.TrajectorySample(joints)]
@@ -118,7 +118,7 @@ class Peer:
         )
 
     @property
-    def size(self) -> dict[str, int]:
+    def problem_size(self) -> dict[str, int]:
         """Of the quadratic program."""
         return {
             "variables": self._dynamics.nVar,
@@ -126,16 +126,16 @@ class Peer:
             "inequalities": self._dynamics.nIn,
         }
 
-    def _stand(self, foot: str, sole: np.ndarray, friction: float) -> None:
+    def _add_contact(self, foot: str, sole: np.ndarray, friction: float) -> None:
         corners, normal = np.asfortranarray(sole.T), np.array([0.0, 0.0, 1.0])
-        contact = self._tsid.Contact6d(foot, self._robot, foot, corners, normal, friction, 0.0, LARGEST_FORCE)
+        contact = self._tsid.Contact6d(foot, self._robot, foot, corners, normal, friction, 0.0, MAX_FOOT_FORCE)
         contact.setKp(KP * np.ones(6))
         contact.setKd(KD * np.ones(6))
         contact.setReference(self._robot.framePosition(self._dynamics.data(), self._robot.model().getFrameId(foot)))
         self._dynamics.addRigidContact(contact, WEIGHTS["forces"], 1.0, 0)
         self._kept.append(contact)
 
-    def _bound(self) -> None:
+    def _add_bounds(self) -> None:
         ticks, robot = self._ticks, self._robot
         torque = self._tsid.TaskActuationBounds("torque", robot)
         torque.setBounds(-ticks["effort"], ticks["effort"])
@@ -166,9 +166,9 @@ class Peer:
         return built - start, solved - built, solution.status == 0 and bool(np.isfinite(torque).all())
 
 
-def statistics(times: np.ndarray) -> dict[str, float]:
+def statistics_us(times: np.ndarray) -> dict[str, float]:
     """Of times [s], in microseconds."""
-    return {key: float(1e6 * np.percentile(times, share)) for key, share in SHARES.items()} | {
+    return {key: float(1e6 * np.percentile(times, share)) for key, share in PERCENTILES.items()} | {
         "mean": float(1e6 * np.mean(times))
     }
 
@@ -187,20 +187,24 @@ def main() -> int:
     args = parser.parse_args()
     with np.load(args.file) as file:
         ticks = {name: file[name] for name in file.files}
-    peer = Peer(load_tsid(), ticks)
+    peer = TsidController(load_tsid(), ticks)
     count = len(ticks["q"])
     matrix, reference, rows = np.random.default_rng(0).normal(size=(62, 18)), [], []
     for k in range(count):
         rows.append(peer(k))
-        if k % EVERY == 0:
+        if k % TICKS_PER_REFERENCE == 0:
             reference.append(reference_us(matrix))
     build, solve, solved = (np.array(column) for column in zip(*rows, strict=True))
     figures = {
         "name": f"TSID {VERSION}, in a tight loop",
         "ticks": count,
         "unsolved": int(np.count_nonzero(~solved)),
-        "size": peer.size,
-        "tick_us": {"whole": statistics(build + solve), "build": statistics(build), "solve": statistics(solve)},
+        "size": peer.problem_size,
+        "tick_us": {
+            "whole": statistics_us(build + solve),
+            "build": statistics_us(build),
+            "solve": statistics_us(solve),
+        },
         "reference_us": float(np.median(reference)),
     }
     print(json.dumps(figures, indent=2))

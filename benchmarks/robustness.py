@@ -27,11 +27,11 @@ from solvers import Cascade
 from sot.control.controller import Controller
 from sot.motion import read, recognise
 from sot.motion.plan import plan
-from sot.motion.trajectory import FIELDS, Motion
+from sot.motion.trajectory import SAVED_FIELDS, Motion
 from sot.robots.robot import Robot
 
-BEFORE, AFTER = 0.4, 2.6  # s of the dance around the beginning of a push
-CALM = 2.0  # s at both ends of the clip in which nobody is pushed
+TIME_BEFORE_PUSH, TIME_AFTER_PUSH = 0.4, 2.6  # s of the dance before and after the beginning of a push
+UNPUSHED_TIME = 2.0  # s at both ends of the clip in which nobody is pushed
 MISMATCHES = {
     "none": NO_MISMATCH,
     "mass +10 %": Mismatch(mass=1.1),
@@ -42,29 +42,36 @@ MISMATCHES = {
 }
 
 
-def around(motion: Motion, t: float) -> Motion:
-    """The part of a motion on planted feet around a time."""
-    rows = slice(round((t - BEFORE) * motion.rate), round((t + AFTER) * motion.rate) + 1)
-    parts = {name: getattr(motion, name)[rows] for name in FIELDS}
-    phase = replace(motion.phases[0], start=0.0, end=BEFORE + AFTER)
+def part_around(motion: Motion, t: float) -> Motion:
+    """The part of a motion on planted feet around a time [s]."""
+    rows = slice(round((t - TIME_BEFORE_PUSH) * motion.rate), round((t + TIME_AFTER_PUSH) * motion.rate) + 1)
+    parts = {name: getattr(motion, name)[rows] for name in SAVED_FIELDS}
+    phase = replace(motion.phases[0], start=0.0, end=TIME_BEFORE_PUSH + TIME_AFTER_PUSH)
     return Motion(motion.robot, motion.rate, **parts, phases=(phase,))
 
 
-def danced(motion: Motion, mismatch: Mismatch = NO_MISMATCH, pushes: tuple[Push, ...] = ()) -> Run:
-    """The shipped stack on a motion."""
+def run_with_shipped_stack(motion: Motion, mismatch: Mismatch = NO_MISMATCH, pushes: tuple[Push, ...] = ()) -> Run:
+    """Run the shipped stack on a motion."""
     robot, period = motion.robot, 1.0 / motion.rate
-    stack, schedule = stacks.steps(robot, motion), stacks.stepping(robot, motion)
+    stack, schedule = stacks.stepping_stack(robot, motion), stacks.stepping_schedule(robot, motion)
     controller = Controller(robot, stack, Cascade(), period, schedule)
     return run(controller, World(robot, period, mismatch, pushes), motion)
 
 
-def pushed(motion: Motion, impulse: float, count: int, seed: int) -> Iterator[tuple[float, float, Run]]:
+def runs_with_pushes(motion: Motion, impulse: float, count: int, seed: int) -> Iterator[tuple[float, float, Run]]:
     """Time [s] and direction [rad] of random pushes, and how each ended."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
-        t, direction = rng.uniform(CALM, motion.duration - CALM - AFTER), rng.uniform(0.0, 2.0 * np.pi)
+        t, direction = (
+            rng.uniform(UNPUSHED_TIME, motion.duration - UNPUSHED_TIME - TIME_AFTER_PUSH),
+            rng.uniform(0.0, 2.0 * np.pi),
+        )
         force = impulse / 0.1 * np.array([np.cos(direction), np.sin(direction), 0.0])
-        yield t, direction, danced(around(motion, t), pushes=(Push(BEFORE, tuple(force.tolist())),))
+        yield (
+            t,
+            direction,
+            run_with_shipped_stack(part_around(motion, t), pushes=(Push(TIME_BEFORE_PUSH, tuple(force.tolist())),)),
+        )
 
 
 def main() -> int:
@@ -83,7 +90,7 @@ def main() -> int:
     if args.mismatches:
         table = Table("", "ending", "zmp inside, %", "slip, mm", "infeasible ticks", box=None, padding=(0, 2, 0, 0))
         for name, mismatch in MISMATCHES.items():
-            ended = danced(motion, mismatch)
+            ended = run_with_shipped_stack(motion, mismatch)
             log = ended.log.trimmed()
             table.add_row(
                 *(name, "upright" if ended.fell_at_s is None else f"fell at {ended.fell_at_s:.1f} s"),
@@ -95,7 +102,7 @@ def main() -> int:
         return 0
     for impulse in args.impulse:
         falls = []
-        for t, direction, ended in pushed(motion, impulse, args.count, args.seed):
+        for t, direction, ended in runs_with_pushes(motion, impulse, args.count, args.seed):
             if ended.fell_at_s is not None:
                 falls.append(f"t = {t:.2f} s, {np.degrees(direction):.0f}°: {ended.reason}")
         console.print(f"{impulse:g} N s: {args.count - len(falls)} of {args.count} survived")

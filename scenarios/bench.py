@@ -1,4 +1,4 @@
-"""What a tick costs, phase by phase, in a dance under physics rather than in a loop of its own."""
+"""Time of a control tick, phase by phase, in a dance under physics."""
 
 import json
 import math
@@ -12,17 +12,18 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from scenarios.replay import RECORDING, Replay, Tell, dance
+from scenarios.replay import RECORDING_FILE, ProgressCallback, Replay, dance
 from sim.log import RunLog
 from sim.reference import Reference, hot_reference_us
 from sim.reporting.report import figure_at
 from sot.errors import InputError
+from sot.text_file import read_text
 
 PHASES = ("model", "assemble", "solve", "rest")
-STATISTICS = {"p50": 50.0, "p95": 95.0, "p99": 99.0}
+PERCENTILES = {"p50": 50.0, "p95": 95.0, "p99": 99.0}
 
-# What a comparison says: place in the figures, words, whether it scales with the machine, digits after the point.
-LINES: tuple[tuple[str, str, bool, int], ...] = (
+# Lines of a comparison: path in the figures, words, whether it scales with the machine, digits after the point.
+COMPARISON_LINES: tuple[tuple[str, str, bool, int], ...] = (
     ("tick_us.whole.p50", "tick, median [µs]", True, 0),
     ("tick_us.whole.p95", "tick, 95th percentile [µs]", True, 0),
     ("tick_us.whole.p99", "tick, 99th percentile [µs]", True, 0),
@@ -35,8 +36,8 @@ LINES: tuple[tuple[str, str, bool, int], ...] = (
 )
 
 
-def bench(request: Replay, tell: Tell) -> dict[str, Any]:
-    """Dance a clip and time it; the reference computation runs between ticks now and then, on as cold a cache.
+def benchmark_figures(request: Replay, tell: ProgressCallback) -> dict[str, Any]:
+    """Figures of the time that a dance takes; a reference computation runs between ticks, on as cold a cache.
 
     Returns:
         The figures, as `sot bench --json` prints them. The phases' means add up to that of the whole; "rest" is what a
@@ -56,7 +57,7 @@ def bench(request: Replay, tell: Tell) -> dict[str, Any]:
     run = danced.run
     tell("recording", None)
     with tempfile.TemporaryDirectory() as folder:
-        wall = run.wall_s - 1e-6 * sum(reference.times_us) + danced.record(Path(folder) / RECORDING)
+        wall = run.wall_s - 1e-6 * sum(reference.times_us) + danced.write_recording(Path(folder) / RECORDING_FILE)
     log = run.log.trimmed()
     return {
         "clip": danced.info.clip,
@@ -65,7 +66,7 @@ def bench(request: Replay, tell: Tell) -> dict[str, Any]:
         "rate_hz": request.rate,
         "ticks": log.ticks,
         "fell": run.fell_at_s is not None,
-        "tick_us": phases(log),
+        "tick_us": phase_statistics(log),
         "late_percent": 100.0 * float(np.mean(log.tick_us > 1e6 * log.period)),
         "real_time_factor": log.ticks * log.period / wall,
         "retarget_frames_per_s": danced.plan.retarget["frames_per_s"] if danced.plan else None,
@@ -73,12 +74,12 @@ def bench(request: Replay, tell: Tell) -> dict[str, Any]:
     }
 
 
-def phases(log: RunLog) -> dict[str, dict[str, float]]:
+def phase_statistics(log: RunLog) -> dict[str, dict[str, float]]:
     """Statistics of the whole tick and of its phases [µs]; the means of the phases add up to the whole's."""
     parts = {"model": log.model_us, "assemble": log.assemble_us, "solve": log.solve_us}
     times = {"whole": log.tick_us, **parts, "rest": log.tick_us - sum(parts.values())}
     return {
-        name: {key: float(np.percentile(values, share)) for key, share in STATISTICS.items()}
+        name: {key: float(np.percentile(values, share)) for key, share in PERCENTILES.items()}
         | {"mean": float(np.mean(values))}
         for name, values in times.items()
     }
@@ -91,10 +92,8 @@ def read_figures(path: Path) -> dict[str, Any]:
         InputError: no such file, or something else in it.
     """
     try:
-        figures = json.loads(path.read_text(encoding="utf-8"))
-        complete = all(math.isfinite(figure_at(figures, place) or 0.0) for place, *_ in LINES)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+        figures = json.loads(read_text(path))
+        complete = all(math.isfinite(figure_at(figures, place) or 0.0) for place, *_ in COMPARISON_LINES)
     except (ValueError, KeyError, TypeError):
         complete = False
     if not complete:
@@ -107,11 +106,13 @@ def show(figures: Mapping[str, Any], console: Console, against: Mapping[str, Any
     _title(figures, console)
     if against is None:
         _show_phases(figures, console)
-        lines: Sequence[tuple[str, str, bool, int]] = [line for line in LINES if not line[0].startswith("tick_us")]
+        lines: Sequence[tuple[str, str, bool, int]] = [
+            line for line in COMPARISON_LINES if not line[0].startswith("tick_us")
+        ]
     else:
         console.print("Against: ", end="")
         _title(against, console)
-        lines = LINES
+        lines = COMPARISON_LINES
     table = Table(box=None, padding=(0, 2, 0, 0), show_header=against is not None)
     table.add_column("", no_wrap=True)
     for head in ("this", "that", "ratio", "in references") if against is not None else ("",):
@@ -120,7 +121,7 @@ def show(figures: Mapping[str, Any], console: Console, against: Mapping[str, Any
         values = [figure_at(each, place) for each in (figures, against) if each is not None]
         row = ["-" if value is None else f"{value:.{digits}f}" for value in values]
         if against is not None:
-            row += _ratios(values, scales, figures, against)
+            row += _formatted_ratios(values, scales, figures, against)
         table.add_row(escape(words), *row)
     console.print(table)
 
@@ -138,7 +139,7 @@ def _title(figures: Mapping[str, Any], console: Console) -> None:
 def _show_phases(figures: Mapping[str, Any], console: Console) -> None:
     table = Table(box=None, padding=(0, 2, 0, 0))
     table.add_column("µs a tick", no_wrap=True)
-    heads = (*STATISTICS, "mean")
+    heads = (*PERCENTILES, "mean")
     for head in (*heads, "mean in references"):
         table.add_column(head, justify="right")
 
@@ -154,7 +155,7 @@ def _show_phases(figures: Mapping[str, Any], console: Console) -> None:
     console.print(table)
 
 
-def _ratios(
+def _formatted_ratios(
     values: Sequence[float | None], scales: bool, figures: Mapping[str, Any], against: Mapping[str, Any]
 ) -> tuple[str, str]:
     """Ratio of two values, and that of the two counted in each machine's reference."""

@@ -3,7 +3,7 @@
 import json
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from enum import StrEnum
 from pathlib import Path
@@ -16,15 +16,29 @@ from rich.table import Table
 
 import tasks
 from scenarios import viewer
-from scenarios.bench import bench, read_figures
+from scenarios.bench import benchmark_figures, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.inputs import clips
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.page import write_page
-from scenarios.peers import read_peer
-from scenarios.replay import RECORDING, REPORT, SOLVERS, Replay, Tell, check_writable, make_solver, replay, retarget
-from scenarios.studies import DANCED, SCENARIOS, is_file, own_solver, run_scenario
-from scenarios.suite import SUITES, bench_suite, pieces
+from scenarios.peers import read_peer_figures
+from scenarios.replay import (
+    RECORDING_FILE,
+    REPORT_FILE,
+    SOLVERS,
+    ProgressCallback,
+    Replay,
+    check_writable,
+    make_solver,
+    replay,
+    retarget,
+)
+from scenarios.robots.bench import bench_robots, robot_pieces, show_robots
+from scenarios.robots.check import check
+from scenarios.robots.findings import print_findings, stopping
+from scenarios.robots.new import new, print_evidence
+from scenarios.studies import MOTION_SCENARIOS, SCENARIOS, default_solver, is_file, run_scenario
+from scenarios.suite import SUITES, bench_suite, suite_pieces
 from scenarios.suite import show as show_suite
 from sim.reporting.report import print_table
 from sot.control import Task
@@ -32,16 +46,18 @@ from sot.errors import InputError
 from sot.robots.robot import Robot, robot_names
 
 DONE, FELL, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
-TRACEBACK = "SOT_TRACEBACK"
+TRACEBACK_VARIABLE = "SOT_TRACEBACK"
 
 app = typer.Typer(
     help="A human dances; a stack of prioritised tasks makes a torque-controlled humanoid dance it under physics.",
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-PIPE_WIDTH = 200
+robot_app = typer.Typer(help="Make a robot file from a model, and see whether it will work.", no_args_is_help=True)
+app.add_typer(robot_app, name="robot")
+PIPE_WIDTH_COLUMNS = 200
 """Columns of tables that are not printed on a terminal, where nobody can make the window wider."""
-output, messages = Console(width=None if sys.stdout.isatty() else PIPE_WIDTH), Console(stderr=True)
+output, messages = Console(width=None if sys.stdout.isatty() else PIPE_WIDTH_COLUMNS), Console(stderr=True)
 
 Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .npz) or a name of `sot list clips`.")]
 RobotName = Annotated[str, typer.Option("--robot", help="A name of `sot list robots`, or a robot file (.toml).")]
@@ -54,7 +70,7 @@ Pushes = Annotated[
     list[str] | None,
     typer.Option("--push", help='A push, like "t=5 force=80,0,0 duration=0.1 body=chest" [s, N]; may be repeated.'),
 ]
-Differs = Annotated[
+MismatchText = Annotated[
     str,
     typer.Option(
         "--mismatch",
@@ -63,7 +79,11 @@ Differs = Annotated[
 ]
 Contacts = Annotated[Path | None, typer.Option(help="File (.toml) of the steps, as `sot retarget -o` writes it.")]
 EditFile = Annotated[Path | None, typer.Option("--edit", help="File (.toml) of edits of the dance: docs/editing.md.")]
-Mapping = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
+UpAxis = Annotated[
+    str | None,
+    typer.Option("--up", help="Up axis of the clip's file: x, y, z, -x, -y or -z; found in the clip by default."),
+]
+MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
 
 
 class Kind(StrEnum):
@@ -86,22 +106,27 @@ def replay_command(
     start: Start = 0.0,
     duration: Duration = None,
     rate: Rate = 1000.0,
-    mapping: Mapping = None,
+    mapping: MappingFile = None,
+    up: UpAxis = None,
     contacts: Contacts = None,
     edit: EditFile = None,
     push: Pushes = None,
-    mismatch: Differs = "",
+    mismatch: MismatchText = "",
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/CLIP by default.")] = None,
     view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
 ) -> int:
     """Let a robot dance a clip under physics; record it and report on it."""
+    if view:
+        viewer.check_display()
     folder = out or Path("runs") / Path(clip).stem
     pushes = tuple(parse_push(text) for text in push or ())
     changed = parse_mismatch(mismatch)
-    request = Replay(clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts, edit)
+    request = Replay(
+        clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts, edit, up
+    )
     with _progress() as tell:
         report = replay(request, folder, tell)
-    status = _reported(report, folder)
+    status = _show_report(report, folder)
     if view:
         view_command(folder)
     return status
@@ -117,12 +142,12 @@ def run_command(
     solver: Annotated[str | None, typer.Option(help="A name of `sot list solvers`; the scenario's by default.")] = None,
     rate: Rate = 1000.0,
     push: Pushes = None,
-    mismatch: Differs = "",
+    mismatch: MismatchText = "",
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/NAME by default.")] = None,
 ) -> int:
     """Run a scenario; record it and report on it."""
     pushes, changed = tuple(parse_push(text) for text in push or ()), parse_mismatch(mismatch)
-    chosen = solver or own_solver(scenario)
+    chosen = solver or default_solver(scenario)
     request = Replay(
         "",
         robot,
@@ -138,8 +163,8 @@ def run_command(
     with _progress() as tell:
         report, show_own = run_scenario(scenario, clip, request, folder, tell)
     status = FELL if report.get("fell") else DONE
-    if scenario in DANCED or is_file(scenario):
-        status = _reported(report, folder)
+    if scenario in MOTION_SCENARIOS or is_file(scenario):
+        status = _show_report(report, folder)
     if show_own:
         show_own(report, output)
         output.print(f"\nWritten: {', '.join(str(path) for path in sorted(folder.iterdir()))}", soft_wrap=True)
@@ -154,20 +179,21 @@ def retarget_command(
     start: Start = 0.0,
     duration: Duration = None,
     rate: Rate = 1000.0,
-    mapping: Mapping = None,
+    mapping: MappingFile = None,
+    up: UpAxis = None,
     contacts: Contacts = None,
     out: Annotated[Path, typer.Option("--out", "-o", help="File to write.")] = Path("motion.npz"),
 ) -> int:
     """Plan a robot's motion for a clip, without physics, and write it (.npz), or the dancer's steps (.toml), to a file
     that `sot replay` takes."""
     request = Replay(
-        clip, robot, feet=feet, start=start, duration=duration, rate=rate, mapping=mapping, contacts=contacts
+        clip, robot, feet=feet, start=start, duration=duration, rate=rate, mapping=mapping, contacts=contacts, up=up
     )
     with _progress() as tell:
         planned = retarget(request, out, tell)
     if out.suffix == ".toml":
         output.print(f"{out}: {len(planned.travel.dancer) if planned.travel else 0} steps", soft_wrap=True)
-        _remark(planned.remarks)
+        _print_remarks(planned.remarks)
         return DONE
     figures = planned.retarget
     output.print(
@@ -175,7 +201,7 @@ def retarget_command(
         f"{1e3 * figures['key_point_rms_m']:.0f} mm from the scaled human's, {figures['frames_per_s']:.0f} frames/s",
         soft_wrap=True,
     )
-    _remark(planned.remarks)
+    _print_remarks((*planned.motion.robot.remarks, *planned.remarks))
     return DONE
 
 
@@ -185,7 +211,7 @@ def view_command(
     web: Annotated[bool, typer.Option("--web", help="In the browser.")] = False,
 ) -> int:
     """Open a recording in rerun's viewer."""
-    path = recording / RECORDING if recording.is_dir() else recording
+    path = recording / RECORDING_FILE if recording.is_dir() else recording
     if not path.is_file():
         raise InputError(f"{path}: no such recording; `sot replay CLIP --out DIR` makes one")
     if not web:
@@ -215,7 +241,7 @@ def report_command(
 def list_command(kind: Annotated[Kind, typer.Argument(help="What to list.")]) -> int:
     """List what there is to choose from."""
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
-    for row in _listed(kind):
+    for row in _list_rows(kind):
         table.add_row(*row)
     output.print(table)
     return DONE
@@ -236,20 +262,29 @@ def bench_command(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="The figures as JSON instead of a table.")] = False,
     suite: Annotated[str | None, typer.Option(help="dance: many clips, and a row of figures each.")] = None,
+    robots: Annotated[bool, typer.Option("--robots", help="All named robots, and a row of figures a dance.")] = False,
     feet: Annotated[str, typer.Option(help="With --suite: what `sot replay --feet` takes.")] = "auto",
-    mocap: Annotated[Path | None, typer.Option(help="With --suite: a folder of more clips (.bvh, .amc).")] = None,
-    out: Annotated[Path | None, typer.Option(help="With --suite: folder to keep recordings and reports in.")] = None,
+    mocap: Annotated[Path | None, typer.Option(help="With --suite or --robots: a folder of more clips.")] = None,
+    out: Annotated[Path | None, typer.Option(help="With either: folder to keep recordings and reports in.")] = None,
 ) -> int:
     """Dance a clip and say what a tick costs, phase by phase; or dance a suite of clips and say how they went."""
+    common = Replay("", robot, solver=solver, rate=rate, feet=feet)
+    if robots:
+        check_writable(out or Path())
+        make_solver(solver)
+        dances = robot_pieces(mocap)
+        with _progress() as tell:
+            table = bench_robots(common, dances, out, tell)
+        return _shown_table(table, show_robots, as_json)
     if suite is not None:
-        return _bench_suite(Replay("", robot, solver=solver, rate=rate, feet=feet), suite, mocap, out, as_json)
+        return _bench_suite(common, suite, mocap, out, as_json)
     if against and peer:
         raise InputError("--against and --peer: one table compares two runs, the other one shows peers; choose one")
     others = read_figures(against) if against else None
-    peers = [read_peer(path) for path in peer or ()]
+    peers = [read_peer_figures(path) for path in peer or ()]
     request = Replay(clip, robot, solver=solver, start=start, duration=duration, rate=rate)
     with _progress() as tell:
-        figures = bench(request, tell) | ({"peers": peers} if peers else {})
+        figures = benchmark_figures(request, tell) | ({"peers": peers} if peers else {})
     if as_json:
         print(json.dumps(figures, indent=2))
     else:
@@ -257,20 +292,42 @@ def bench_command(
     return FELL if figures["fell"] else DONE
 
 
+@robot_app.command("new")
+def robot_new_command(
+    model: Annotated[Path, typer.Argument(help="A humanoid's model (.xml, .urdf).")],
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="File to write; MODEL.toml by default.")] = None,
+) -> int:
+    """Guess the robot file of a model, say how sure that is, draw it, and check it."""
+    written = new(model, out)
+    print_evidence(written.found, output)
+    output.print(f"\nWritten: {written.file}, {written.picture}\n", soft_wrap=True)
+    return robot_check_command(str(written.file))
+
+
+@robot_app.command("check")
+def robot_check_command(
+    robot: Annotated[str, typer.Argument(metavar="FILE", help="A robot file (.toml), or a name of `sot list robots`.")],
+) -> int:
+    """Say all that will not work of a robot file; exit status 2 if something stops it."""
+    findings = check(robot)
+    print_findings(findings, output)
+    return BAD_INPUT if stopping(findings) else DONE
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit status; errors are one line each, on stderr."""
     try:
         return int(app(arguments, prog_name="sot", standalone_mode=False) or DONE)
     except InputError as error:
-        return _fail(BAD_INPUT, str(error))
+        return _print_error(BAD_INPUT, str(error))
     except typer.TyperException as error:
-        return _fail(BAD_INPUT, f"{_message(error)}; `sot --help` and `sot COMMAND --help` say what goes")
+        return _print_error(BAD_INPUT, f"{_error_message(error)}; `sot --help` and `sot COMMAND --help` say what goes")
     except (KeyboardInterrupt, typer.Abort):
-        return _fail(INTERRUPTED, "interrupted")
+        return _print_error(INTERRUPTED, "interrupted")
     except Exception as error:
-        if os.environ.get(TRACEBACK):
+        if os.environ.get(TRACEBACK_VARIABLE):
             raise
-        return _fail(FAILED, f"{type(error).__name__}: {error}; {TRACEBACK}=1 shows where")
+        return _print_error(FAILED, f"{type(error).__name__}: {error}; {TRACEBACK_VARIABLE}=1 shows where")
 
 
 @app.callback(invoke_without_command=True)
@@ -279,15 +336,15 @@ def _without_command(context: typer.Context) -> None:
         print(context.get_help())
 
 
-def _reported(report: dict[str, Any], folder: Path) -> int:
+def _show_report(report: dict[str, Any], folder: Path) -> int:
     """Show a report, and say by which status a run ended."""
     print_table([report], output)
-    _remark((*report["remarks"], *report["edits"]))
-    output.print(f"\nWritten: {folder / RECORDING}, {folder / REPORT}", soft_wrap=True)
+    _print_remarks((*report["remarks"], *report["edits"]))
+    output.print(f"\nWritten: {folder / RECORDING_FILE}, {folder / REPORT_FILE}", soft_wrap=True)
     return FELL if report["fell"] else DONE
 
 
-def _remark(sentences: Sequence[str]) -> None:
+def _print_remarks(sentences: Sequence[str]) -> None:
     for sentence in sentences:
         output.print(f"\n{sentence}", soft_wrap=True, highlight=False)
 
@@ -298,27 +355,32 @@ def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | No
     check_writable(out or Path())
     make_solver(request.solver)
     Robot.load(request.robot)
-    chosen = pieces(mocap)
+    chosen = suite_pieces(mocap)
     with _progress() as tell:
         table = bench_suite(request, chosen, out, tell)
+    return _shown_table(table, show_suite, as_json)
+
+
+def _shown_table(table: dict[str, Any], show: Callable[[dict[str, Any], Console], None], as_json: bool) -> int:
+    """Print a table of dances, and say by which status it ended."""
     if as_json:
         print(json.dumps(table, indent=2))
     else:
-        show_suite(table, output)
-    return DONE if table["summary"]["successes"] == len(chosen) else FELL
+        show(table, output)
+    return DONE if table["summary"]["successes"] == table["summary"]["clips"] else FELL
 
 
-def _message(error: Exception) -> str:
+def _error_message(error: Exception) -> str:
     return str(getattr(error, "format_message", lambda: error)()).rstrip(".")
 
 
-def _fail(status: int, message: str) -> int:
+def _print_error(status: int, message: str) -> int:
     print(f"sot: {' '.join(message.split())}", file=sys.stderr)
     return status
 
 
 @contextmanager
-def _progress() -> Iterator[Tell]:
+def _progress() -> Iterator[ProgressCallback]:
     """A bar on a terminal, nothing in a pipe."""
     bar = Progress(
         TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(), console=messages, transient=True
@@ -328,7 +390,7 @@ def _progress() -> Iterator[Tell]:
         yield lambda what, share: bar.update(task, description=what, total=share and 1.0, completed=share or 0.0)
 
 
-def _listed(kind: Kind) -> Iterator[tuple[str, ...]]:
+def _list_rows(kind: Kind) -> Iterator[tuple[str, ...]]:
     match kind:
         case Kind.CLIPS:
             for clip in clips.named_clips():

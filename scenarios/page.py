@@ -1,4 +1,4 @@
-"""`sot report`: the folders of runs, as one page."""
+"""`sot report`: one page of one run or several."""
 
 import json
 import math
@@ -6,12 +6,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from scenarios.replay import REPORT, TRACES, check_writable
+from scenarios.replay import REPORT_FILE, TRACES_FILE, check_writable
 from sim.reporting import page
 from sim.reporting.traces import Traces
 from sot.errors import InputError
+from sot.text_file import read_text
 
-PAGE, COMPARISON = "report.html", "comparison.html"
+PAGE_FILE, COMPARISON_FILE = "report.html", "comparison.html"
 
 
 def write_page(folders: Sequence[Path], out: Path | None = None) -> Path:
@@ -32,10 +33,10 @@ def write_page(folders: Sequence[Path], out: Path | None = None) -> Path:
     if repeated is not None:
         raise InputError(f"{repeated}: given twice; name each run once")
     if out is None:
-        out = folders[0] / PAGE if len(folders) == 1 else folders[0].absolute().parent / COMPARISON
+        out = folders[0] / PAGE_FILE if len(folders) == 1 else folders[0].absolute().parent / COMPARISON_FILE
     if out.suffix not in (".html", ".htm") or out.is_dir():
         raise InputError(f"{out}: a page is written to a file that ends in .html")
-    runs = [_read(folder) for folder in folders]
+    runs = [_read_run(folder) for folder in folders]
     check_writable(out.parent)
     out.parent.mkdir(parents=True, exist_ok=True)
     names = [place.name for place in places]
@@ -45,23 +46,25 @@ def write_page(folders: Sequence[Path], out: Path | None = None) -> Path:
     return out
 
 
-def _read(folder: Path) -> tuple[Mapping[str, Any], Traces]:
+def _read_run(folder: Path) -> tuple[Mapping[str, Any], Traces]:
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder; `sot replay CLIP --out DIR` makes a run")
-    for name in (REPORT, TRACES):
+    for name in (REPORT_FILE, TRACES_FILE):
         if not (folder / name).is_file():
             raise InputError(
                 f"{folder}: no run of `sot replay` or of an earlier version, it has no {name}; run it again"
             )
-    traces = Traces.load(folder / TRACES)
+    traces = Traces.load(folder / TRACES_FILE)
     try:
-        report = json.loads((folder / REPORT).read_text("utf-8"))
+        report = json.loads(read_text(folder / REPORT_FILE))
         same = report["clip"] == traces.facts["clip"] and report["robot"] == traces.facts["robot"]
         same = same and math.isclose(report["duration_s"], traces.facts["duration_s"], rel_tol=1e-5)
         list(page.report.table_rows([report]))
+        for key in ("command", "seed", "revision"):
+            _ = report[key]
     except (OSError, ValueError, KeyError, TypeError) as error:
         what = f"it has no '{error.args[0]}'" if isinstance(error, KeyError) else str(error)
-        raise InputError(f"{folder / REPORT}: cannot be read as a run's report ({what}); run it again") from None
+        raise InputError(f"{folder / REPORT_FILE}: cannot be read as a run's report ({what}); run it again") from None
     if not same:
-        raise InputError(f"{folder}: {REPORT} and {TRACES} are of different runs; run it again")
+        raise InputError(f"{folder}: {REPORT_FILE} and {TRACES_FILE} are of different runs; run it again")
     return report, traces

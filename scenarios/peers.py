@@ -1,4 +1,4 @@
-"""Figures of other controllers, or of ours elsewhere, to stand in the table of a benchmark."""
+"""Figures of other controllers, or of ours elsewhere, for the table of a benchmark."""
 
 import json
 import math
@@ -6,26 +6,25 @@ from pathlib import Path
 from typing import Any
 
 from sot.errors import InputError
+from sot.text_file import read_text
 
-FIGURES = ("p50", "p95", "p99", "mean")
+TICK_STATISTICS = ("p50", "p95", "p99", "mean")
 
 
-def read_peer(path: Path) -> dict[str, Any]:
-    """What `benchmarks/peer_tsid.py` or `benchmarks/peer_ticks.py` has printed to a file.
+def read_peer_figures(path: Path) -> dict[str, Any]:
+    """Read the figures that `benchmarks/peer_tsid.py` or `benchmarks/peer_ticks.py` printed to a file.
 
     Returns:
-        "name"; "tick_us", phase -> `FIGURES` [µs]; "reference_us", of the reference computation meanwhile [µs].
+        "name"; "tick_us", phase -> `TICK_STATISTICS` [µs]; "reference_us", of the reference computation meanwhile [µs].
 
     Raises:
         InputError: no such file, or something else in it.
     """
     try:
-        peer = json.loads(path.read_text(encoding="utf-8"))
-        times = [times[key] for times in peer["tick_us"].values() for key in FIGURES]
+        peer = json.loads(read_text(path))
+        times = [times[key] for times in peer["tick_us"].values() for key in TICK_STATISTICS]
         complete = isinstance(peer["name"], str) and bool(times)
         complete = complete and all(math.isfinite(value) and value >= 0.0 for value in (*times, peer["reference_us"]))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     except (ValueError, KeyError, TypeError, AttributeError):
         complete = False
     if not complete:

@@ -1,4 +1,4 @@
-"""A clip, danced by a robot under physics: from the file to the recording and the report."""
+"""Replay of a clip by a robot under physics: from the file to the recording and the report."""
 
 import tempfile
 from collections.abc import Callable, Mapping
@@ -33,23 +33,23 @@ from sot.robots.robot import Robot
 from sot.whole_file import atomic_write
 from tasks.editing import edit
 
-Tell = Callable[[str, float | None], object]
-"""Told what is being done, and which share of it is done if that is known."""
+ProgressCallback = Callable[[str, float | None], object]
+"""Function that is told the current step in words, and the share of it that is done, if known."""
 
 SOLVERS: dict[str, Callable[[], Solver]] = {"cascade": Cascade, "weighted": Weighted, "iktc": TaskCorrection}
-RECORDING, REPORT, TIMELINE, TRACES = "run.rrd", "report.json", "schedule.svg", "traces.npz"
+RECORDING_FILE, REPORT_FILE, TIMELINE_FILE, TRACES_FILE = "run.rrd", "report.json", "schedule.svg", "traces.npz"
 
 
 @dataclass(frozen=True)
 class Replay:
-    """What to replay, and how.
+    """Request to replay a clip.
 
     Attributes:
         clip: file or name of a clip, or a motion that `sot retarget` wrote (`.npz`).
         robot: name of a robot, or its file.
         stack: file of the user's own stack; None for the one that fits the feet.
         solver: one of `SOLVERS`.
-        feet: one of `sot.motion.plan.FEET`.
+        feet: one of `sot.motion.plan.FEET_MODES`.
         start, duration: part of the clip [s], to its end by default.
         rate: of the control [Hz].
         mapping: file that names the joints of an unknown skeleton.
@@ -57,6 +57,7 @@ class Replay:
         pushes: forces on the robot while it dances.
         mismatch: how the simulated robot and floor differ from what the controller knows.
         edits: file of edits of the dance.
+        up: the up axis of the clip's file, one of `sot.motion.human.world.UP_AXES`; found in the clip by default.
     """
 
     clip: str
@@ -72,11 +73,12 @@ class Replay:
     mismatch: Mismatch = NO_MISMATCH
     contacts: Path | None = None
     edits: Path | None = None
+    up: str | None = None
 
 
 @dataclass(frozen=True)
 class Dance:
-    """A clip that was danced.
+    """Result of a dance.
 
     Attributes:
         run: the rows of the log, and how it ended.
@@ -92,14 +94,14 @@ class Dance:
     plan: Plan | None
     edits: tuple[str, ...] = ()
 
-    def record(self, path: Path) -> float:
+    def write_recording(self, path: Path) -> float:
         """Write the recording; returns how long that took [s]."""
         begun = perf_counter()
-        recorder.record(path, self.run.log, self.info, self.motion, self.plan)
+        recorder.write_recording(path, self.run.log, self.info, self.motion, self.plan)
         return perf_counter() - begun
 
 
-def replay(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
+def replay(request: Replay, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Plan, run, record and report; the files appear in the folder `out` when all is done.
 
     Returns:
@@ -109,25 +111,26 @@ def replay(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
         InputError: anything in the request that does not fit; nothing is written then.
     """
     check_writable(out)
-    return keep(dance(request, tell), out, tell)
+    return write_outputs(dance(request, tell), out, tell)
 
 
-def keep(danced: Dance, out: Path, tell: Tell, more: Mapping[str, Any] = MappingProxyType({})) -> dict[str, Any]:
-    """Write the recording and the report of a dance, with what it is to say more, to the folder `out`; returns the
-    report."""
+def write_outputs(
+    danced: Dance, out: Path, tell: ProgressCallback, extra_figures: Mapping[str, Any] = MappingProxyType({})
+) -> dict[str, Any]:
+    """Write the recording and the report of a dance, with extra figures, to the folder `out`; returns the report."""
     tell("recording", None)
     out.mkdir(parents=True, exist_ok=True)
-    wall = danced.run.wall_s + danced.record(out / RECORDING)
+    wall = danced.run.wall_s + danced.write_recording(out / RECORDING_FILE)
     if timeline.has_changes(danced.run.log):
-        timeline.write_timeline(out / TIMELINE, danced.run.log, danced.info, danced.motion.robot)
+        timeline.write_timeline(out / TIMELINE_FILE, danced.run.log, danced.info, danced.motion.robot)
     figures = report.run_report(danced.run.log, danced.info, wall, danced.motion, danced.plan)
-    figures |= {"edits": list(danced.edits)} | dict(more)
-    report.write_json(figures, out / REPORT)
-    Traces.of(danced.run.log, danced.info, danced.motion).save(out / TRACES)
+    figures |= {"edits": list(danced.edits)} | dict(extra_figures)
+    report.write_json(figures, out / REPORT_FILE)
+    Traces.of(danced.run.log, danced.info, danced.motion).save(out / TRACES_FILE)
     return figures
 
 
-def dance(request: Replay, tell: Tell) -> Dance:
+def dance(request: Replay, tell: ProgressCallback) -> Dance:
     """Plan and run; nothing is written.
 
     Raises:
@@ -138,25 +141,25 @@ def dance(request: Replay, tell: Tell) -> Dance:
     edits = edit_file.read_edits(request.edits) if request.edits else ()
     for one in edits:
         one.check(robot)
-    compose = load_stack(request.stack) if request.stack else _shipped
+    compose = load_stack(request.stack) if request.stack else _default_stack
 
     def compose_edited(robot: Robot, motion: Motion) -> Composition:
         composition = compose(robot, motion)
         return composition._replace(edits=composition.edits + edits)
 
-    return perform(request, compose_edited, *_motion(request, robot, tell), tell)
+    return run_motion(request, compose_edited, *_reference_motion(request, robot, tell), tell)
 
 
-def perform(
+def run_motion(
     request: Replay,
     compose: Composer,
     motion: Motion,
     planned: Plan | None,
-    tell: Tell,
+    tell: ProgressCallback,
     scene: Scene | None = None,
     solver: Solver | None = None,
 ) -> Dance:
-    """Run a stack on a motion that is planned.
+    """Run a stack on a planned motion under physics.
 
     Args:
         request: what was asked for.
@@ -171,12 +174,12 @@ def perform(
         InputError: anything in the request that does not fit.
     """
     robot, solver = motion.robot, solver or make_solver(request.solver)
-    stack, schedule, told = composed(request, compose, motion)
+    stack, schedule, told = composed_stack(request, compose, motion)
     controller = Controller(robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
     with blaming_stack_file(request.stack):
         world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes, scene)
     tell("starting (the first time on a machine this compiles, for half a minute)", None)
-    _compile(motion)
+    _compile_tick(motion)
     with blaming_stack_file(request.stack):
         done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
     info = RunInfo(
@@ -187,7 +190,7 @@ def perform(
         rate_hz=request.rate,
         fell_at_s=done.fell_at_s,
         speed_min=planned.speed_min if planned else 1.0,
-        stretched_s=planned.stretched if planned else 0.0,
+        stretched_s=planned.added_time if planned else 0.0,
         reason=done.reason,
         mismatch=request.mismatch,
         pushes=request.pushes,
@@ -195,7 +198,9 @@ def perform(
     return Dance(done, info, motion, planned, told)
 
 
-def composed(request: Replay, compose: Composer, motion: Motion) -> tuple[Stack, Schedule | None, tuple[str, ...]]:
+def composed_stack(
+    request: Replay, compose: Composer, motion: Motion
+) -> tuple[Stack, Schedule | None, tuple[str, ...]]:
     """A stack for a motion, its changes over time, edits among them, and a line for each edit.
 
     Raises:
@@ -209,12 +214,12 @@ def composed(request: Replay, compose: Composer, motion: Motion) -> tuple[Stack,
         return stack, schedule, tuple(edit(stack, schedule, motion, edits))
 
 
-def _compile(motion: Motion) -> None:
-    """Have compiled what a tick calls, by one that nobody times, in a controller of its own."""
-    Controller(motion.robot, stacks.planted(motion.robot, motion), Cascade())(0.0, motion.q[0], motion.v[0])
+def _compile_tick(motion: Motion) -> None:
+    """Compile the functions of a tick by running one, untimed, in a controller of its own."""
+    Controller(motion.robot, stacks.planted_stack(motion.robot, motion), Cascade())(0.0, motion.q[0], motion.v[0])
 
 
-def retarget(request: Replay, out: Path, tell: Tell) -> Plan:
+def retarget(request: Replay, out: Path, tell: ProgressCallback) -> Plan:
     """Plan the robot's motion for a clip and write it to the file `out` (`.npz`), or the dancer's steps (`.toml`).
 
     Raises:
@@ -226,7 +231,7 @@ def retarget(request: Replay, out: Path, tell: Tell) -> Plan:
         raise InputError(f"{out}: planted feet make no steps to write: choose --feet steps, or a file in .npz")
     check_writable(out.parent)
     robot = Robot.load(request.robot)
-    planned = _plan(request, robot, tell)
+    planned = _plan_of_clip(request, robot, tell)
     out.parent.mkdir(parents=True, exist_ok=True)
     if out.suffix == ".toml":
         contact_file.write(out, planned.travel.dancer if planned.travel else ())
@@ -248,7 +253,7 @@ def make_solver(name: str) -> Solver:
 
 
 def check_writable(folder: Path) -> None:
-    """See that files can be written to a folder, which need not exist yet, without leaving anything there.
+    """Check that files can be written to a folder, which need not exist yet; leaves nothing there.
 
     Raises:
         InputError: they cannot.
@@ -260,17 +265,17 @@ def check_writable(folder: Path) -> None:
         raise InputError(f"{folder}: cannot write there ({error.strerror}); choose another output folder") from error
 
 
-def _shipped(robot: Robot, motion: Motion) -> Composition:
+def _default_stack(robot: Robot, motion: Motion) -> Composition:
     """The stack that fits the motion's feet."""
     if any(phase.sliding for phase in motion.phases):
-        return Composition(stacks.slides(robot, motion), stacks.sliding(robot, motion))
-    return Composition(stacks.steps(robot, motion), stacks.stepping(robot, motion))
+        return Composition(stacks.sliding_stack(robot, motion), stacks.sliding_schedule(robot, motion))
+    return Composition(stacks.stepping_stack(robot, motion), stacks.stepping_schedule(robot, motion))
 
 
-def _motion(request: Replay, robot: Robot, tell: Tell) -> tuple[Motion, Plan | None]:
+def _reference_motion(request: Replay, robot: Robot, tell: ProgressCallback) -> tuple[Motion, Plan | None]:
     """The reference, planned now unless the clip is a motion already."""
     if Path(request.clip).suffix != ".npz":
-        planned = _plan(request, robot, tell)
+        planned = _plan_of_clip(request, robot, tell)
         return planned.motion, planned
     if request.start or request.duration is not None:
         raise InputError(
@@ -279,16 +284,16 @@ def _motion(request: Replay, robot: Robot, tell: Tell) -> tuple[Motion, Plan | N
     return Motion.load(clips.find_clip(request.clip), robot), None
 
 
-def _plan(request: Replay, robot: Robot, tell: Tell) -> Plan:
+def _plan_of_clip(request: Replay, robot: Robot, tell: ProgressCallback) -> Plan:
     tell("reading", None)
-    human = _human(request)
+    human = _human_of_clip(request)
     tell("planning", None)
     contacts = contact_file.read(request.contacts) if request.contacts else None
     return plan(human, robot, request.feet, request.rate, contacts)
 
 
-def _human(request: Replay) -> Human:
-    human = recognise(read(clips.find_clip(request.clip)), request.mapping)
+def _human_of_clip(request: Replay) -> Human:
+    human = recognise(read(clips.find_clip(request.clip), request.up), request.mapping)
     if request.start or request.duration is not None:
         return human.slice(request.start, request.duration)
     return human

@@ -1,7 +1,7 @@
 """The stacks that come with the project. Copy one into a file of your own, change it, and give it to ``--stack``."""
 
-from sot.behaviours.recovery import Recovery
-from sot.behaviours.sliding import Sliding
+from sot.behaviours.recovery import RecoverySchedule
+from sot.behaviours.sliding import SlidingSchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.motion.trajectory import Motion
@@ -19,8 +19,8 @@ from tasks import (
 )
 
 
-def planted(robot: Robot, motion: Motion) -> Stack:
-    """Both feet stand; strict for what must hold, the joints share what is left."""
+def planted_stack(robot: Robot, motion: Motion) -> Stack:
+    """Stack for feet that stand: strict levels for what must hold, the posture takes the null space that is left."""
     return Stack(
         contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
         hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
@@ -33,22 +33,22 @@ def planted(robot: Robot, motion: Motion) -> Stack:
     )
 
 
-def steps(robot: Robot, motion: Motion) -> Stack:
-    """Feet stand and swing as its schedule, `stepping`, has it; a swinging foot comes next to balance."""
-    stack = planted(robot, motion)
+def stepping_stack(robot: Robot, motion: Motion) -> Stack:
+    """Stack for feet that stand and swing by `stepping_schedule`; a swinging foot comes next to balance."""
+    stack = planted_stack(robot, motion)
     for foot in robot.feet:
         stack.add(SwingFoot(robot, foot, motion), level="feet", before="waist")
     return stack
 
 
-def stepping(robot: Robot, motion: Motion) -> Recovery:
-    """The schedule that goes with `steps`: the motion's contact phases, what the feet feel, steps that a push needs."""
-    return Recovery(robot, motion)
+def stepping_schedule(robot: Robot, motion: Motion) -> RecoverySchedule:
+    """Schedule of `stepping_stack`: the motion's contact phases, the measured loads, and steps that a push needs."""
+    return RecoverySchedule(robot, motion)
 
 
-def slides(robot: Robot, motion: Motion) -> Stack:
-    """Feet stand and slide as its schedule, `sliding`, has it; a sliding foot's way comes next to balance."""
-    stack = planted(robot, motion)
+def sliding_stack(robot: Robot, motion: Motion) -> Stack:
+    """Stack for feet that stand and slide by `sliding_schedule`; a sliding foot's path comes next to balance."""
+    stack = planted_stack(robot, motion)
     for foot in robot.feet:
         if any(foot in phase.sliding for phase in motion.phases):
             stack.contact(foot).path = path = motion.pose(foot)
@@ -56,6 +56,6 @@ def slides(robot: Robot, motion: Motion) -> Stack:
     return stack
 
 
-def sliding(robot: Robot, motion: Motion) -> Sliding:
-    """The schedule that goes with `slides`."""
-    return Sliding(motion.phases)
+def sliding_schedule(robot: Robot, motion: Motion) -> SlidingSchedule:
+    """Schedule of `sliding_stack`: the contacts that the motion has slide."""
+    return SlidingSchedule(motion.phases)

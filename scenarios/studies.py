@@ -13,27 +13,36 @@ from scenarios.inputs.scenario_file import load_scenario
 from scenarios.inputs.stack_file import Composition
 from scenarios.kimoh2013 import imitation, planar3r, printed_bounds
 from scenarios.ramos2011 import ramos
-from scenarios.replay import REPORT, Dance, Replay, Tell, check_writable, keep, make_solver, perform
+from scenarios.replay import (
+    REPORT_FILE,
+    Dance,
+    ProgressCallback,
+    Replay,
+    check_writable,
+    make_solver,
+    run_motion,
+    write_outputs,
+)
 from sim.reporting import report
 from sot.errors import InputError
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 
-DANCED: dict[str, ModuleType] = {"sliding": sliding, "imitation": imitation}
+MOTION_SCENARIOS: dict[str, ModuleType] = {"sliding": sliding, "imitation": imitation}
 """Scenarios of a robot under physics. They may name their `SOLVER`, and add `findings` to the report with a way to
 `show` them."""
 STUDIES: dict[str, ModuleType] = {"planar3r": planar3r, "bounds": printed_bounds}
 """Scenarios without physics: `study(rate, out, tell)` returns figures, `show(figures, console)` prints them."""
-OF_A_CLIP: dict[str, ModuleType] = {"ramos": ramos}
+CLIP_SCENARIOS: dict[str, ModuleType] = {"ramos": ramos}
 """Scenarios that dance a clip, their `CLIP` unless another is named: `run(request, out, tell)` returns the report,
 `show(report, console)` prints it."""
-SCENARIOS = {**DANCED, **OF_A_CLIP, **STUDIES}
+SCENARIOS = {**MOTION_SCENARIOS, **CLIP_SCENARIOS, **STUDIES}
 
 Show = Callable[[dict[str, Any], Console], None]
 
 
-def own_solver(name: str) -> str:
-    """The solver that a scenario is meant for."""
+def default_solver(name: str) -> str:
+    """Name of the solver that a scenario uses unless told otherwise."""
     return getattr(SCENARIOS.get(name), "SOLVER", "cascade")
 
 
@@ -43,7 +52,7 @@ def is_file(name: str) -> bool:
 
 
 def run_scenario(
-    name: str, clip: str | None, request: Replay, out: Path, tell: Tell
+    name: str, clip: str | None, request: Replay, out: Path, tell: ProgressCallback
 ) -> tuple[dict[str, Any], Show | None]:
     """Run a scenario, record and report; the files appear in the folder `out`.
 
@@ -62,22 +71,22 @@ def run_scenario(
     """
     if name not in SCENARIOS and not is_file(name):
         raise InputError(f"unknown scenario '{name}': choose one of {', '.join(SCENARIOS)}, or give a file (.py)")
-    if name in OF_A_CLIP:
-        scenario = OF_A_CLIP[name]
+    if name in CLIP_SCENARIOS:
+        scenario = CLIP_SCENARIOS[name]
         return scenario.run(replace(request, clip=clip or scenario.CLIP), out, tell), scenario.show
     if clip or request.start or request.duration is not None:
-        raise InputError(f"{name} dances no clip: leave the clip and its part out, or run {', '.join(OF_A_CLIP)}")
+        raise InputError(f"{name} dances no clip: leave the clip and its part out, or run {', '.join(CLIP_SCENARIOS)}")
     request = replace(request, clip=name)
     check_writable(out)
     if is_file(name):
-        return keep(_perform_file(Path(name), request, tell), out, tell), None
+        return write_outputs(_perform_file(Path(name), request, tell), out, tell), None
     scenario = SCENARIOS[name]
     if name in STUDIES:
         if request != Replay(name, rate=request.rate, feet=request.feet):
             raise InputError(f"{name} is no robot under physics: it takes no options but --rate and --out")
         out.mkdir(parents=True, exist_ok=True)
         figures = scenario.study(request.rate, out, tell)
-        report.write_json(figures, out / REPORT)
+        report.write_json(figures, out / REPORT_FILE)
         return figures, scenario.show
     make_solver(request.solver)  # before any work
     tell("planning", None)
@@ -86,13 +95,13 @@ def run_scenario(
     def compose(robot: Robot, motion: Motion) -> Composition:
         return Composition(scenario.stack(robot, motion), scenario.schedule(robot, motion))
 
-    danced = perform(request, compose, motion, None, tell)
+    danced = run_motion(request, compose, motion, None, tell)
     if not hasattr(scenario, "findings"):
-        return keep(danced, out, tell), None
-    return keep(danced, out, tell, {name: scenario.findings(danced, out, tell)}), scenario.show
+        return write_outputs(danced, out, tell), None
+    return write_outputs(danced, out, tell, {name: scenario.findings(danced, out, tell)}), scenario.show
 
 
-def _perform_file(path: Path, request: Replay, tell: Tell) -> Dance:
+def _perform_file(path: Path, request: Replay, tell: ProgressCallback) -> Dance:
     """Run the scenario of a user's own file."""
     make = load_scenario(path)
     make_solver(request.solver)  # before any work
@@ -103,4 +112,4 @@ def _perform_file(path: Path, request: Replay, tell: Tell) -> Dance:
         return Composition(scenario.stack, scenario.schedule, tuple(scenario.edits))
 
     request = replace(request, stack=path)
-    return perform(request, compose, scenario.motion, None, tell, scenario.scene, scenario.solver)
+    return run_motion(request, compose, scenario.motion, None, tell, scenario.scene, scenario.solver)

@@ -1,61 +1,28 @@
 """Pinocchio's configuration and velocity to MuJoCo's and back: the one place that knows how they differ.
 
 Pinocchio: quaternion xyzw, base linear velocity in the base frame. MuJoCo: quaternion wxyz, base linear velocity in
-the world. Base position and base angular velocity (in the base frame) agree. Joints may come in another order (a URDF
-with branches does).
+the world. Base position, base angular velocity (in the base frame) and
+the joints and their order agree.
 """
-
-from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 
-class JointOrder(NamedTuple):
-    """Index arrays (na,): `mujoco = pinocchio[to_mujoco]` and `pinocchio = mujoco[to_pinocchio]`."""
-
-    to_mujoco: np.ndarray
-    to_pinocchio: np.ndarray
-
-
-def joint_order(pinocchio: Sequence[str], mujoco: Sequence[str]) -> JointOrder | None:
-    """How to reorder joints, given both orders by name; None if they agree.
-
-    Raises:
-        ValueError: the two do not name the same joints.
-    """
-    if sorted(pinocchio) != sorted(mujoco):
-        raise ValueError(f"not the same joints: {sorted(set(pinocchio) ^ set(mujoco))}")
-    if list(pinocchio) == list(mujoco):
-        return None
-    return JointOrder(
-        np.array([pinocchio.index(name) for name in mujoco]), np.array([mujoco.index(name) for name in pinocchio])
-    )
-
-
-def state_to_mujoco(q: np.ndarray, v: np.ndarray, order: JointOrder | None = None) -> tuple[np.ndarray, np.ndarray]:
+def state_to_mujoco(q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Configuration (7 + na,) and velocity (6 + na,) of Pinocchio as MuJoCo's qpos and qvel, new arrays."""
     qpos, qvel = q.copy(), v.copy()
     x, y, z, w = q[3:7].tolist()
     qpos[3:7] = w, x, y, z
     qvel[:3] = _rotated(w, x, y, z, v[:3].tolist())
-    if order is not None:
-        qpos[7:] = q[7:][order.to_mujoco]
-        qvel[6:] = v[6:][order.to_mujoco]
     return qpos, qvel
 
 
-def state_from_mujoco(
-    qpos: np.ndarray, qvel: np.ndarray, order: JointOrder | None = None
-) -> tuple[np.ndarray, np.ndarray]:
+def state_from_mujoco(qpos: np.ndarray, qvel: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """MuJoCo's qpos (7 + na,) and qvel (6 + na,) as Pinocchio's configuration and velocity, new arrays."""
     q, v = qpos.copy(), qvel.copy()
     w, x, y, z = qpos[3:7].tolist()
     q[3:7] = x, y, z, w
     v[:3] = _rotated(w, -x, -y, -z, qvel[:3].tolist())
-    if order is not None:
-        q[7:] = qpos[7:][order.to_pinocchio]
-        v[6:] = qvel[6:][order.to_pinocchio]
     return q, v
 
 

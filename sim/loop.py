@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_SLIDING, Fallback, RunLog
 from sim.world import World
-from solvers.conflict import explain
+from solvers.conflict import find_conflict
 from solvers.rows import Level, Solution, Status
 from sot.control.controller import Command, Controller
 from sot.motion.trajectory import Motion
@@ -72,7 +72,7 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
     # The matrices of a tick are far too small to share between threads.
     with threadpool_limits(1), _garbage_collection_off():
         done = _run_ticks(controller, world, motion, log, columns, unsolved, progress or (lambda t: None))
-    explained = ((t, explain([level])) for t, level in unsolved)  # now that nobody waits for a torque
+    explained = ((t, find_conflict([level])) for t, level in unsolved)  # now that nobody waits for a torque
     log.conflicts = [(t, str(conflict)) for t, conflict in explained if conflict is not None]
     return done
 

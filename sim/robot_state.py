@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from sim.convert import joint_order, state_from_mujoco, state_to_mujoco
+from sim.convert import state_from_mujoco, state_to_mujoco
 from sot.errors import InputError
 from sot.robots.robot import Robot
 
@@ -18,7 +18,7 @@ class RobotState:
         model, data: MuJoCo's, with a free joint at the robot's base and its other joints by their names.
 
     Raises:
-        InputError: The model has not all of the robot's joints, or no free joint at its base.
+        InputError: The model has not all of the robot's joints in their order, or no free joint at its base.
     """
 
     def __init__(self, robot: Robot, model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -30,16 +30,17 @@ class RobotState:
         base = int(model.body_jntadr[model.body_rootid[model.jnt_bodyid[first]]])
         if base < 0 or model.jnt_type[base] != mujoco.mjtJoint.mjJNT_FREE:
             raise InputError(f"the MuJoCo model has no free joint at the base of {robot.label}")
-        self._order = joint_order(robot.joints, [model.joint(base + 1 + k).name for k in range(robot.na)])
+        if tuple(model.joint(base + 1 + k).name for k in range(robot.na)) != robot.joints:
+            raise InputError(f"the MuJoCo model has the joints of {robot.label} in another order")
         q, v = model.jnt_qposadr[base], model.jnt_dofadr[base]
         # Live views: to ask MuJoCo for its arrays anew takes longer than to read them.
         self._qpos, self._qvel = data.qpos[q : q + robot.nq], data.qvel[v : v + robot.nv]
 
     def read(self) -> tuple[np.ndarray, np.ndarray]:
         """Configuration (nq,) and velocity (nv,), new arrays; not numbers once the physics diverged."""
-        return state_from_mujoco(self._qpos, self._qvel, self._order)
+        return state_from_mujoco(self._qpos, self._qvel)
 
     def write(self, q: np.ndarray, v: np.ndarray | None = None) -> None:
         """Set a configuration (nq,) and a velocity (nv,), at rest unless given; `mujoco.mj_forward` does the rest."""
         v = np.zeros(len(self._qvel)) if v is None else v
-        self._qpos[:], self._qvel[:] = state_to_mujoco(q, v, self._order)
+        self._qpos[:], self._qvel[:] = state_to_mujoco(q, v)

@@ -16,33 +16,22 @@ IMPRATIO = 10.0  # friction is that much stiffer than the normal force
 FLOOR_SOLREF = (0.005, 1.0)  # time constant [s] and damping ratio
 
 
-def robot_spec(robot: Robot) -> mujoco.MjSpec:
-    """The robot alone, as its model file has it.
-
-    Raises:
-        ValueError: MuJoCo cannot read it.
-    """
-    if robot.mjcf is not None:
-        return mujoco.MjSpec.from_string(robot.mjcf)
-    return mujoco.MjSpec.from_file(str(robot.path))
-
-
 def build_model(
     robot: Robot, timestep: float = 0.001, friction: float = 0.7, scene: Scene | None = None
 ) -> mujoco.MjModel:
     """The robot, driven by one torque motor a joint (Pinocchio's order), on a plane at z = 0.
 
     Args:
-        robot: its model file is read anew; actuators and key frames in it are replaced.
+        robot: the robot, as its tree has it.
         timestep: of the physics [s].
         friction: coefficient of every contact with the floor.
         scene: what else is in the world.
 
     Raises:
-        InputError: MuJoCo cannot read the model, or does not see the joints that Pinocchio sees.
+        InputError: MuJoCo cannot compile it.
     """
     try:
-        spec = robot_spec(robot)
+        spec = robot.mujoco_spec()
         _add_motors(spec, robot)
         _add_floor(spec, friction)
         _add_lights(spec)
@@ -51,21 +40,15 @@ def build_model(
             add_scene(spec, scene)
         _set_options(spec, robot, timestep)
         return spec.compile()
-    except ValueError as error:
+    except (ValueError, mujoco.FatalError) as error:
         whole = "it" if scene is None else "it and the scene"
-        raise InputError(f"{robot.path}: MuJoCo cannot read {whole}: {str(error).splitlines()[0]}") from None
+        raise InputError(f"{robot.path}: MuJoCo cannot compile {whole}: {' '.join(str(error).split())}") from None
 
 
 def _add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:
     """Ideal torque motors with the robot's effort limits."""
-    for unwanted in (*spec.actuators, *spec.keys):
-        spec.delete(unwanted)
-    joints = {joint.name: joint for joint in spec.joints if joint.type != mujoco.mjtJoint.mjJNT_FREE}
-    if set(joints) != set(robot.joints):
-        differ = ", ".join(sorted(set(joints) ^ set(robot.joints)))
-        raise InputError(f"{robot.path}: MuJoCo and Pinocchio do not see the same joints: look at {differ}")
     for name, effort in zip(robot.joints, robot.effort, strict=True):
-        joints[name].actfrcrange = [-effort, effort]
+        spec.joint(name).actfrcrange = [-effort, effort]
         motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         motor.set_to_motor()
         motor.ctrlrange = [-effort, effort]
@@ -73,14 +56,8 @@ def _add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:
 
 
 def _add_sensors(spec: mujoco.MjSpec, robot: Robot) -> None:
-    joints = {joint.name: joint for joint in spec.joints}
-    feet = {}
-    for foot in robot.feet:
-        frame = robot.model.frames[robot.point(foot)]
-        joint = joints[robot.model.names[frame.parentJoint]]
-        # Pinocchio's frame of the joint: the body's, moved to where the joint is.
-        feet[foot] = (joint.parent, joint.pos + frame.placement.translation)
-    FloorSensors.add_to(spec, feet)
+    sites = {foot: spec.site(foot) for foot in robot.feet}
+    FloorSensors.add_to(spec, {foot: (site.parent, site.pos) for foot, site in sites.items()})
 
 
 def _add_floor(spec: mujoco.MjSpec, friction: float) -> None:

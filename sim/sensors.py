@@ -117,7 +117,7 @@ def _add_contact_sensor(spec: mujoco.MjSpec, name: str, body: mujoco.MjsBody) ->
 
 
 class SelfDistance:
-    """Least distance between parts of the robot that MuJoCo would let collide.
+    """Least distance between parts of the robot that may collide: the model's pairs of geoms.
 
     Bounding spheres order the pairs of geoms, so that few need their exact distance.
 
@@ -127,9 +127,7 @@ class SelfDistance:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData):
         self._model, self._data = model, data
-        own = np.flatnonzero(model.body_rootid[model.geom_bodyid] == ROBOT_BODY).tolist()
-        pairs = [(a, b) for a in own for b in own if a < b and _may_collide(model, a, b)]
-        self._first, self._second = np.array(pairs, dtype=int).reshape(-1, 2).T
+        self._first, self._second = model.pair_geom1.copy(), model.pair_geom2.copy()
         self._radii = model.geom_rbound[self._first] + model.geom_rbound[self._second]
 
     def __call__(self) -> float:
@@ -143,12 +141,3 @@ class SelfDistance:
             pair = int(self._first[k]), int(self._second[k])
             least = min(least, mujoco.mj_geomDistance(self._model, self._data, *pair, DISTANCE_LIMIT_M, None))
         return least
-
-
-def _may_collide(model: mujoco.MjModel, a: int, b: int) -> bool:
-    """MuJoCo's rule: bits that meet, on two bodies that are not parent and child and not excluded."""
-    bits = model.geom_contype[a] & model.geom_conaffinity[b] or model.geom_contype[b] & model.geom_conaffinity[a]
-    first, second = sorted(int(model.body_weldid[model.geom_bodyid[geom]]) for geom in (a, b))
-    parent = model.body_weldid[model.body_parentid[second]]
-    excluded = (first << 16) + second in model.exclude_signature
-    return bool(bits) and first != second and parent != first and not excluded

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 
 from sim.log import FOOT_FIXED, RunLog
-from sot.motion.feet.contacts import Phase, phase_at, support
+from sot.motion.feet.contacts import Phase, phase_indices, support_polygon
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
 
@@ -18,7 +18,7 @@ def planned_support(log: RunLog, motion: Motion) -> Iterator[tuple[np.ndarray, P
     """
     feet = motion.robot.feet
     carries = (log.foot_mode == FOOT_FIXED) & (log.foot_ramp >= 1.0)
-    phases = phase_at(motion.phases, log.time)
+    phases = phase_indices(motion.phases, log.time)
     for index, phase in enumerate(motion.phases):
         here = phases == index
         for loads in product((False, True), repeat=len(feet)):
@@ -27,7 +27,7 @@ def planned_support(log: RunLog, motion: Motion) -> Iterator[tuple[np.ndarray, P
             }
             rows = np.flatnonzero(here & (carries == loads).all(axis=1))
             if standing and len(rows):
-                yield rows, support(motion.robot, Phase(phase.start, phase.end, standing))
+                yield rows, support_polygon(motion.robot, Phase(phase.start, phase.end, standing))
 
 
 def support_extents(log: RunLog, motion: Motion) -> np.ndarray:

@@ -25,7 +25,7 @@ class World:
     step just made: the forces that acted in it and where the bodies were at its start.
 
     Args:
-        robot: the robot; MuJoCo reads the same model file as Pinocchio.
+        robot: the robot, of whose tree both MuJoCo's and Pinocchio's model are made.
         timestep: time that one `step` advances, the control period [s]. It is cut into equal physics steps of at
             most `MAX_PHYSICS_TIMESTEP`, the torque held.
         mismatch: how the real robot and floor differ from the model that the controller has.
@@ -39,7 +39,7 @@ class World:
         model, data: MuJoCo's, open for forces of one's own (`data.xfrc_applied`) and rendering.
 
     Raises:
-        InputError: MuJoCo cannot read the robot's model file or the scene, or the robot has no body that a push names.
+        InputError: MuJoCo cannot compile the robot or the scene, or the robot has no body that a push names.
     """
 
     def __init__(

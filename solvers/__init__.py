@@ -1,4 +1,4 @@
-"""Hierarchies of linear rows and how to solve them: knows numbers, no robot."""
+"""Solvers of hierarchies of linear rows. They know numbers only, no robot."""
 
 from solvers.cascade import Cascade
 from solvers.rows import Block, Level, LevelResult, Rows, Solution, Solver, Status

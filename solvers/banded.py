@@ -15,15 +15,16 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 Array = NDArray[np.float64]
 
-TO_THE_BOUNDARY = 0.995
-PRICE = 100.0  # usual of a limit, in half the room
-VIOLATION = 1e-5  # of half the room, what a limit may be missed by
-STATIONARY, ROUNDING = 1e-9, 1e-13  # what may be left of the gradient, of its largest part and of the largest curvature
+STEP_SHARE_TO_BOUNDARY = 0.995  # share of the longest step that keeps slacks and multipliers positive
+TYPICAL_MULTIPLIER = 100.0  # of a limit, for half the distance between its bounds as unit
+VIOLATION_TOLERANCE = 1e-5  # largest violation of a limit, relative to half the distance between its bounds
+GRADIENT_TOLERANCE = 1e-9  # gradient left, relative to its largest part
+CURVATURE_ROUNDING = 1e-13  # rounding of the gradient, relative to the largest entry of the Hessian
 
 
 @dataclass(frozen=True)
 class BandedSolution:
-    """x (n,), whether it is optimal, iterations (0: no limit was active) and the largest violation of a limit."""
+    """Answer x (n,), whether it is optimal, iterations (0: no limit was active) and the largest violation."""
 
     x: Array
     solved: bool
@@ -36,7 +37,8 @@ class BandedQP:
 
     The structure of the limits is analysed once; `solve` may then be called with many H and g. The method is
     Mehrotra's predictor-corrector; where no limit is active, the unconstrained minimum is returned at once. Objectives
-    are expected to count squares of errors, in errors that one is ready to accept: PRICE and `solve`'s tolerance do.
+    should sum squares of errors, each divided by the error that is acceptable: TYPICAL_MULTIPLIER and the tolerance of
+    `solve` assume it.
     """
 
     def __init__(self, A: sp.sparray, lower: Array, upper: Array, band: int):
@@ -57,55 +59,55 @@ class BandedQP:
         room = 0.5 * (upper - lower)
         unit = np.where(np.isfinite(room), room, np.maximum(1.0, np.abs(np.where(above, upper, lower))))
         A = sp.diags_array(1.0 / unit) @ A  # slacks of the order of one, whatever the units of the rows
-        self._unit = np.concatenate([unit[above], unit[below]])
+        self._row_units = np.concatenate([unit[above], unit[below]])
         self._G = sp.vstack([A[above], -A[below]], format="csr")  # every limit as a row of G x <= h
         self._G.sum_duplicates()  # and sorts the columns of each row
-        self._h = np.concatenate([upper[above], -lower[below]]) / self._unit
+        self._h = np.concatenate([upper[above], -lower[below]]) / self._row_units
         self._Gt = self._G.T.tocsr()
-        self._cells, self._fold = _folding(self._G, band)
+        self._normal_cells, self._weights_to_normal = _normal_matrix_map(self._G, band)
 
     def solve(
         self,
         H: Array,
         g: Array,
-        around: Array | None = None,
-        price: float = PRICE,
-        iterations: int = 60,
+        expansion_point: Array | None = None,
+        first_multiplier: float = TYPICAL_MULTIPLIER,
+        max_iterations: int = 60,
         tolerance: float = 1e-3,
     ) -> BandedSolution:
-        """The minimum, for a Hessian and a gradient of one's own.
+        """Minimise with the given Hessian and gradient.
 
         Args:
             H: (n, band + 1) lower diagonals of the positive definite Hessian, `H[j, i - j] = H_ij`.
-            g: (n,) gradient at `around`.
-            around: (n,) point about which the objective is expanded, zero unless given.
-            price: multipliers that are to be expected of limits, in half the room; they start there.
-            iterations: most Newton steps.
-            tolerance: of complementarity: what a limit costs, times what is left to it in half the room, on average.
+            g: (n,) gradient at `expansion_point`.
+            expansion_point: (n,) point about which the objective is expanded, zero unless given.
+            first_multiplier: the limits' multipliers at the start, counted in half the distance between the bounds.
+            max_iterations: most Newton steps.
+            tolerance: of complementarity: the mean product of multiplier and distance to the bound, in the same unit.
         """
-        G, Gt, cells = self._G, self._Gt, self._cells
-        origin = np.zeros(self.n) if around is None else around
+        G, Gt, normal_cells = self._G, self._Gt, self._normal_cells
+        origin = np.zeros(self.n) if expansion_point is None else expansion_point
         h = self._h - G @ origin
-        x = _solve(_factor(H.copy()), -g)
+        x = _cholesky_solve(_banded_cholesky(H.copy()), -g)
         slack = h - G @ x
         if slack.size == 0 or slack.min() >= 0.0:
             return BandedSolution(origin + x, True, 0, 0.0)
-        rounding = ROUNDING * _largest(H)
-        s, z = np.maximum(slack, 1.0), np.full(slack.size, price)
+        curvature_rounding = CURVATURE_ROUNDING * _max_abs(H)
+        s, z = np.maximum(slack, 1.0), np.full(slack.size, first_multiplier)
         solved, iteration, normal = False, 0, np.empty_like(H)
-        while iteration < iterations:
-            curve = dsbmv(self.band, 1.0, H.T, x, lower=1)
-            dual = curve + g + Gt @ z
-            stationary = STATIONARY * (1.0 + max(_largest(g), _largest(curve))) + rounding
+        while iteration < max_iterations:
+            curvature = dsbmv(self.band, 1.0, H.T, x, lower=1)
+            dual = curvature + g + Gt @ z
+            gradient_tolerance = GRADIENT_TOLERANCE * (1.0 + max(_max_abs(g), _max_abs(curvature))) + curvature_rounding
             primal = h - G @ x - s
             gap = float(s @ z) / s.size
-            solved = gap < tolerance and _largest(dual) < stationary and _largest(primal) < VIOLATION
+            solved = gap < tolerance and _max_abs(dual) < gradient_tolerance and _max_abs(primal) < VIOLATION_TOLERANCE
             if solved:
                 break
             iteration += 1
             np.copyto(normal, H)
-            normal.ravel()[cells] += self._fold @ (z / s)
-            factor = _factor(normal)
+            normal.ravel()[normal_cells] += self._weights_to_normal @ (z / s)
+            factor = _banded_cholesky(normal)
 
             def newton(
                 target: Array,
@@ -115,21 +117,21 @@ class BandedQP:
                 s: Array = s,
                 z: Array = z,
             ) -> tuple[Array, Array, Array]:
-                dx = _solve(factor, Gt @ ((target + z * primal) / s) - dual)
+                dx = _cholesky_solve(factor, Gt @ ((target + z * primal) / s) - dual)
                 ds = primal - G @ dx
                 return dx, ds, -(target + z * ds) / s
 
             _, ds, dz = newton(s * z)
-            ahead = float((s + _longest(s, ds) * ds) @ (z + _longest(z, dz) * dz)) / s.size
-            dx, ds, dz = newton(s * z + ds * dz - (ahead / gap) ** 3 * gap)
-            step = min(1.0, TO_THE_BOUNDARY * min(_longest(s, ds), _longest(z, dz)))
+            predicted_gap = float((s + _max_step(s, ds) * ds) @ (z + _max_step(z, dz) * dz)) / s.size
+            dx, ds, dz = newton(s * z + ds * dz - (predicted_gap / gap) ** 3 * gap)
+            step = min(1.0, STEP_SHARE_TO_BOUNDARY * min(_max_step(s, ds), _max_step(z, dz)))
             x, s, z = x + step * dx, s + step * ds, z + step * dz
-        violation = float(max(0.0, (self._unit * (G @ x - h)).max()))
+        violation = float(max(0.0, (self._row_units * (G @ x - h)).max()))
         return BandedSolution(origin + x, solved, iteration, violation)
 
 
 def sparse_qp(H: sp.sparray, A: sp.sparray, lower: Array, upper: Array, tolerance: float) -> BandedSolution:
-    """min ½ xᵀH x  subject to  lower <= A x <= upper, its variables put in an order that makes it banded.
+    """Minimise ½ xᵀH x subject to lower <= A x <= upper, with the variables reordered so that the matrices are banded.
 
     Args:
         H: (n, n) sparse and positive definite.
@@ -154,9 +156,9 @@ def sparse_qp(H: sp.sparray, A: sp.sparray, lower: Array, upper: Array, toleranc
     return replace(solution, x=solution.x[place])
 
 
-def _folding(G: sp.csr_array, band: int) -> tuple[NDArray[np.int64], sp.csr_array]:
-    """Where the lower diagonals of GᵀWG are not zero, flattened as `H` is, and the linear map from row weights w to
-    what they are there."""
+def _normal_matrix_map(G: sp.csr_array, band: int) -> tuple[NDArray[np.int64], sp.csr_array]:
+    """Cells where the lower diagonals of GᵀWG are not zero, flattened as `H` is, and the linear map from row
+    weights w to the values of these cells."""
     products, cells, rows = [], [], []
     counts = np.diff(G.indptr)
     for count in np.unique(counts[counts > 0]):
@@ -180,7 +182,7 @@ def _folding(G: sp.csr_array, band: int) -> tuple[NDArray[np.int64], sp.csr_arra
     return np.flatnonzero(used), sp.csr_array(entries, shape=(int(used.sum()), G.shape[0]))
 
 
-def _factor(H: Array) -> Array:
+def _banded_cholesky(H: Array) -> Array:
     """Banded Cholesky factor; overwrites H."""
     factor, info = dpbtrf(H.T, lower=1, overwrite_ab=1)
     if info:
@@ -188,14 +190,14 @@ def _factor(H: Array) -> Array:
     return factor
 
 
-def _solve(factor: Array, b: Array) -> Array:
+def _cholesky_solve(factor: Array, b: Array) -> Array:
     return dpbtrs(factor, b, lower=1)[0]
 
 
-def _longest(value: Array, step: Array) -> float:
-    """Largest multiple of the step, at most 1, that keeps the positive value non-negative."""
+def _max_step(value: Array, step: Array) -> float:
+    """Largest multiple of the step, at most 1, for which a positive value stays non-negative."""
     return 1.0 / max(1.0, -float((step / value).min()))
 
 
-def _largest(value: Array) -> float:
+def _max_abs(value: Array) -> float:
     return float(np.abs(value).max())

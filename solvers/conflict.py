@@ -1,4 +1,4 @@
-"""Which rows are to blame when a level cannot have what it asks for, and how little would have to change.
+"""Find the rows that make a level infeasible, and the least changes to their bounds that would cure it.
 
 Rows that no point satisfies together always hold a smallest such set: drop any of its rows and the rest has a solution.
 It is found by a linear programme that violates the rows by as little as can be, whose multipliers are not zero on rows
@@ -13,29 +13,29 @@ from scipy.optimize import linprog
 
 from solvers.rows import Array, Block, Level, Solution, Solver, Status
 
-FEASIBLE = 1e-6
-"""Rows that can be met but for this, in their weighted units, are met."""
+VIOLATION_TOLERANCE = 1e-6
+"""Largest violation, in weighted units, of rows that count as met."""
 
 
 class ConflictError(Exception):
     """Level 0 has no solution; says which rows contradict each other."""
 
 
-def solved(solver: Solver, levels: Sequence[Level]) -> Solution:
-    """Solve where nobody waits for a torque: all of level 0 holds, or it is said why it cannot.
+def solve_or_explain(solver: Solver, levels: Sequence[Level]) -> Solution:
+    """Solve a hierarchy off-line: all of level 0 holds, or an error names the rows that contradict each other.
 
     Raises:
         ConflictError: If level 0 has no solution.
     """
     solution = solver.solve(levels)
-    if solution.status >= Status.RELAXED and (conflict := explain(levels)) is not None:
+    if solution.status >= Status.RELAXED and (conflict := find_conflict(levels)) is not None:
         raise ConflictError(f"level '{levels[0].name}' has no solution: {conflict}")
     return solution
 
 
 @dataclass(frozen=True, slots=True)
-class Blamed:
-    """A row of a conflict.
+class ConflictRow:
+    """One row of a conflict.
 
     Args:
         owner: Who asks for it.
@@ -49,39 +49,39 @@ class Blamed:
     label: str
     side: str
     unit: str
-    change: float
+    bound_change: float
 
     def __str__(self) -> str:
         what = " ".join(part for part in (self.label, self.side) if part)
-        if self.change:
-            what = f"{what} {self.change:+.2g} {self.unit}".strip()
+        if self.bound_change:
+            what = f"{what} {self.bound_change:+.2g} {self.unit}".strip()
         return f"{self.owner}: {what}" if what else self.owner
 
 
 @dataclass(frozen=True, slots=True)
 class Conflict:
-    """A smallest set of rows that contradict each other, those that would have to change first."""
+    """A smallest set of rows that contradict each other; rows whose bounds would have to change come first."""
 
-    rows: tuple[Blamed, ...]
+    rows: tuple[ConflictRow, ...]
 
     @property
     def owners(self) -> frozenset[str]:
-        """Whose rows they are."""
+        """Names of the tasks and limits that own the rows."""
         return frozenset(row.owner for row in self.rows)
 
     def __str__(self) -> str:
-        changed = [str(row) for row in self.rows if row.change]
+        changed = [str(row) for row in self.rows if row.bound_change]
         # One line a reader can take in: of an owner with many rows, how many.
-        against: dict[str, list[Blamed]] = {}
+        against: dict[str, list[ConflictRow]] = {}
         for row in self.rows:
-            if not row.change:
+            if not row.bound_change:
                 against.setdefault(row.owner, []).append(row)
         others = [str(rows[0]) if len(rows) == 1 else f"{owner} ({len(rows)} rows)" for owner, rows in against.items()]
         return " and ".join(changed) + (f" against {', '.join(others)}" if others else "")
 
 
 @dataclass(frozen=True, slots=True)
-class _Sides:
+class _OneSidedRows:
     """One-sided rows ``A x <= b``, equalities as two of them, and where each comes from."""
 
     A: Array
@@ -93,8 +93,9 @@ class _Sides:
     blocks: list[Block]
 
     @classmethod
-    def of(cls, levels: Sequence[Level], kept: Array | None) -> "_Sides":
-        """Of all levels; the equalities above the last level hold what `kept` reaches where they are not level 0's."""
+    def of(cls, levels: Sequence[Level], kept: Array | None) -> "_OneSidedRows":
+        """One-sided rows of all levels; equalities between level 0 and the last level ask for what the point `kept`
+        reaches."""
         matrices, bounds = [], []
         marks: list[tuple[int, int, int, float]] = []
         blocks: list[Block] = []
@@ -119,51 +120,54 @@ class _Sides:
             np.vstack(matrices), np.concatenate(bounds), level_of, owner.astype(int), row.astype(int), signs, blocks
         )
 
-    def blamed(self, k: int, change: float) -> Blamed:
-        """The row in its owner's words."""
+    def conflict_row(self, k: int, change: float) -> ConflictRow:
+        """Row k in the words of its owner."""
         block = self.blocks[self.owner[k]]
         number = int(self.row[k]) - block.rows.start
         alone = block.rows.stop - block.rows.start == 1
         label = block.labels[number] if number < len(block.labels) else "" if alone else f"row {number}"
         side = "" if block.equality else "upper" if self.sign[k] > 0.0 else "lower"
-        return Blamed(block.name, label, side, block.unit, float(self.sign[k] * change / block.weight))
+        return ConflictRow(block.name, label, side, block.unit, float(self.sign[k] * change / block.weight))
 
 
-def explain(levels: Sequence[Level], last: int = 0, x: Array | None = None) -> Conflict | None:
-    """Why a level cannot be met.
+def find_conflict(levels: Sequence[Level], level_index: int = 0, x: Array | None = None) -> Conflict | None:
+    """Find out why a level cannot be met.
 
     Args:
         levels: The hierarchy, level 0 first.
-        last: The level in question. Levels between 0 and this one keep what `x` has reached.
-        x: A solution of the levels above `last`; not needed for level 0.
+        level_index: The level in question. Levels between 0 and this one keep what `x` has reached.
+        x: A solution of the levels above `level_index`; not needed for level 0.
 
     Returns:
         A smallest set of rows that contradict each other; None if the level can be met.
     """
-    sides = _Sides.of(levels[: last + 1], x)
+    sides = _OneSidedRows.of(levels[: level_index + 1], x)
     everything = np.arange(len(sides.b))
     violation, slack, multipliers = _least_violation(sides, everything)
-    if violation <= FEASIBLE:
+    if violation <= VIOLATION_TOLERANCE:
         return None
     blamed = everything[np.abs(multipliers) > 1e-9]
     for k in blamed.tolist():
         rest = blamed[blamed != k]
-        if _least_violation(sides, rest)[0] > FEASIBLE:
+        if _least_violation(sides, rest)[0] > VIOLATION_TOLERANCE:
             blamed = rest
-    _, slack, _ = _least_violation(sides, blamed, _prices(sides, blamed, last))
-    rows = [sides.blamed(k, change if change > FEASIBLE else 0.0) for k, change in zip(blamed, slack, strict=True)]
-    return Conflict(tuple(sorted(rows, key=lambda row: (not row.change, row.owner, row.label))))
+    _, slack, _ = _least_violation(sides, blamed, _violation_costs(sides, blamed, level_index))
+    rows = [
+        sides.conflict_row(k, change if change > VIOLATION_TOLERANCE else 0.0)
+        for k, change in zip(blamed, slack, strict=True)
+    ]
+    return Conflict(tuple(sorted(rows, key=lambda row: (not row.bound_change, row.owner, row.label))))
 
 
-def _prices(sides: _Sides, rows: Array, last: int) -> Array:
-    """Price of violating each row: low for a lower level's own, and in level 0 for those that give way first."""
+def _violation_costs(sides: _OneSidedRows, rows: Array, last: int) -> Array:
+    """Cost of violating each row: low for the rows of a lower level, and in level 0 for those that give way first."""
     if last:
         return np.where(sides.level[rows] == last, 1.0, 1e4)
     steps = np.array([block.gives_way for block in sides.blocks])[sides.owner[rows]]
     return np.where(steps > 0, 10.0 ** (steps - 1.0), 1e4)
 
 
-def _least_violation(sides: _Sides, rows: Array, price: Array | None = None) -> tuple[float, Array, Array]:
+def _least_violation(sides: _OneSidedRows, rows: Array, price: Array | None = None) -> tuple[float, Array, Array]:
     """Smallest sum of violations of some rows, each row's, and the rows' multipliers."""
     m, n = len(rows), sides.A.shape[1]
     cost = np.concatenate([np.zeros(n), np.ones(m) if price is None else price])

@@ -1,4 +1,4 @@
-"""Dense linear algebra of a tick's sizes, compiled: there a call of a library takes longer than what it computes.
+"""Compiled dense linear algebra for the small matrices of a tick, where a library call costs more than its arithmetic.
 
 Loops run over whole rows, zeros included: that is what becomes vector instructions.
 """
@@ -8,22 +8,22 @@ import numpy as np
 from solvers.compiled import compiled
 from solvers.rows import Array
 
-DEPENDENT = 1e-9
-"""A row counts as depending on those before it if it is closer to their span than this, relative to its length."""
-INDEPENDENT = 1e-5
-"""And as independent if it is farther than this; in between nobody knows."""
-WELL = 1e-3
-"""Normal equations whose shortest direction is longer than this, relative to the longest, are solved in one step."""
+DEPENDENT_BELOW = 1e-9
+"""Distance from the span of the rows before it, relative to a row's length, below which it is dependent."""
+INDEPENDENT_ABOVE = 1e-5
+"""The same distance above which a row is independent; between the two there is doubt."""
+WELL_CONDITIONED_ABOVE = 1e-3
+"""Ratio of the shortest to the longest direction above which normal equations need no step of refinement."""
 
 
 @compiled
-def lq(J: Array) -> tuple[Array, Array, Array, Array, bool]:
-    """``J = L Q`` of m rows of n variables by Householder reflections, row after row.
+def lq_factorization(J: Array) -> tuple[Array, Array, Array, Array, bool]:
+    """Factorise ``J = L Q``, m rows of n variables, by Householder reflections, row after row.
 
     Returns:
         L, shape (m, m), of which row k uses the columns up to its rank, lower triangular in the independent rows;
-        the reflections' vectors V (m, n) and factors (m,), ``Qᵀ = (1 − f_0 v_0 v_0ᵀ) (1 − f_1 v_1 v_1ᵀ) …``; the rows
-        that are independent of those before, shape (rank,); and whether there is no doubt about that.
+        the reflections' vectors V (m, n) and factors (m,), ``Qᵀ = (1 − f_0 v_0 v_0ᵀ) (1 − f_1 v_1 v_1ᵀ) …``; indices of
+        the independent rows, shape (rank,); and whether these are beyond doubt.
     """
     m, n = J.shape
     L, V, factors, rows, rank, certain = np.zeros((m, m)), np.zeros((m, n)), np.zeros(m), np.zeros(m, np.int64), 0, True
@@ -41,10 +41,10 @@ def lq(J: Array) -> tuple[Array, Array, Array, Array, bool]:
             v[i] = 0.0
         for i in range(n):
             square += v[i] * v[i]
-        if not square > DEPENDENT**2 * length:
+        if not square > DEPENDENT_BELOW**2 * length:
             certain &= square < np.inf
             continue
-        certain &= square > INDEPENDENT**2 * length
+        certain &= square > INDEPENDENT_ABOVE**2 * length
         diagonal = -np.sqrt(square) if v[rank] > 0.0 else np.sqrt(square)
         first = v[rank] - diagonal
         for i in range(n):
@@ -66,14 +66,14 @@ def _reflect(v: Array, factor: float, x: Array) -> None:
 
 
 @compiled
-def turn(V: Array, factors: Array, rank: int, x: Array) -> None:
+def apply_q_transposed(V: Array, factors: Array, rank: int, x: Array) -> None:
     """``x ← Qᵀ x``, shape (n,)."""
     for k in range(rank - 1, -1, -1):
         _reflect(V[k], factors[k], x)
 
 
 @compiled
-def forward(L: Array, rows: Array, b: Array) -> Array:
+def forward_substitution(L: Array, rows: Array, b: Array) -> Array:
     """y with ``L y = b`` in the independent rows, shape (rank,); b has shape (m,)."""
     y = np.empty(len(rows))
     for k, row in enumerate(rows):
@@ -85,7 +85,7 @@ def forward(L: Array, rows: Array, b: Array) -> Array:
 
 
 @compiled
-def backward(L: Array, rows: Array, b: Array) -> Array:
+def backward_substitution(L: Array, rows: Array, b: Array) -> Array:
     """y with ``Lᵀ y = b``, L the independent rows, shapes (rank,)."""
     y = b.copy()
     for k in range(len(rows) - 1, -1, -1):
@@ -96,29 +96,29 @@ def backward(L: Array, rows: Array, b: Array) -> Array:
 
 
 @compiled
-def solutions(J: Array, b: Array) -> tuple[Array, bool]:
-    """All x with ``J x = b``: the shortest one, and below it an orthonormal basis of what may be added to it.
+def solution_space(J: Array, b: Array) -> tuple[Array, bool]:
+    """All x with ``J x = b``: the shortest one, and below it an orthonormal basis of the null space of J.
 
     Returns:
         Shape (1 + n − m, n), and whether the m rows are independent, without which it is of no use.
     """
     m, n = J.shape
     X = np.zeros((1 + n - m, n))
-    L, V, factors, rows, certain = lq(J)
+    L, V, factors, rows, certain = lq_factorization(J)
     if len(rows) < m or not certain:
         return X, False
-    X[0, :m] = forward(L, rows, b)
+    X[0, :m] = forward_substitution(L, rows, b)
     for k in range(n - m):
         X[1 + k, m + k] = 1.0
     for k in range(len(X)):
-        turn(V, factors, m, X[k])
+        apply_q_transposed(V, factors, m, X[k])
     return X, True
 
 
 @compiled
-def cholesky(B: Array) -> tuple[Array, float]:
-    """L with ``L Lᵀ = B Bᵀ``, lower triangular, and its shortest direction, relative to the longest or to 1 if that is
-    more; 0 if there is no such L."""
+def gram_cholesky(B: Array) -> tuple[Array, float]:
+    """Cholesky factor L of ``B Bᵀ = L Lᵀ``, and its smallest diagonal entry relative to the largest (at least 1); 0 if
+    there is no such L."""
     m, n = B.shape
     L, shortest, longest = np.zeros((m, m)), np.inf, 1.0
     for i in range(m):
@@ -139,8 +139,8 @@ def cholesky(B: Array) -> tuple[Array, float]:
 
 
 @compiled
-def nearest(X: Array, B: Array, b: Array) -> tuple[Array, bool]:
-    """The x of those that `solutions` gave that minimises ``‖W x − b‖²``, where ``B = X Wᵀ``.
+def least_squares_in_solution_space(X: Array, B: Array, b: Array) -> tuple[Array, bool]:
+    """The x within `solution_space` that minimises ``‖W x − b‖²``, where ``B = X Wᵀ``.
 
     By normal equations, with a step of refinement where rounding would show.
 
@@ -150,24 +150,24 @@ def nearest(X: Array, B: Array, b: Array) -> tuple[Array, bool]:
     x, free = X[0].copy(), len(X) - 1
     if not free:
         return x, True
-    L, shortest = cholesky(B[1:])
-    if len(b) < free or not shortest > INDEPENDENT:
+    L, shortest = gram_cholesky(B[1:])
+    if len(b) < free or not shortest > INDEPENDENT_ABOVE:
         return x, False
     rows, rest = np.arange(free), b - B[0]
     for _ in range(2):
-        y = backward(L, rows, forward(L, rows, times(B[1:], rest)))
+        y = backward_substitution(L, rows, forward_substitution(L, rows, matrix_vector(B[1:], rest)))
         for i in range(free):
             for k in range(len(x)):
                 x[k] += y[i] * X[1 + i, k]
             for k in range(len(b)):
                 rest[k] -= y[i] * B[1 + i, k]
-        if shortest > WELL:
+        if shortest > WELL_CONDITIONED_ABOVE:
             break
     return x, True
 
 
 @compiled
-def times(A: Array, x: Array) -> Array:
+def matrix_vector(A: Array, x: Array) -> Array:
     """``A x``."""
     out = np.zeros(len(A))
     for i in range(len(A)):

@@ -1,4 +1,4 @@
-"""The cascade of a tick on which inequalities bite at its last two levels only, or not at all.
+"""The cascade of a tick whose inequalities are active at its last two levels only, or not at all.
 
 Most ticks are of that kind, and they need no null-space basis between levels. With variables (x_1, x_2) as in
 `Reduction`, and as long as each level's rows J_k can be met exactly, the lexicographic optimum of
@@ -9,8 +9,8 @@ are the solutions of all of them together: one factorisation. The first level wi
 left, ``W x_1 = b``, takes these by least squares: that determines x_1. Then x_2 has to answer what level 0 asks of it,
 ``R x_2 = r − P x_1``, and the last level, which wants ``x_2 = w``, gets the nearest point that does.
 
-Inequalities that bite are held as equalities. Rows that x_2 can answer beside R cost the last level something. Where
-they are more than x_2 can answer, combinations of them that leave x_2 out are rows on x_1, and cost the level of W.
+Active inequalities are held as equalities. Rows that x_2 can satisfy beside R cost the last level something. Where
+there are more than x_2 can satisfy, combinations of them without x_2 are rows on x_1, and cost the level of W.
 
 The result is checked exactly: all inequalities of level 0 hold, and the held ones push the right way at the level that
 they cost first. What does not fit is left to others: rows that contradict each other, a level of another kind, an
@@ -23,83 +23,97 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.compiled import compiled
-from solvers.dense import DEPENDENT, INDEPENDENT, WELL, backward, cholesky, forward, lq, nearest, solutions, times, turn
-from solvers.reduction import leading_of
+from solvers.dense import (
+    DEPENDENT_BELOW,
+    INDEPENDENT_ABOVE,
+    WELL_CONDITIONED_ABOVE,
+    apply_q_transposed,
+    backward_substitution,
+    forward_substitution,
+    gram_cholesky,
+    least_squares_in_solution_space,
+    lq_factorization,
+    matrix_vector,
+    solution_space,
+)
+from solvers.reduction import leading_count
 from solvers.rows import Array, Equality, Level
 
-ROUNDS = 12
-"""Changes of the held inequalities before it is given up."""
+MAX_ACTIVE_SET_CHANGES = 12
+"""Largest number of changes to the active set before the solver gives up."""
 
 
-class Direct:
-    """Solves the ticks that need no null spaces.
+class DirectSolver:
+    """Solves a hierarchy by one factorisation where no null spaces between levels are needed.
 
     Args:
         tolerance: Violation that counts as none.
 
     Attributes:
-        held: Inequalities of level 0 that are held: +1 at their upper bound, -1 at the lower one, 0 if not.
-        excess: Largest violation of an inequality in the last answer.
-        met: How many levels, level 0 included, have all their rows met by the last answer.
+        active_sides: Inequalities of level 0 that are held: +1 at their upper bound, -1 at the lower one, 0 if not.
+        max_violation: Largest violation of an inequality in the last answer.
+        levels_met: How many levels, level 0 included, have all their rows met by the last answer.
     """
 
     def __init__(self, tolerance: float) -> None:
         self.tolerance = tolerance
-        self.held = np.zeros(0)
-        self.excess = 0.0
-        self.met = 0
+        self.active_sides = np.zeros(0)
+        self.max_violation = 0.0
+        self.levels_met = 0
         self._shape = (0, 0)
         self._kind: object | None = None  # of the levels that were solved last
-        self._parts: _Parts | None = None  # and what they are made of
+        self._parts: _Structure | None = None  # and what they are made of
 
-    def expect(self, rows: Array, side: Array) -> None:
-        """Start the next time with these rows held, at the upper bound where `side` is positive."""
-        known = rows < len(self.held)
-        self.held[:] = 0.0
-        self.held[rows[known]] = side[known]
+    def warm_start(self, rows: Array, side: Array) -> None:
+        """Start the next solve with these rows active, at the upper bound where `side` is positive."""
+        known = rows < len(self.active_sides)
+        self.active_sides[:] = 0.0
+        self.active_sides[rows[known]] = side[known]
 
     def solve(self, levels: Sequence[Level]) -> Array | None:
         """The optimum, shape (n,), or None if this is not a hierarchy of that kind."""
         hard, size = levels[0], levels[0].size
-        if hard.kind is None or hard.kind is not self._kind:
-            self._kind, self._parts = hard.kind, _Parts.of(levels)
+        if hard.structure_key is None or hard.structure_key is not self._kind:
+            self._kind, self._parts = hard.structure_key, _Structure.of(levels)
             shape = len(hard.lower), size
             if shape != self._shape:
-                self._shape, self.held = shape, np.zeros(len(hard.lower))
+                self._shape, self.active_sides = shape, np.zeros(len(hard.lower))
         parts = self._parts
         if parts is None:
             return None
         leading, last, x = parts.leading, parts.last, np.empty(size)
         if last is not None:
             np.divide(last.b, last.scale, out=x[leading:])
-        X, independent = solutions(*_stacked(parts.thin, leading))
+        X, independent = solution_space(*_stacked_rows(parts.exact, leading))
         if not independent:
             return None
-        K, r = _stacked(parts.coupled, size)
-        W, b = _seen(parts.wide, X)
-        found, self.excess = _optimum(X, W, b, K, r, x, hard.C, hard.lower, hard.upper, self.held, self.tolerance)
-        self.met = parts.met
+        K, r = _stacked_rows(parts.coupled, size)
+        W, b = _row_products(parts.overdetermined, X)
+        found, self.max_violation = _active_set_optimum(
+            X, W, b, K, r, x, hard.C, hard.lower, hard.upper, self.active_sides, self.tolerance
+        )
+        self.levels_met = parts.levels_met
         return x if found else None
 
 
 @dataclass(slots=True)
-class _Parts:
-    """A hierarchy's equalities by what becomes of them.
+class _Structure:
+    """A hierarchy's equalities, sorted by how they are solved.
 
-    `leading` variables make up x_1, and the first `met` levels have thin rows only.
+    `leading` variables make up x_1, and the first `levels_met` levels have exact rows only.
     """
 
     leading: int
-    thin: list[Equality]
-    wide: list[Equality]
+    exact: list[Equality]
+    overdetermined: list[Equality]
     coupled: list[Equality]
     last: Equality | None
-    met: int
+    levels_met: int
 
     @classmethod
-    def of(cls, levels: Sequence[Level]) -> "_Parts | None":
-        """None for a hierarchy of another kind."""
-        leading, met = leading_of(levels), 1
+    def of(cls, levels: Sequence[Level]) -> "_Structure | None":
+        """Sort the equalities of a hierarchy; None if it is of another structure."""
+        leading, met = leading_count(levels), 1
         trailing = levels[0].size - leading
         thin: list[Equality] = []
         coupled: list[Equality] = []
@@ -115,7 +129,7 @@ class _Parts:
                 return None
             if last is not None or not level.equalities:
                 continue
-            if level.columns > leading:
+            if level.leading_columns > leading:
                 last = level.equalities[0]
                 if used < leading or len(level.equalities) > 1:
                     return None
@@ -134,56 +148,56 @@ class _Parts:
         return cls(leading, thin, wide, coupled, last, met)
 
 
-def at_once(thin: Sequence[Equality], wide: Sequence[Equality], count: int) -> Array | None:
-    """Least-norm x with all `thin` rows exactly, in any order, and the `wide` ones by least squares in what they leave.
+def least_norm_solution(exact: Sequence[Equality], overdetermined: Sequence[Equality], count: int) -> Array | None:
+    """Least-norm x with all `exact` rows met and the `overdetermined` ones by least squares in their null space.
 
     Args:
-        thin: No more rows than there are variables.
-        wide: Rows that determine what the others leave; none if that stays 0.
+        exact: No more rows than there are variables.
+        overdetermined: Rows that determine what the others leave; none if that stays 0.
         count: Number of variables.
 
     Returns:
         x, shape (count,), or None if rows depend on each other.
     """
-    X, solved = solutions(*_stacked(thin, count))
-    if not solved or not wide:
+    X, solved = solution_space(*_stacked_rows(exact, count))
+    if not solved or not overdetermined:
         return X[0] if solved else None
-    x, solved = nearest(X, *_seen(wide, X))
+    x, solved = least_squares_in_solution_space(X, *_row_products(overdetermined, X))
     return x if solved else None
 
 
-def _stacked(equalities: Sequence[Equality], count: int) -> tuple[Array, Array]:
-    """Rows as one matrix on a number of leading variables, and their right-hand side."""
+def _stacked_rows(equalities: Sequence[Equality], count: int) -> tuple[Array, Array]:
+    """Rows stacked to one matrix on the leading variables, and their right-hand side."""
     used = 0
     for e in equalities:
         used += len(e.b)
     J, target = np.zeros((used, count)), np.empty(used)
     row = 0
     for e in equalities:
-        _put(J, target, row, e.start, e.A, e.scale, e.b)
+        _copy_scaled_rows(J, target, row, e.start, e.A, e.scale, e.b)
         row += len(e.b)
     return J, target
 
 
 @compiled
-def _put(J: Array, target: Array, row: int, start: int, A: Array, scale: float, b: Array) -> None:
+def _copy_scaled_rows(J: Array, target: Array, row: int, start: int, A: Array, scale: float, b: Array) -> None:
     for i in range(len(b)):
         target[row + i] = b[i]
         for k in range(A.shape[1]):
             J[row + i, start + k] = scale * A[i, k]
 
 
-def _seen(equalities: Sequence[Equality], X: Array) -> tuple[Array, Array]:
+def _row_products(equalities: Sequence[Equality], X: Array) -> tuple[Array, Array]:
     """Rows W and right-hand side b of the leading variables as ``X Wᵀ`` and b."""
     if len(equalities) == 1:
-        return equalities[0].seen(X), equalities[0].b
+        return equalities[0].row_products(X), equalities[0].b
     if not equalities:
         return np.empty((len(X), 0)), np.empty(0)
-    return np.hstack([e.seen(X) for e in equalities]), np.hstack([e.b for e in equalities])
+    return np.hstack([e.row_products(X) for e in equalities]), np.hstack([e.b for e in equalities])
 
 
 @compiled
-def _optimum(
+def _active_set_optimum(
     X: Array,
     B: Array,
     b: Array,
@@ -196,10 +210,10 @@ def _optimum(
     held: Array,
     tolerance: float,
 ) -> tuple[bool, float]:
-    """x with the inequalities held that have to be.
+    """Find x by an active-set iteration over the inequalities.
 
     Args:
-        X: What x_1 may be, see `solutions`, shape (1 + f, n_1).
+        X: What x_1 may be, see `solution_space`, shape (1 + f, n_1).
         B, b: ``X Wᵀ`` and the right-hand side of W, shapes (1 + f, w) and (w,).
         K, r: Level 0's rows ``P x_1 + R x_2 = r`` as a matrix on x, shapes (c, n) and (c,).
         x: Ends with the wish for x_2, shape (n,); replaced by the answer.
@@ -211,7 +225,7 @@ def _optimum(
         Whether that is the answer, and the largest violation in it.
     """
     leading = X.shape[1]
-    first, determined = nearest(X, B, b)
+    first, determined = least_squares_in_solution_space(X, B, b)
     if not determined:
         return False, 0.0
     wish, side, x_1 = x[leading:].copy(), held.copy(), first
@@ -220,7 +234,7 @@ def _optimum(
         # A bound that has gone, a ramp's at its end say, holds nothing any more.
         if side[row] != 0.0 and not abs(upper[row] if side[row] > 0.0 else lower[row]) < np.inf:
             side[row] = 0.0
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ACTIVE_SET_CHANGES):
         count = len(r)
         for row in range(len(side)):
             count += side[row] != 0.0
@@ -232,24 +246,24 @@ def _optimum(
             if side[row] != 0.0:
                 rows[k], target[k], owner[k] = C[row], upper[row] if side[row] > 0.0 else lower[row], row
                 k += 1
-        L, V, factors, kept, certain = lq(rows[:, leading:].copy())
+        L, V, factors, kept, certain = lq_factorization(rows[:, leading:].copy())
         if not certain or len(kept) < len(r) or (len(r) and kept[len(r) - 1] >= len(r)):
             return False, 0.0
         costs = np.zeros(count)  # multipliers of the rows at the level of W
         x_1 = first
         if len(kept) < count:
             if not len(factor):
-                factor, shortest = cholesky(B[1:])
-            if not shortest > WELL:
+                factor, shortest = gram_cholesky(B[1:])
+            if not shortest > WELL_CONDITIONED_ABOVE:
                 return False, 0.0
-            x_1, costs, certain = _constrained(X, first, factor, rows, target, L, kept)
+            x_1, costs, certain = _nearest_leading_and_multipliers(X, first, factor, rows, target, L, kept)
             if not certain:
                 return False, 0.0
-        missing = target - times(rows[:, :leading], x_1) - times(rows[:, leading:], wish)
+        missing = target - matrix_vector(rows[:, :leading], x_1) - matrix_vector(rows[:, leading:], wish)
         step = np.zeros(len(wish))
-        step[: len(kept)] = forward(L, kept, missing)
-        pushes = backward(L, kept, step[: len(kept)])
-        turn(V, factors, len(kept), step)
+        step[: len(kept)] = forward_substitution(L, kept, missing)
+        pushes = backward_substitution(L, kept, step[: len(kept)])
+        apply_q_transposed(V, factors, len(kept), step)
         for i in range(leading):
             x[i] = x_1[i]
         for i in range(len(wish)):
@@ -285,10 +299,10 @@ def _optimum(
 
 
 @compiled
-def _constrained(
+def _nearest_leading_and_multipliers(
     X: Array, first: Array, factor: Array, rows: Array, target: Array, L: Array, kept: Array
 ) -> tuple[Array, Array, bool]:
-    """x_1 nearest to its first choice, by the level of W, for which x_2 can answer all rows.
+    """The x_1 nearest to its first choice, in the norm of the level of W, for which x_2 can satisfy all rows.
 
     Args:
         X: What x_1 may be.
@@ -308,7 +322,7 @@ def _constrained(
     A, missing = np.zeros((len(over), free)), np.zeros(len(over))
     order, longest = np.arange(free), np.sqrt(np.sum(rows[:, :leading] ** 2))
     for k, row in enumerate(over):
-        shares[k] = backward(L, kept, L[row, : len(kept)].copy())
+        shares[k] = backward_substitution(L, kept, L[row, : len(kept)].copy())
         combined, gap = rows[row, :leading].copy(), target[row]
         for j, other in enumerate(kept):
             if shares[k, j] != 0.0:
@@ -321,16 +335,16 @@ def _constrained(
             size += combined[i] ** 2
         for j in range(len(kept)):
             most = max(most, abs(shares[k, j]))
-        movable = times(X[1:], combined)
+        movable = matrix_vector(X[1:], combined)
         # What is left of a row that others imply, or that no x_1 can change, is rounding.
-        if size > (DEPENDENT * most * longest) ** 2 and movable @ movable > INDEPENDENT**2 * size:
-            A[k], missing[k] = forward(factor, order, movable), gap  # where the level of W is a distance
-    L_1, V, factors, held, certain = lq(A)
+        if size > (DEPENDENT_BELOW * most * longest) ** 2 and movable @ movable > INDEPENDENT_ABOVE**2 * size:
+            A[k], missing[k] = forward_substitution(factor, order, movable), gap  # where the level of W is a distance
+    L_1, V, factors, held, certain = lq_factorization(A)
     step = np.zeros(free)
-    step[: len(held)] = forward(L_1, held, missing)
-    nu = backward(L_1, held, step[: len(held)])
-    turn(V, factors, len(held), step)
-    y = backward(factor, order, step)
+    step[: len(held)] = forward_substitution(L_1, held, missing)
+    nu = backward_substitution(L_1, held, step[: len(held)])
+    apply_q_transposed(V, factors, len(held), step)
+    y = backward_substitution(factor, order, step)
     x_1, costs = first.copy(), np.zeros(m)
     for i in range(free):
         for k in range(leading):

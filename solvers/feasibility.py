@@ -1,4 +1,4 @@
-"""Whether linear inequalities have a solution at all, by the simplex method.
+"""A test by the simplex method whether linear inequalities have a solution.
 
 The general form of Dutertre and de Moura ("A fast linear-arithmetic solver for DPLL(T)", CAV 2006) fits: values
 ``s = A y`` with bounds, y free. Each s starts as a function of y; whichever is outside its bounds is moved onto the
@@ -10,13 +10,13 @@ import numpy as np
 
 from solvers.rows import Array
 
-SMALLEST_PIVOT = 1e-9
-"""Coefficients smaller than this, relative to the largest of A, are rounding."""
-GREEDY = 4
-"""Trades, a multiple of the number of values, made by the largest violation; after them by Bland's rule, which ends."""
+MIN_RELATIVE_PIVOT = 1e-9
+"""Smallest pivot, relative to the largest entry of A; smaller coefficients are rounding."""
+GREEDY_PIVOTS_PER_ROW = 4
+"""Pivots, per row of A, that are chosen by the largest violation; later ones follow Bland's rule, which terminates."""
 
 
-def feasible(A: Array, lower: Array, upper: Array, tolerance: float) -> bool:
+def is_feasible(A: Array, lower: Array, upper: Array, tolerance: float) -> bool:
     """Whether some y has ``lower - tolerance <= A y <= upper + tolerance``.
 
     Args:
@@ -28,23 +28,23 @@ def feasible(A: Array, lower: Array, upper: Array, tolerance: float) -> bool:
     if (lower > upper + tolerance).any():
         return False
     T = A.copy()  # values of the variables in `basic` as functions of those in `others`
-    smallest = SMALLEST_PIVOT * float(np.abs(A).max(initial=0.0))
+    smallest = MIN_RELATIVE_PIVOT * float(np.abs(A).max(initial=0.0))
     low, high = np.concatenate([np.full(n, -np.inf), lower]), np.concatenate([np.full(n, np.inf), upper])
     basic, others = np.arange(n, n + m), np.arange(n)
     value, at = np.zeros(m), np.zeros(n)
     trade = 0
     while True:
-        greedy = trade < GREEDY * m
+        greedy = trade < GREEDY_PIVOTS_PER_ROW * m
         violation = np.maximum(low[basic] - value, value - high[basic])
         if violation.max(initial=0.0) <= tolerance:
             return True
-        r = int(np.argmax(violation) if greedy else _first(violation > tolerance, basic))
+        r = int(np.argmax(violation) if greedy else _smallest_variable(violation > tolerance, basic))
         rising = bool(value[r] < low[basic[r]])
         slope = T[r] if rising else -T[r]
         room = ((slope > smallest) & (at < high[others])) | ((slope < -smallest) & (at > low[others]))
         if not room.any():
             return False
-        j = int(np.argmax(np.where(room, np.abs(slope), 0.0)) if greedy else _first(room, others))
+        j = int(np.argmax(np.where(room, np.abs(slope), 0.0)) if greedy else _smallest_variable(room, others))
         bound = float(low[basic[r]] if rising else high[basic[r]])
         step = (bound - value[r]) / T[r, j]
         value += step * T[:, j]
@@ -58,6 +58,6 @@ def feasible(A: Array, lower: Array, upper: Array, tolerance: float) -> bool:
         trade += 1
 
 
-def _first(which: Array, variables: Array) -> int:
-    """Place of the variable of the smallest number, of those that qualify."""
+def _smallest_variable(which: Array, variables: Array) -> int:
+    """Index of the smallest variable number among those that qualify."""
     return int(np.argmin(np.where(which, variables, np.iinfo(int).max)))

@@ -1,4 +1,4 @@
-"""Quadratic programs that stay alive between calls, on ProxQP, with a second solver behind it."""
+"""Quadratic programs on ProxQP that are warm-started from call to call, with a second solver as fallback."""
 
 from dataclasses import dataclass, replace
 
@@ -8,18 +8,20 @@ from proxsuite import proxqp
 
 from solvers.rows import Array, Status
 
-SECOND_SOLVER = "quadprog"
-ROUNDING = 1e-13
-"""Entries of the inequalities that are smaller than this, relative to the largest, are zero but for rounding."""
+SECOND_SOLVER_NAME = "quadprog"
+ZERO_BELOW = 1e-13
+"""Size, relative to the largest entry of C, below which entries count as zero: they are rounding."""
 
-THIN = 1e-7, 1e-12
-"""ProxQP's `eps_primal_inf`, below which it takes a thin feasible set for none: as a rule, and where there is one."""
-WIDER = 3.0, 100.0
-"""Where a set has no width, solvers stumble over rounding. The levels above are known no better than to the accuracy of
-their QPs: bounds are widened by this many times as much, where ProxQP has failed, and where the second solver has."""
-DEFINITE = 1e-10, 1e-8
-"""How much more curvature, relative to its mean, the objective is given for the second solver, which wants all of it to
-be positive: as a rule far less than shows in the answer, and where the solver has failed."""
+INFEASIBILITY_TOLERANCES = 1e-7, 1e-12
+"""ProxQP's `eps_primal_inf`, which decides when a thin feasible set counts as empty: as a rule, and where the QP is
+known to be feasible."""
+BOUND_WIDENINGS = 3.0, 100.0
+"""Where a set has no width, solvers stumble over rounding. The levels above are known to the accuracy of
+their QPs: bounds are widened by this many times that accuracy, where ProxQP has failed and where the second solver
+has."""
+ADDED_CURVATURES = 1e-10, 1e-8
+"""Curvature added to the objective, relative to its mean, for the second solver, which needs a positive definite one:
+as a rule far less than shows in the answer, and where the solver has failed."""
 
 
 @dataclass(slots=True)
@@ -29,7 +31,7 @@ class QP:
     Args:
         H, g: Objective, shapes (n, n) and (n,), H symmetric and positive semidefinite.
         C, lower, upper: Inequalities, shapes (m, n), (m,), (m,).
-        feasible: Whether it is known to have a solution.
+        known_feasible: Whether it is known to have a solution.
     """
 
     H: Array
@@ -37,10 +39,10 @@ class QP:
     C: Array
     lower: Array
     upper: Array
-    feasible: bool = False
+    known_feasible: bool = False
 
     def violation(self, y: Array) -> float:
-        """Largest violation of an inequality."""
+        """Largest violation of an inequality at y, 0 if there is none."""
         if not len(self.lower):
             return 0.0
         value = self.C @ y
@@ -84,52 +86,52 @@ class PersistentQPs:
         self.max_iterations = max_iterations
         self._solvers: dict[tuple[object, int, int], proxqp.dense.QP] = {}
 
-    def solve(self, key: object, problem: QP, second: bool = True) -> QPResult:
+    def solve(self, key: object, problem: QP, use_second_solver: bool = True) -> QPResult:
         """Solve a QP.
 
         Args:
             key: Names the sequence of similar problems that it belongs to: those of one size share a warm start.
             problem: The QP.
-            second: Whether a problem that ProxQP leaves unsolved goes to the second solver.
+            use_second_solver: Whether a problem that ProxQP leaves unsolved goes to the second solver.
         """
         H, g, C, lower, upper = problem.H, problem.g, problem.C, problem.lower, problem.upper
         n, m = len(g), len(lower)
         # Scaled up by the preconditioner, rows of mere rounding would keep ProxQP busy for seconds.
-        C = np.where(np.abs(C) > ROUNDING * np.abs(C).max(initial=0.0), C, 0.0)
+        C = np.where(np.abs(C) > ZERO_BELOW * np.abs(C).max(initial=0.0), C, 0.0)
         problem = replace(problem, C=C)
         place = (key, n, m)
         qp = self._solvers.get(place)
         if qp is not None:
-            qp.settings.eps_primal_inf = THIN[problem.feasible]
+            qp.settings.eps_primal_inf = INFEASIBILITY_TOLERANCES[problem.known_feasible]
             qp.update(H=H, g=g, C=C, l=lower, u=upper, update_preconditioner=False)
             qp.solve()
-            if (answer := self._accepted(qp, problem)) is not None:
+            if (answer := self._accepted_result(qp, problem)) is not None:
                 return answer
         # Anew: there was no previous result, or it was no good place to start from.
-        for wider in (0.0, WIDER[0] * self.accuracy)[: 1 + problem.feasible]:
-            qp = self._create(n, m)
-            qp.settings.eps_primal_inf = THIN[problem.feasible]
+        for wider in (0.0, BOUND_WIDENINGS[0] * self.accuracy)[: 1 + problem.known_feasible]:
+            qp = self._new_solver(n, m)
+            qp.settings.eps_primal_inf = INFEASIBILITY_TOLERANCES[problem.known_feasible]
             qp.init(H, g, None, None, C, lower - wider, upper + wider)
             qp.solve()
-            if (answer := self._accepted(qp, problem)) is not None:
+            if (answer := self._accepted_result(qp, problem)) is not None:
                 # Only now: ProxQP has no previous result to start from before its first solve.
                 qp.settings.initial_guess = proxqp.WARM_START_WITH_PREVIOUS_RESULT
                 self._solvers[place] = qp
                 return answer
         self._solvers.pop(place, None)
-        reason = self._why(qp)
-        return self._second(problem, reason) if second else _failure(problem, reason)
+        reason = self._failure_reason(qp)
+        return self._solve_with_second_solver(problem, reason) if use_second_solver else _failed_result(problem, reason)
 
-    def _accepted(self, qp: proxqp.dense.QP, problem: QP) -> QPResult | None:
-        """The answer of a solved QP, None where it is no answer."""
+    def _accepted_result(self, qp: proxqp.dense.QP, problem: QP) -> QPResult | None:
+        """Result of a solved QP; None if ProxQP has not solved it or the answer violates a bound."""
         if qp.results.info.status != proxqp.PROXQP_SOLVED:
             return None
         y = qp.results.x.copy()
         residual = problem.violation(y)
         return QPResult(y, qp.results.z.copy(), Status.SOLVED, residual) if residual <= self.tolerance else None
 
-    def _why(self, qp: proxqp.dense.QP) -> str:
-        """Why ProxQP has no answer."""
+    def _failure_reason(self, qp: proxqp.dense.QP) -> str:
+        """Why ProxQP has no answer, in words."""
         most = self.max_iterations
         return {
             proxqp.PROXQP_SOLVED: "ProxQP's answer breaks a bound",
@@ -137,7 +139,7 @@ class PersistentQPs:
             proxqp.PROXQP_PRIMAL_INFEASIBLE: "ProxQP took it for infeasible",
         }.get(qp.results.info.status, "ProxQP took it for unbounded")
 
-    def _create(self, n: int, m: int) -> proxqp.dense.QP:
+    def _new_solver(self, n: int, m: int) -> proxqp.dense.QP:
         qp = proxqp.dense.QP(n, 0, m, False, proxqp.dense.HessianType.Dense, proxqp.dense.DenseBackend.PrimalDualLDLT)
         qp.settings.eps_abs = self.accuracy
         qp.settings.eps_rel = 0.0
@@ -149,18 +151,19 @@ class PersistentQPs:
         qp.settings.initial_guess = proxqp.NO_INITIAL_GUESS
         return qp
 
-    def _second(self, problem: QP, reason: str) -> QPResult:
+    def _solve_with_second_solver(self, problem: QP, reason: str) -> QPResult:
         H, C, lower, upper = problem.H, problem.C, problem.lower, problem.upper
         n, m = len(H), len(lower)
         curvature = max(1.0, float(np.trace(H)) / n) * np.eye(n)
-        wide = WIDER[1] * self.accuracy
-        attempts = [(DEFINITE[0], 0.0), (DEFINITE[0], wide), (DEFINITE[1], wide)]
+        wide = BOUND_WIDENINGS[1] * self.accuracy
+        attempts = [(ADDED_CURVATURES[0], 0.0), (ADDED_CURVATURES[0], wide), (ADDED_CURVATURES[1], wide)]
         above, below = np.isfinite(upper), np.isfinite(lower)
         rows, bounds = np.vstack([C[above], -C[below]]), np.concatenate([upper[above], -lower[below]])
-        for definite, wider in attempts if problem.feasible else attempts[:1]:
+        for definite, wider in attempts if problem.known_feasible else attempts[:1]:
             try:
                 solution = qpsolvers.solve_problem(
-                    qpsolvers.Problem(H + definite * curvature, problem.g, rows, bounds + wider), solver=SECOND_SOLVER
+                    qpsolvers.Problem(H + definite * curvature, problem.g, rows, bounds + wider),
+                    solver=SECOND_SOLVER_NAME,
                 )
             except (qpsolvers.SolverError, ValueError):
                 continue
@@ -171,10 +174,10 @@ class PersistentQPs:
                 multipliers = np.zeros(m)
                 multipliers[above] += solution.z[: above.sum()]
                 multipliers[below] -= solution.z[above.sum() :]
-                words = f"{reason}, {SECOND_SOLVER} solved it"
+                words = f"{reason}, {SECOND_SOLVER_NAME} solved it"
                 return QPResult(solution.x, multipliers, Status.SECOND_SOLVER, residual, words)
-        return _failure(problem, f"{reason}, {SECOND_SOLVER} found no answer")
+        return _failed_result(problem, f"{reason}, {SECOND_SOLVER_NAME} found no answer")
 
 
-def _failure(problem: QP, reason: str) -> QPResult:
+def _failed_result(problem: QP, reason: str) -> QPResult:
     return QPResult(np.zeros(len(problem.g)), np.zeros(len(problem.lower)), Status.FAILED, np.inf, reason)

@@ -1,4 +1,4 @@
-"""Level 0's equalities solved once and for all, by a change of variables that leaves them out.
+"""A change of variables that eliminates the equalities of level 0.
 
 Rows of a controller's level 0 come as ``[J 0; P R]``: the leading variables x_1 (accelerations) have rows of their own,
 and the trailing ones x_2 (contact forces) can answer whatever the coupled rows ask for, R being of full row rank. Then
@@ -14,18 +14,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.nullspace import project
+from solvers.nullspace import factorize_rows
 from solvers.rows import Array, Equality, Level
 
 
-def leading_of(levels: Sequence[Level]) -> int:
-    """Number of leading variables: the fewest that any level's rows are content with."""
+def leading_count(levels: Sequence[Level]) -> int:
+    """Number of leading variables: the fewest columns that the rows of any level use."""
     first = levels[0]
     return min((e.A.shape[1] for level in levels for e in level.equalities if not e.start), default=first.size)
 
 
-def stacked(equalities: Sequence[Equality], start: int, size: int) -> Array:
-    """The equalities in the variables from `start` on, one matrix, shape (rows, size - start)."""
+def stacked_equalities(equalities: Sequence[Equality], start: int, size: int) -> Array:
+    """The equalities as one matrix on the variables from `start` on, shape (rows, size - start)."""
     out = np.zeros((sum(len(e.b) for e in equalities), size - start))
     row = 0
     for e in equalities:
@@ -57,19 +57,19 @@ class Reduction:
         """Solve the equalities of `hard`; None if they contradict each other or are not of that structure."""
         own = [e for e in hard.equalities if e.start + e.A.shape[1] <= leading]
         coupled = [e for e in hard.equalities if e.start + e.A.shape[1] > leading]
-        J, wanted = stacked(own, 0, leading), np.concatenate([np.zeros(0), *(e.b for e in own)])
-        contact = project(J, tolerance * max(1.0, float(np.abs(J).max(initial=0.0))))
+        J, wanted = stacked_equalities(own, 0, leading), np.concatenate([np.zeros(0), *(e.b for e in own)])
+        contact = factorize_rows(J, tolerance * max(1.0, float(np.abs(J).max(initial=0.0))))
         start = contact.least_squares(wanted)
         if contact.rank < len(wanted) and np.abs(J @ start - wanted).max() > tolerance * (1.0 + np.abs(wanted).max()):
             return None
-        N = contact.remaining(np.eye(leading, order="F"))
-        rows = stacked(coupled, 0, hard.size)
+        N = contact.remaining_basis(np.eye(leading, order="F"))
+        rows = stacked_equalities(coupled, 0, hard.size)
         P, R = rows[:, :leading], rows[:, leading:]
-        bearing = project(R, tolerance)
+        bearing = factorize_rows(R, tolerance)
         if bearing.rank < len(rows):
             return None
         free, others = N.shape[1], hard.size - leading
-        K = bearing.remaining(np.eye(others, order="F"))
+        K = bearing.remaining_basis(np.eye(others, order="F"))
         T = np.zeros((hard.size, free + K.shape[1]))
         origin = np.zeros(hard.size)
         T[:leading, :free], T[leading:, free:], origin[:leading] = N, K, start
@@ -77,16 +77,16 @@ class Reduction:
             needed = np.empty((len(rows), free + 1))
             needed[:, :free] = -P @ N
             needed[:, free] = np.concatenate([e.b for e in coupled]) - P @ start
-            borne = bearing.right_inverse(needed)
+            borne = bearing.least_norm(needed)
             T[leading:, :free], origin[leading:] = borne[:, :free], borne[:, free]
         return cls(T, origin, leading, free)
 
-    def levels(self, levels: Sequence[Level]) -> list[Level]:
-        """The same levels in z; the first has no equalities any more."""
+    def reduced_levels(self, levels: Sequence[Level]) -> list[Level]:
+        """The same levels in z; level 0 has no equalities any more."""
         return [self._level(level, hard=not k) for k, level in enumerate(levels)]
 
-    def back(self, z: Array) -> Array:
-        """x of z."""
+    def full_solution(self, z: Array) -> Array:
+        """The solution x in the original variables, ``T z + origin``."""
         return self.T @ z + self.origin
 
     def _level(self, level: Level, hard: bool) -> Level:
@@ -101,4 +101,4 @@ class Reduction:
     def _equality(self, e: Equality) -> Equality:
         end = e.start + e.A.shape[1]
         columns = self.free if end <= self.leading else self.T.shape[1]
-        return Equality(e.times(self.T[e.start : end, :columns]), e.b - e.times(self.origin[e.start : end]))
+        return Equality(e.product(self.T[e.start : end, :columns]), e.b - e.product(self.origin[e.start : end]))

@@ -1,4 +1,4 @@
-"""What a solver is given and what it gives back: rows, levels, solutions.
+"""Input and output of a solver: rows, levels, solutions.
 
 Nothing here knows a robot: a row is ``lower <= A x <= upper``, an equality where both sides agree, and it has a name
 and a unit so that whoever reads a result knows what was asked for.
@@ -17,8 +17,8 @@ from solvers.compiled import compiled
 Array = np.ndarray
 
 
-TIGHT = 1e-6
-"""Inequalities closer to their bound than this are told as active."""
+ACTIVE_TOLERANCE = 1e-6
+"""Distance from its bound within which an inequality is reported as active."""
 
 
 class Status(IntEnum):
@@ -63,7 +63,7 @@ class Rows:
 
 @dataclass(slots=True)
 class Block:
-    """Which part of a level's stacked rows belongs to whom.
+    """The part of a level's stacked rows that belongs to one task or limit.
 
     `labels` name the rows one by one, as far as their owner does.
     """
@@ -95,24 +95,24 @@ class Equality:
     start: int = 0
     selects: slice | None = None
 
-    def times(self, Z: Array) -> Array:
+    def product(self, Z: Array) -> Array:
         """``scale A Z`` for the rows Z of the variables it involves, shape (k, any)."""
         out = Z[self.selects] if self.selects is not None else self.A @ Z
         return out if self.scale == 1.0 else self.scale * out
 
-    def seen(self, X: Array) -> Array:
+    def row_products(self, X: Array) -> Array:
         """``scale A x`` of all variables x in each row of X, shape (any, m)."""
         if self.selects is not None:
-            return _columns(X, self.start + self.selects.start, self.start + self.selects.stop, self.scale)
+            return _scaled_columns(X, self.start + self.selects.start, self.start + self.selects.stop, self.scale)
         return self.scale * (X[:, self.start : self.start + self.A.shape[1]] @ self.A.T)
 
     def residual(self, x: Array) -> Array:
         """``scale A x - b`` of all variables x, shape (m,)."""
-        return self.times(x[self.start : self.start + self.A.shape[1]]) - self.b
+        return self.product(x[self.start : self.start + self.A.shape[1]]) - self.b
 
 
 @compiled
-def _columns(X: Array, start: int, stop: int, scale: float) -> Array:
+def _scaled_columns(X: Array, start: int, stop: int, scale: float) -> Array:
     out = np.empty((len(X), stop - start))
     for i in range(len(X)):
         for k in range(stop - start):
@@ -131,8 +131,8 @@ class Level:
         C: Inequalities, shape (p, n).
         lower, upper: Bounds, shape (p,).
         blocks: Who owns which rows; those of equalities count through all of them.
-        kind: If not None, hierarchies whose first levels have the same one differ in nothing but numbers, and are made
-            of the same objects.
+        structure_key: If not None, hierarchies whose first levels have the same one differ in nothing but numbers, and
+            are made of the same objects.
     """
 
     name: str
@@ -142,7 +142,7 @@ class Level:
     lower: Array
     upper: Array
     blocks: list[Block] = field(default_factory=list)
-    kind: object | None = None
+    structure_key: object | None = None
     _A: Array | None = None
     _b: Array | None = None
 
@@ -163,23 +163,23 @@ class Level:
 
     @property
     def b(self) -> Array:
-        """Their right-hand side, shape (m,)."""
+        """Right-hand side of all equalities, shape (m,)."""
         if self._b is None:
             parts = [e.b for e in self.equalities]
             self._b = parts[0] if len(parts) == 1 else np.concatenate(parts) if parts else np.zeros(0)
         return self._b
 
-    def renew(self) -> None:
-        """To be called when its numbers have been replaced."""
+    def clear_cache(self) -> None:
+        """Forget the stacked A and b; to be called when the numbers of the level have been replaced."""
         self._A = self._b = None
 
     @property
-    def columns(self) -> int:
+    def leading_columns(self) -> int:
         """Number of leading variables that the equalities involve; all of them if there are none."""
         return max((e.start + e.A.shape[1] for e in self.equalities), default=self.size)
 
     def copy(self) -> "Level":
-        """One that stays as it is."""
+        """A copy that shares no arrays with this level."""
         C, lower, upper = self.C.copy(), self.lower.copy(), self.upper.copy()
         blocks = [replace(block) for block in self.blocks]
         return Level(self.name, self.size, [Equality(self.A.copy(), self.b.copy())], C, lower, upper, blocks)
@@ -231,10 +231,10 @@ class Level:
 
     def violation(self, x: Array) -> Array:
         """Signed violation of every row at ``x``, equalities first, shape (m + p,); 0 where a row holds."""
-        return np.concatenate([np.zeros(0), *self.violations(x)])
+        return np.concatenate([np.zeros(0), *self.violation_parts(x)])
 
-    def violations(self, x: Array) -> list[Array]:
-        """The same in parts: one an equality, and one for all inequalities if there are any."""
+    def violation_parts(self, x: Array) -> list[Array]:
+        """The violations in parts: one for each equality, and one for all inequalities if there are any."""
         parts = [e.residual(x) for e in self.equalities]
         if len(self.lower):
             value = self.C @ x
@@ -244,7 +244,7 @@ class Level:
 
 @dataclass(slots=True)
 class LevelResult:
-    """What became of one level.
+    """Result of one level.
 
     Args:
         level: The level.
@@ -252,7 +252,7 @@ class LevelResult:
         needed_qp: Whether a QP had to be solved, or least squares were enough.
         residual: Largest violation of what the level had to preserve.
         status: How the level's answer came about.
-        met: Whether all its rows are known to be met.
+        all_rows_met: Whether all its rows are known to be met.
         reason: In words, why it is not the answer of the first solver; "" if it is.
     """
 
@@ -261,7 +261,7 @@ class LevelResult:
     needed_qp: bool
     residual: float
     status: Status
-    met: bool = False
+    all_rows_met: bool = False
     reason: str = ""
 
     @property
@@ -278,15 +278,15 @@ class LevelResult:
     def active(self) -> Array:
         """Which of its inequalities hold with equality or are violated, shape (p,)."""
         value = self.level.C @ self.x
-        return (value >= self.level.upper - TIGHT) | (value <= self.level.lower + TIGHT)
+        return (value >= self.level.upper - ACTIVE_TOLERANCE) | (value <= self.level.lower + ACTIVE_TOLERANCE)
 
     @property
     def error(self) -> float:
         """Norm of the level's weighted violation, the quantity that the level minimises."""
-        if self.met:
+        if self.all_rows_met:
             return 0.0
         squares = 0.0
-        for part in self.level.violations(self.x):
+        for part in self.level.violation_parts(self.x):
             squares += float(part @ part)
         return sqrt(squares)
 
@@ -309,7 +309,7 @@ class Solution:
 
 
 class Solver(Protocol):
-    """Levels in, solution out."""
+    """Anything that solves a hierarchy of levels."""
 
     name: str
 

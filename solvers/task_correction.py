@@ -22,11 +22,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solvers.cascade import Cascade
-from solvers.direct import at_once
-from solvers.feasibility import feasible
-from solvers.nullspace import Projection, project
+from solvers.direct import least_norm_solution
+from solvers.feasibility import is_feasible
+from solvers.nullspace import RowFactorization, factorize_rows
 from solvers.proxqp import QP, PersistentQPs
-from solvers.reduction import leading_of, stacked
+from solvers.reduction import leading_count, stacked_equalities
 from solvers.rows import Array, Equality, Level, LevelResult, Solution, Status
 
 
@@ -49,20 +49,20 @@ class Correction:
 
     Args:
         x: q̈*, shape (n,).
-        first: The first of the tasks that were corrected; their number if none was.
+        first_corrected: The first of the tasks that were corrected; their number if none was.
         status: Of the QP, if there was one.
         residual: Largest violation of a bound.
         reason: As of a `QPResult`.
     """
 
     x: Array
-    first: int
+    first_corrected: int
     status: Status = Status.SOLVED
     residual: float = 0.0
     reason: str = ""
 
 
-class Priorities:
+class PrioritizedTasks:
     """Tasks in order of priority, without bounds: Kim (4)-(7) and Algorithm 1.
 
     Args:
@@ -76,42 +76,46 @@ class Priorities:
 
     def __init__(self, tasks: Sequence[Task], damping: float, rank_tolerance: float) -> None:
         self.tasks, self.damping, self.rank_tolerance = tasks, damping, rank_tolerance
-        self._factors: list[tuple[Array, Projection]] = []
-        x = None if damping else _regular(tasks)
-        self._regular = x is not None
-        self.x = self._one_by_one() if x is None else x
+        self._factors: list[tuple[Array, RowFactorization]] = []
+        x = None if damping else _one_factorization_solution(tasks)
+        self._is_regular = x is not None
+        self.x = self._recursive_solution() if x is None else x
 
-    def gains(self) -> list[Array]:
-        """``G = [g_1 g_2 ...]``, Algorithm 1, one block a task, shapes (n, m_i).
+    def correction_gains(self) -> list[Array]:
+        """Gains ``G = [g_1 g_2 ...]`` of Algorithm 1, from corrections to accelerations: one block (n, m_i) a task.
 
         A column of g_i is what a unit correction of its row does: ``J̄_i⁺`` of it, which each task below then makes up
         for. All columns of all tasks above are taken through a task at once. Of tasks that do not come near another
         it is the inverse of all of them together.
         """
         ends = np.cumsum([len(task.h) for task in self.tasks])
-        if self._regular and ends[-1] <= len(self.x):
-            return np.split(project(np.vstack([task.J for task in self.tasks]), 0.0).inverse(), ends[:-1], axis=1)
+        if self._is_regular and ends[-1] <= len(self.x):
+            return np.split(
+                factorize_rows(np.vstack([task.J for task in self.tasks]), 0.0).pseudo_inverse(), ends[:-1], axis=1
+            )
         if not self._factors:
-            self._one_by_one()
+            self._recursive_solution()
         G = np.zeros((len(self.x), 0))
         for task, (Z, projection) in zip(self.tasks, self._factors, strict=True):
-            inverse = Z @ projection.inverse(self.damping)
+            inverse = Z @ projection.pseudo_inverse(self.damping)
             G = np.hstack([G - inverse @ (task.J @ G), inverse])
         return np.split(G, ends[:-1], axis=1)
 
-    def _one_by_one(self) -> Array:
-        """Kim (5), each task in the null space of those above; keeps what `gains` needs."""
+    def _recursive_solution(self) -> Array:
+        """Kim (5), each task in the null space of those above; keeps what `correction_gains` needs."""
         n = self.tasks[0].J.shape[1]
         x, Z = np.zeros(n), np.eye(n, order="F")
         for task in self.tasks:
-            projection = project(task.J @ Z, self.rank_tolerance * max(1.0, float(np.abs(task.J).max(initial=0.0))))
+            projection = factorize_rows(
+                task.J @ Z, self.rank_tolerance * max(1.0, float(np.abs(task.J).max(initial=0.0)))
+            )
             x = x + Z @ projection.least_squares(task.h - task.J @ x, self.damping)
             self._factors.append((Z, projection))
-            Z = projection.remaining(Z)
+            Z = projection.remaining_basis(Z)
         return x
 
 
-def _regular(tasks: Sequence[Task]) -> Array | None:
+def _one_factorization_solution(tasks: Sequence[Task]) -> Array | None:
     """Kim (5) by one factorisation, where no task comes near another: its least-norm solution is that of all together.
 
     The last task that anything is left for may have more rows than that. None if the tasks are not of this kind.
@@ -123,7 +127,7 @@ def _regular(tasks: Sequence[Task]) -> Array | None:
         if used < n and len(task.h):
             used += len(task.h)
             (thin if used <= n else wide).append(Equality(task.J, task.h))
-    return at_once(thin, wide, n)
+    return least_norm_solution(thin, wide, n)
 
 
 class TaskCorrection:
@@ -158,19 +162,21 @@ class TaskCorrection:
 
         The results' violations are what each level asked for and was not given: its correction.
         """
-        hard, leading = levels[0], leading_of(levels)
-        tasks = [_task(level, leading) for level in levels]
+        hard, leading = levels[0], leading_count(levels)
+        tasks = [_leading_task(level, leading) for level in levels]
         bounds = np.flatnonzero(~hard.C[:, leading:].any(axis=1))
         C, lower, upper = hard.C[bounds, :leading], hard.lower[bounds], hard.upper[bounds]
-        correction = self._correct(tasks, C, lower, upper)
+        correction = self._corrected(tasks, C, lower, upper)
         if correction is None:
             return self._cascade.solve(levels)
-        first = correction.first
+        first = correction.first_corrected
         if leading == hard.size and not any(len(level.lower) for level in levels[1:]):
             results = [LevelResult(level, correction.x, False, 0.0, Status.SOLVED) for level in levels]
             solution = Solution(correction.x, results, correction.status)
         else:
-            asked = [_replaced(level, correction.x) if k >= first else level for k, level in enumerate(levels)]
+            asked = [
+                _with_corrected_targets(level, correction.x) if k >= first else level for k, level in enumerate(levels)
+            ]
             solution = self._cascade.solve(asked)
             for level, result in zip(levels, solution.levels, strict=True):
                 result.level = level
@@ -183,9 +189,9 @@ class TaskCorrection:
                 corrected.status, corrected.reason = correction.status, correction.reason
         return solution
 
-    def _correct(self, tasks: Sequence[Task], C: Array, lower: Array, upper: Array) -> Correction | None:
+    def _corrected(self, tasks: Sequence[Task], C: Array, lower: Array, upper: Array) -> Correction | None:
         """Corrected accelerations of the tasks, the first of which cannot be corrected; None if there are none."""
-        priorities = Priorities(tasks, self.damping, self.rank_tolerance)
+        priorities = PrioritizedTasks(tasks, self.damping, self.rank_tolerance)
         x, fixed = priorities.x, tasks[0]
         if len(fixed.h):
             away = float(np.abs(fixed.J @ x - fixed.h).max())
@@ -195,11 +201,11 @@ class TaskCorrection:
         excess = max(float((value - upper).max(initial=0.0)), float((lower - value).max(initial=0.0)))
         if excess <= self.tolerance:
             return Correction(x, len(tasks), residual=excess)
-        gains = priorities.gains()
+        gains = priorities.correction_gains()
         for k in range(len(tasks) - 1, 0, -1):
             gain = np.hstack(gains[k:])
             reach = C @ gain
-            if not feasible(reach, lower - value, upper - value, self.tolerance):
+            if not is_feasible(reach, lower - value, upper - value, self.tolerance):
                 continue
             size = gain.shape[1]
             qp = self._qps.solve(k, QP(np.eye(size), np.zeros(size), reach, lower - value, upper - value))
@@ -208,18 +214,18 @@ class TaskCorrection:
         return None
 
 
-def _task(level: Level, leading: int) -> Task:
-    """What a level asks of the leading variables alone."""
+def _leading_task(level: Level, leading: int) -> Task:
+    """The rows of a level that concern the leading variables only, as a task."""
     own = [e for e in level.equalities if e.start + e.A.shape[1] <= leading]
-    return Task(stacked(own, 0, leading), np.concatenate([np.zeros(0), *(e.b for e in own)]))
+    return Task(stacked_equalities(own, 0, leading), np.concatenate([np.zeros(0), *(e.b for e in own)]))
 
 
-def _replaced(level: Level, x: Array) -> Level:
-    """The level with what it asks of the leading variables replaced by what they are to be."""
+def _with_corrected_targets(level: Level, x: Array) -> Level:
+    """The level with the targets of its rows on the leading variables replaced by what x reaches."""
 
     def corrected(e: Equality) -> Equality:
         end = e.start + e.A.shape[1]
-        return replace(e, b=e.times(x[e.start : end])) if end <= len(x) else e
+        return replace(e, b=e.product(x[e.start : end])) if end <= len(x) else e
 
     equalities = [corrected(e) for e in level.equalities]
     return Level(level.name, level.size, equalities, level.C, level.lower, level.upper, level.blocks)

@@ -1,4 +1,4 @@
-"""One weighted level instead of many strict ones: the usual alternative, behind the same interface."""
+"""A solver that merges all levels below level 0 into one weighted level, behind the same interface."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,7 +10,7 @@ from solvers.rows import Level, Solution
 
 
 class Weighted:
-    """Level 0 hard, all others in one least-squares problem, each counting `ratio` times as much as the next.
+    """Keeps level 0 hard and solves all others as one least-squares problem; each counts `ratio` times the next.
 
     Args:
         ratio: Weight of a level's squared violation over that of the level below.
@@ -24,7 +24,7 @@ class Weighted:
         self._cascade = Cascade(damping=damping)
 
     def solve(self, levels: Sequence[Level]) -> Solution:
-        """Solve; the results are told per level as the cascade tells them."""
+        """Solve the hierarchy; results are given per level, as by the cascade."""
         soft = levels[1:]
         weights = [np.sqrt(self.ratio) ** (len(soft) - 1 - k) for k in range(len(soft))]
         merged = Level(

@@ -1,6 +1,6 @@
 """How near the parts of a robot come to one another: pairs of collision shapes, and how their distances change."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
@@ -10,18 +10,12 @@ from sot.robots.robot import Robot
 
 Array = np.ndarray
 
-LIMBS = ("left_arm", "right_arm", "left_leg", "right_leg")
-NEIGHBOUR_DISTANCE = 0.02
-"""Pairs that are nearer at rest [m] are neighbours in the tree, or made to touch: they do not count."""
-
 GJK_TOLERANCE = 1e-10
 """Of distances to boxes [m]; with coal's own, 1e-6, one in a hundred is off by as much, which shows in rates."""
 
 
 class Proximity:
-    """Distances between the collision shapes of a robot's limbs and those of the rest of it.
-
-    A limb is paired with all that is not of it; legs not with the base, which they overlap by design.
+    """Distances between the pairs of a robot's shapes that may collide.
 
     Most pairs are far apart, and stay so for many ticks: a distance changes by no more than the joints between the two
     shapes turn, each times its reach. Only pairs that may have come near since they were last looked at are looked at
@@ -35,16 +29,8 @@ class Proximity:
     """
 
     def __init__(self, robot: Robot) -> None:
-        self._model, data = robot.model, robot.model.createData()
+        self._model = robot.model
         self._geometry = robot.shapes.copy()
-        self._geometry.removeAllCollisionPairs()
-        for first, second in _limb_pairs(robot):
-            self._geometry.addCollisionPair(pin.CollisionPair(first, second))
-        self._renew_results()
-        pin.computeDistances(self._model, data, self._geometry, self._results, robot.rest)
-        apart = [result.min_distance for result in self._distance_results]
-        for k in np.flatnonzero(np.array(apart) < NEIGHBOUR_DISTANCE)[::-1].tolist():
-            self._geometry.removeCollisionPair(self._geometry.collisionPairs[k])
         self._renew_results()
         shapes = self._geometry.geometryObjects
         pairs = [(shapes[pair.first], shapes[pair.second]) for pair in self._geometry.collisionPairs]
@@ -150,19 +136,6 @@ def _distance_jacobian(normals: Array, points: Array, J: Array, relative_motion:
             slope = nx * J[0, i] + ny * J[1, i] + nz * J[2, i] + a * J[3, i] + b * J[4, i] + c * J[5, i]
             out[n, i] = slope * relative_motion[pairs[n], i]
     return out
-
-
-def _limb_pairs(robot: Robot) -> Iterator[tuple[int, int]]:
-    """Indices of pairs of shapes that belong to different parts of the body, at least one of them to a limb."""
-    part = {2 + joint: limb for limb in LIMBS for joint in robot.groups[limb]}
-    owners = [
-        part.get(shape.parentJoint, "base" if shape.parentJoint <= 1 else "trunk")
-        for shape in robot.shapes.geometryObjects
-    ]
-    for second, b in enumerate(owners):
-        for first, a in enumerate(owners[:second]):
-            if a != b and {a, b} & set(LIMBS) and not ("base" in (a, b) and {a, b} & {"left_leg", "right_leg"}):
-                yield first, second
 
 
 def _moving_velocities(model: pin.Model, shape: pin.GeometryObject) -> Array:

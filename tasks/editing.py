@@ -8,8 +8,8 @@ from sot.control.schedule import Schedule
 from sot.control.stack import Stack
 from sot.control.task import Task
 from sot.control.transition import TASK_RAMP
-from sot.motion.body.limb import reaching
-from sot.motion.edit import Change, Edit, edited_joints, edited_point
+from sot.motion.body.limb import refit_limb
+from sot.motion.edit import Edit, SampledOffset, edited_joint_reference, edited_point_reference
 from sot.motion.trajectory import Motion
 from sot.robots.robot import GROUPS, Robot
 from tasks.operational_point import AXES, OperationalPoint
@@ -47,10 +47,10 @@ def edit(stack: Stack, schedule: Schedule, motion: Motion, edits: Sequence[Edit]
         if one.limb_only and len(_limb_joints(motion.robot, one)) == motion.robot.na:
             raise one.error(f"{one.of} is on no limb: leave limb_only out")
     for (k, one), (_, other) in combinations(enumerate(edits, 1), 2):
-        if one.meets(other):
+        if one.overlaps(other):
             start, end = max(one.span[0], other.span[0]), min(one.span[1], other.span[1])
             raise other.error(f"changes {_description(other)} from {start:g} to {end:g} s, as edit {k} does already")
-    changes = [Change.of(one, motion) for one in edits]
+    changes = [SampledOffset.of(one, motion) for one in edits]
     fitted: dict[str, Motion] = {}
     lines = []
     for k, one in enumerate(edits, 1):
@@ -73,12 +73,12 @@ def edit(stack: Stack, schedule: Schedule, motion: Motion, edits: Sequence[Edit]
     return lines
 
 
-def _edit_task(motion: Motion, one: Edit, own: Sequence[tuple[Edit, Change]], name: str) -> Task:
+def _edit_task(motion: Motion, one: Edit, own: Sequence[tuple[Edit, SampledOffset]], name: str) -> Task:
     """Task of an edit; its reference includes all edits of the same point or joint."""
     if not one.rows:
-        reference = edited_joints(motion.robot, motion.joints, {one.of: [change for _, change in own]})
+        reference = edited_joint_reference(motion.robot, motion.joints, {one.of: [change for _, change in own]})
         return Posture(motion.robot, reference, [one.of], name=name)
-    path = edited_point(motion.pose(one.of), [(other.rows, change) for other, change in own])
+    path = edited_point_reference(motion.pose(one.of), [(other.rows, change) for other, change in own])
     axes, limb = (
         "".join(AXES[row] for row in one.rows),
         sorted(_limb_joints(motion.robot, one)) if one.limb_only else None,
@@ -86,11 +86,11 @@ def _edit_task(motion: Motion, one: Edit, own: Sequence[tuple[Edit, Change]], na
     return OperationalPoint(motion.robot, one.of, path, axes, name=name, joints=limb)
 
 
-def _limb_motion(motion: Motion, joints: Sequence[str], own: Sequence[tuple[Edit, Change]]) -> Motion:
+def _limb_motion(motion: Motion, joints: Sequence[str], own: Sequence[tuple[Edit, SampledOffset]]) -> Motion:
     """Motion whose limb alone does what the edits of its point ask for."""
-    path = edited_point(motion.pose(own[0][0].of), [(other.rows, change) for other, change in own])
+    path = edited_point_reference(motion.pose(own[0][0].of), [(other.rows, change) for other, change in own])
     wanted = [(row, *other.span) for other, _ in own if other.limb_only for row in other.rows]
-    return reaching(motion, joints, own[0][0].of, wanted, path)
+    return refit_limb(motion, joints, own[0][0].of, wanted, path)
 
 
 def _description(one: Edit) -> str:

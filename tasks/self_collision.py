@@ -32,6 +32,9 @@ RELIED_DECELERATION = 25.0
 beside one another at up to 20 m/s², hands likewise: what relies on less brakes motions that are in order. An approach
 that is too fast for it is stopped as much harder as it takes, steadily."""
 
+REST_DISTANCE_SHARE = 0.5
+"""Share of its distance at rest that a pair keeps at most."""
+
 
 class SelfCollision(Task):
     """Distances between the robot's limbs and the rest of it as bounds on their acceleration.
@@ -42,7 +45,7 @@ class SelfCollision(Task):
 
     Args:
         robot: The robot.
-        min_distance: Distance that is kept [m].
+        min_distance: Distance that is kept [m], less by pairs that are nearly as near at rest.
         weight: Scale of its rows within its level.
 
     Attributes:
@@ -54,7 +57,8 @@ class SelfCollision(Task):
 
     def __init__(self, robot: Robot, min_distance: float = 0.01, weight: float = 0.1) -> None:
         super().__init__("SelfCollision", "m/s²", "m", weight)
-        self._min_distance, self._acceleration = min_distance, robot.acceleration
+        self._min_distances = np.minimum(min_distance, REST_DISTANCE_SHARE * robot.rest_distances)
+        self._acceleration = robot.acceleration
         self._proximity, self._data_ahead = Proximity(robot), robot.model.createData()
         self.pairs = self._proximity.pairs
         self._watched: list[int] = []
@@ -90,12 +94,13 @@ class SelfCollision(Task):
         distances, rates, J, drift = self.distances_and_rates(tick, near)
         # What the joints give at the accelerations that are relied upon.
         achievable = np.abs(J[:, 6:]) @ self._acceleration
-        brakes = _braking_decelerations(distances - self._min_distance, rates, tick.period, achievable)
+        kept = self._min_distances[near]
+        brakes = _braking_decelerations(distances - kept, rates, tick.period, achievable)
         unlimited = self._unbounded_above[:count]
-        bounds = AccelerationBounds(np.full(count, self._min_distance), unlimited, unlimited, brakes, unlimited)
+        bounds = AccelerationBounds(kept, unlimited, unlimited, brakes, unlimited)
         wanted = bounds(distances, rates, tick.period)[0] - drift
         A[:count], lower[:count] = J, np.minimum(wanted, achievable)
-        self.error = np.maximum(self._min_distance - distances, 0.0)
+        self.error = np.maximum(kept - distances, 0.0)
         self.labels = [" and ".join(self.pairs[k]) for k in near]
         return self.make_rows(A, lower, self._unbounded_above)
 
@@ -113,15 +118,15 @@ class SelfCollision(Task):
         """Pairs whose approach may have to be braked before the next look."""
         if tick.t < self._last_look:
             self._unwatched_until[:] = -np.inf  # another run
-        proximity, v, period, min_distance = self._proximity, tick.v, tick.period, self._min_distance
+        proximity, v, period, kept = self._proximity, tick.v, tick.period, self._min_distances
         within = _watch_distances(
-            proximity.rate_bounds(v), period, min_distance, self._unwatched_until - TIME_TOLERANCE, tick.t
+            proximity.rate_bounds(v), period, kept, self._unwatched_until - TIME_TOLERANCE, tick.t
         )
         near = proximity.pairs_within(tick.data, tick.q, within)
         if not near:
             return near
         distances, J = proximity.latest_distances_and_jacobian(tick.data, near)
-        looks = _skippable_looks(distances, J @ v, period, min_distance)
+        looks = _skippable_looks(distances, J @ v, period, kept[near])
         self._unwatched_until[near] = tick.t + LOOK_PERIOD * looks
         return [k for k, later in zip(near, looks.tolist(), strict=True) if not later]
 
@@ -150,17 +155,17 @@ def _stopping_distance(speed: float, period: float, looks: float) -> float:
 
 
 @compiled
-def _watch_distances(speeds: Array, period: float, min_distance: float, unwatched_until: Array, t: float) -> Array:
+def _watch_distances(speeds: Array, period: float, kept: Array, unwatched_until: Array, t: float) -> Array:
     """Distances [m] below which pairs that approach at these speeds at most need a closer look."""
     within = np.full(len(speeds), -np.inf)
     for k in range(len(speeds)):
         if unwatched_until[k] <= t:
-            within[k] = min_distance + _stopping_distance(speeds[k], period, 1.0)
+            within[k] = kept[k] + _stopping_distance(speeds[k], period, 1.0)
     return within
 
 
 @compiled
-def _skippable_looks(distances: Array, rates: Array, period: float, min_distance: float) -> Array:
+def _skippable_looks(distances: Array, rates: Array, period: float, kept: Array) -> Array:
     """Number of looks that each pair may be left out of.
 
     Even if it has sped up by then, at each look by the bound, it is far enough apart to be stopped.
@@ -168,7 +173,7 @@ def _skippable_looks(distances: Array, rates: Array, period: float, min_distance
     looks = np.zeros(len(distances))
     for k in range(len(looks)):
         speed = max(-rates[k], 0.0)
-        while looks[k] < MAX_SKIPPED_LOOKS and distances[k] >= min_distance + _stopping_distance(
+        while looks[k] < MAX_SKIPPED_LOOKS and distances[k] >= kept[k] + _stopping_distance(
             speed, period, looks[k] + 1.0
         ):
             looks[k] += 1.0

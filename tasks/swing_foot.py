@@ -4,8 +4,8 @@ import numpy as np
 import pinocchio as pin
 
 from solvers.rows import Rows
-from sot.behaviours.stride import lowered, raised
-from sot.control.contact import ARRIVAL_FADE_POWER
+from sot.behaviours.stride import lowered_pose, raised_pose
+from sot.control.contact import ARRIVAL_ACCELERATION_FADE_POWER
 from sot.control.pose import Pose, PoseReference
 from sot.control.tick import Tick
 from sot.motion.feet.footfalls import Footfalls
@@ -72,15 +72,15 @@ class SwingFoot(OperationalPoint):
         start, left = self._release
         share = 1.0 - (tick.t - start) / RELEASE_TIME
         if share > 0.0:
-            feedforward = feedforward + share**ARRIVAL_FADE_POWER * (
+            feedforward = feedforward + share**ARRIVAL_ACCELERATION_FADE_POWER * (
                 left - feedforward - self.kp * error - self.kd * rate
             )
         return error, rate, J, drift, feedforward
 
     def _lowered_path(self, t: float) -> Pose:
         pose = self._planned_path(t)
-        before, after = self._stances.around(t)
+        before, after = self._stances.stances_around(t)
         if before is None or after is None:
             return pose
         late, span = t - after.start, after.start - before.end
-        return lowered(raised(pose, self._landing_heights_missing[after.start], span + late, span), late)
+        return lowered_pose(raised_pose(pose, self._landing_heights_missing[after.start], span + late, span), late)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from scenarios.stacks import planted as stack  # noqa: F401
+from scenarios.stacks import planted_stack as stack  # noqa: F401
 from sot.motion.edit import Edit
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from scenarios.inputs.stack_file import as_input_error, load_module
 from sot.control.pose import AXIS_NAMES
 from sot.errors import InputError
-from sot.motion.edit import EASE, Edit
+from sot.motion.edit import DEFAULT_EASE, Edit
 from sot.toml_file import read_toml
 
 EDIT_KEYS = ("point", "joint", "axis", "by", "through", "function", "target", "from", "to", "ease", "limb_only")
@@ -62,9 +62,9 @@ def _parse_edit(path: Path, place: str, entry: dict[str, object]) -> Edit:
         target=None if target is None else (x, y, z),
         start=_checked_number(place, "from", entry["from"]) if "from" in entry else None,
         end=_checked_number(place, "to", entry["to"]) if "to" in entry else None,
-        ease=_checked_number(place, "ease", entry.get("ease", EASE)),
+        ease=_checked_number(place, "ease", entry.get("ease", DEFAULT_EASE)),
         limb_only=limb_only,
-        place=place,
+        source=place,
     )
 
 

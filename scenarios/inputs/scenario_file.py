@@ -27,6 +27,6 @@ def load_scenario(path: Path) -> Callable[[Robot, float], Scenario]:
             made = module.scenario(robot, rate)
         if not isinstance(made, Scenario):
             raise InputError(f"{path}: scenario(robot, rate) returned {type(made).__name__}, not a Scenario")
-        return replace(made, edits=[replace(edit, place=edit.place or str(path)) for edit in made.edits])
+        return replace(made, edits=[replace(edit, source=edit.source or str(path)) for edit in made.edits])
 
     return make

@@ -1,6 +1,5 @@
 """A user's own stack, from a Python file with `stack(robot, motion)`; how it changes, and edits of the dance."""
 
-import importlib.util
 import sys
 import traceback
 from collections.abc import Callable, Iterator
@@ -16,6 +15,7 @@ from sot.errors import InputError
 from sot.motion.edit import Edit
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
+from sot.text_file import read_text
 
 Result = TypeVar("Result")
 
@@ -59,7 +59,7 @@ def load_stack(path: Path) -> Composer:
         edits = made("edits", list, robot, motion) if hasattr(module, "edits") else []
         if not all(isinstance(edit, Edit) for edit in edits):
             raise InputError(f"{path}: edits(robot, motion) returned a list with something else than Edit in it")
-        return Composition(stack, schedule, tuple(replace(edit, place=edit.place or str(path)) for edit in edits))
+        return Composition(stack, schedule, tuple(replace(edit, source=edit.source or str(path)) for edit in edits))
 
     return compose
 
@@ -70,13 +70,13 @@ def load_module(path: Path) -> ModuleType:
     Raises:
         InputError: no such file, or it raises, with the line.
     """
-    spec = importlib.util.spec_from_file_location(f"user_{path.stem}", path)
-    if not path.is_file() or spec is None or spec.loader is None:
+    if not path.is_file() or path.suffix != ".py":
         raise InputError(f"{path}: no such file, or not a Python file (.py)")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # a data class looks for its module there
+    text, module = read_text(path), ModuleType(f"user_{path.stem}")
+    module.__file__ = str(path)
+    sys.modules[module.__name__] = module  # a data class looks for its module there
     with as_input_error(path):
-        spec.loader.exec_module(module)
+        exec(compile(text, str(path), "exec", dont_inherit=True), module.__dict__)
     return module
 
 

@@ -1,4 +1,4 @@
-"""A captured human is imitated with a knee and a hip roll kept from bending as far as it wants, Kim & Oh 5.3."""
+"""Imitation of a captured human with the ranges of a knee and a hip roll narrowed, Kim & Oh 5.3."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -10,10 +10,10 @@ from rich.console import Console
 from rich.table import Table
 
 from scenarios.inputs.clips import find_clip
-from scenarios.kimoh2013.imitation_view import draw
-from scenarios.kimoh2013.kinematic import Course, integrate
+from scenarios.kimoh2013.imitation_view import draw_picture
+from scenarios.kimoh2013.kinematic import KinematicRun, follow_tasks
 from scenarios.kimoh2013.rivals import LevelByLevel
-from scenarios.replay import Dance, Tell
+from scenarios.replay import Dance, ProgressCallback
 from solvers import Cascade, Solver, Status, TaskCorrection
 from sot.control.contact import Contact
 from sot.control.schedule import Schedule
@@ -29,18 +29,18 @@ Array = np.ndarray
 
 SOLVER = "iktc"
 CLIP = "groove"
-SIDE = "left"
-KEPT = 0.7
-"""Share of what the reference uses of a joint's range that is left to it."""
-PERIOD = 0.005
-"""Of the position control: the paper's, for the legs [s]."""
+NARROWED_SIDE = "left"
+KEPT_RANGE_SHARE = 0.7
+"""Share of the range used by the reference that a narrowed joint keeps."""
+CONTROL_PERIOD = 0.005
+"""Period of the position control, the paper's for the legs [s]."""
 SOLVERS: dict[str, Callable[[], Solver]] = {
     "iktc": TaskCorrection,
     "cascade": Cascade,
     "a QP a level": LevelByLevel,
 }
-PICTURE = "imitation.svg"
-GIVEN_UP = 1e-4
+PICTURE_FILE = "imitation.svg"
+GIVEN_UP_SLACK = 1e-4
 UPPER_BODY = ("chest", "head", "left_arm", "right_arm")
 
 
@@ -49,7 +49,7 @@ def motion(robot: Robot, rate: float) -> Motion:
     return plan(recognise(read(find_clip(CLIP))), robot, "planted", rate).motion
 
 
-def levels(robot: Robot, motion: Motion) -> dict[str, Sequence[Task]]:
+def task_levels(robot: Robot, motion: Motion) -> dict[str, Sequence[Task]]:
     """Table 1 below the feet: 2 + 3 + 1 rows, and the joints of the upper body."""
     upper = [robot.joints[k] for group in UPPER_BODY for k in robot.groups[group]]
     return {
@@ -64,8 +64,8 @@ def stack(robot: Robot, motion: Motion) -> Stack:
     """Table 1 under dynamics: the feet are contacts."""
     return Stack(
         contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
-        hard=[TorqueBounds(robot), JointBounds(narrowed(robot, motion))],
-        levels={**levels(robot, motion), "forces": [LeastForces()]},
+        hard=[TorqueBounds(robot), JointBounds(narrowed_robot(robot, motion))],
+        levels={**task_levels(robot, motion), "forces": [LeastForces()]},
     )
 
 
@@ -74,25 +74,25 @@ def schedule(robot: Robot, motion: Motion) -> Schedule:
     return Schedule()
 
 
-def findings(danced: Dance, out: Path, tell: Tell) -> dict[str, Any]:
+def findings(danced: Dance, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Table 1 by a position-controlled robot too, all five levels of it; the picture of Figures 18–20 of both.
 
     Returns:
         What the position-controlled robot took and gave up, by solver, and how far it came beyond its limits.
     """
     motion = danced.motion
-    robot = narrowed(motion.robot, motion)
+    robot = narrowed_robot(motion.robot, motion)
     feet = [OperationalPoint(robot, foot, motion.pose(foot)) for foot in robot.feet]
-    asked = [("feet", feet), *levels(robot, motion).items()]
-    courses = {}
+    asked = [("feet", feet), *task_levels(robot, motion).items()]
+    position_runs = {}
     for name, solver in SOLVERS.items():
         tell(f"position control, {name}", None)
         limits = [JointBounds(robot)]
-        courses[name] = integrate(robot, motion.q[0], limits, asked, solver(), PERIOD, motion.duration)
+        position_runs[name] = follow_tasks(robot, motion.q[0], limits, asked, solver(), CONTROL_PERIOD, motion.duration)
     out.mkdir(parents=True, exist_ok=True)
-    draw(out / PICTURE, danced, courses[SOLVER], robot, narrow_joints(robot))
+    draw_picture(out / PICTURE_FILE, danced, position_runs[SOLVER], robot, narrowed_joints(robot))
     names = [name for name, _ in asked]
-    return {name: _figures(course, robot, names, motion) for name, course in courses.items()}
+    return {name: _figures(position_run, robot, names, motion) for name, position_run in position_runs.items()}
 
 
 def show(figures: dict[str, Any], console: Console) -> None:
@@ -120,47 +120,47 @@ def show(figures: dict[str, Any], console: Console) -> None:
     console.print(table)
 
 
-def narrowed(robot: Robot, motion: Motion) -> Robot:
-    """The robot with less range for a knee and a hip roll than the motion uses: it cannot bend as far."""
+def narrowed_robot(robot: Robot, motion: Motion) -> Robot:
+    """The robot with narrower ranges of a knee and a hip roll than the motion uses."""
     lower, upper = robot.lower.copy(), robot.upper.copy()
     angles = motion.q[:, 7:]
-    for joint in narrow_joints(robot):
+    for joint in narrowed_joints(robot):
         used = angles[:, joint]
-        room = 0.5 * (1.0 - KEPT) * np.ptp(used)
+        room = 0.5 * (1.0 - KEPT_RANGE_SHARE) * np.ptp(used)
         # Where the motion starts has to be inside.
         lower[joint] = max(lower[joint], min(used.min() + room, used[0] - 0.02))
         upper[joint] = min(upper[joint], max(used.max() - room, used[0] + 0.02))
     return replace(robot, lower=lower, upper=upper, acceleration_hard=robot.acceleration)
 
 
-def narrow_joints(robot: Robot) -> tuple[int, int]:
-    """The joint at the knee, and the joint of the hip that turns about the forward axis."""
+def narrowed_joints(robot: Robot) -> tuple[int, int]:
+    """Numbers of the knee joint and of the hip joint that turns about the forward axis."""
     tick = Tick(robot).update(0.0, robot.rest, np.zeros(robot.nv))
-    leg = robot.groups[f"{SIDE}_leg"]
-    frame = robot.model.frames[robot.point(f"{SIDE}_knee")]
+    leg = robot.groups[f"{NARROWED_SIDE}_leg"]
+    frame = robot.model.frames[robot.point(f"{NARROWED_SIDE}_knee")]
     knee = robot.joints.index(robot.model.names[frame.parentJoint])
-    forward = np.abs(tick.frame(f"{SIDE}_foot").jacobian[3, 6:])
+    forward = np.abs(tick.frame(f"{NARROWED_SIDE}_foot").jacobian[3, 6:])
     above = leg[: leg.index(knee)]
     return knee, max(above, key=lambda joint: forward[joint])
 
 
-def _figures(course: Course, robot: Robot, names: Sequence[str], motion: Motion) -> dict[str, Any]:
-    given_up = course.slack[:, 1:] > GIVEN_UP
+def _figures(position_run: KinematicRun, robot: Robot, names: Sequence[str], motion: Motion) -> dict[str, Any]:
+    given_up = position_run.slack[:, 1:] > GIVEN_UP_SLACK
     bound = given_up.any(axis=1)
-    q, v, a = course.q[:, 7:], np.abs(course.v[:, 6:]), np.abs(course.a[:, 6:])
+    q, v, a = position_run.q[:, 7:], np.abs(position_run.v[:, 6:]), np.abs(position_run.a[:, 6:])
     upper = [k for group in UPPER_BODY for k in robot.groups[group]]
-    wanted = np.array([motion.joints(t)[0] for t in course.time])
+    wanted = np.array([motion.joints(t)[0] for t in position_run.time])
     return {
         "given_up": dict(zip(names, given_up.mean(axis=0).tolist(), strict=True)),
-        "qps_mean": float(course.qps.mean()),
-        "qps_most": int(course.qps.max()),
-        "free_us": _median(course.solve_us[~bound]),
-        "bound_us": _median(course.solve_us[bound]),
+        "qps_mean": float(position_run.qps.mean()),
+        "qps_most": int(position_run.qps.max()),
+        "free_us": _median(position_run.solve_us[~bound]),
+        "bound_us": _median(position_run.solve_us[bound]),
         "beyond_rad": float(max(np.max(q - robot.upper), np.max(robot.lower - q), 0.0)),
         "beyond_velocity": float(max((v / robot.velocity).max() - 1.0, 0.0)),
         "beyond_acceleration": float(max((a / robot.acceleration).max() - 1.0, 0.0)),
         "upper_body_rad": float(np.abs(q - wanted)[:, upper].max()),
-        "unsolved": int(np.count_nonzero(course.status >= Status.RELAXED)),
+        "unsolved": int(np.count_nonzero(position_run.status >= Status.RELAXED)),
     }
 
 

@@ -1,4 +1,4 @@
-"""A position-controlled robot: tasks on accelerations alone, solved and integrated, without dynamics or contacts."""
+"""A position-controlled robot: accelerations from tasks, integrated, without dynamics or contacts."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -17,8 +17,8 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True)
-class Course:
-    """What a position-controlled robot was told to do, one row a tick.
+class KinematicRun:
+    """Commands of a position-controlled robot, one row a tick.
 
     Attributes:
         time: Start of the tick [s], (T,).
@@ -39,14 +39,14 @@ class Course:
     solve_us: Array
 
 
-def assemble(tick: Tick, limits: Sequence[Task], levels: Sequence[tuple[str, Sequence[Task]]]) -> list[Level]:
-    """Levels in v̇: the limits as level 0, then tasks, all of them on accelerations."""
+def assemble_levels(tick: Tick, limits: Sequence[Task], levels: Sequence[tuple[str, Sequence[Task]]]) -> list[Level]:
+    """Levels of rows on v̇: the limits as level 0, then the tasks."""
     nv = tick.robot.nv
     hard = Level.stack("hard", [limit.rows(tick) for limit in limits], nv)
     return [hard, *(Level.stack(name, [task.rows(tick) for task in tasks], nv) for name, tasks in levels)]
 
 
-def integrate(
+def follow_tasks(
     robot: Robot,
     q: Array,
     limits: Sequence[Task],
@@ -55,8 +55,8 @@ def integrate(
     period: float,
     duration: float,
     tell: Callable[[float], object] = lambda share: None,
-) -> Course:
-    """Follow tasks from rest; accelerations are constant over a period.
+) -> KinematicRun:
+    """Integrate the accelerations that follow the tasks from rest; each is constant over a period.
 
     Args:
         robot: The robot.
@@ -69,11 +69,11 @@ def integrate(
         tell: Told which share is done.
     """
     tick, v = Tick(robot, period), np.zeros(robot.nv)
-    columns: dict[str, list[Any]] = {name: [] for name in Course.__dataclass_fields__}
+    columns: dict[str, list[Any]] = {name: [] for name in KinematicRun.__dataclass_fields__}
     ticks = round(duration / period)
     for k in range(ticks):
         tick.update(k * period, q, v)
-        rows = assemble(tick, limits, levels)
+        rows = assemble_levels(tick, limits, levels)
         begun = perf_counter()
         solution = solver.solve(rows)
         took = 1e6 * (perf_counter() - begun)
@@ -83,4 +83,4 @@ def integrate(
             columns[name].append(value)
         q, v = pin.integrate(robot.model, q, period * v + 0.5 * period**2 * a), v + period * a
         tell((k + 1) / ticks)
-    return Course(**{name: np.array(values) for name, values in columns.items()})
+    return KinematicRun(**{name: np.array(values) for name, values in columns.items()})

@@ -11,20 +11,20 @@ LOWER = DEGREE * np.array([60.0, -120.0, -120.0])
 UPPER = DEGREE * np.array([180.0, 120.0, 120.0])
 VELOCITY = np.full(3, 180.0 * DEGREE)
 ACCELERATION = np.full(3, 1800.0 * DEGREE)
-START = DEGREE * np.array([90.0, -90.0, 90.0])
+START_ANGLES = DEGREE * np.array([90.0, -90.0, 90.0])
 DURATION = 1.0
-TASKS = ("P_y", "P_x", "θ_3")
+TASK_NAMES = ("P_y", "P_x", "θ_3")
 """Most important first: height of the tip [m], its way forward [m], direction of the last link [rad]."""
 KP = 100.0
 """Stiffness of the tasks, critically damped [1/s²]; the paper names no gains."""
 
 
 @dataclass(frozen=True, slots=True)
-class Observation:
-    """The three tasks at a state.
+class TaskState:
+    """Values, Jacobian and drift of the three tasks at a state.
 
     Args:
-        value: Their values, in the order of `TASKS`, shape (3,).
+        value: Their values, in the order of `TASK_NAMES`, shape (3,).
         jacobian: Shape (3, 3).
         drift: J̇ q̇, shape (3,).
     """
@@ -35,8 +35,8 @@ class Observation:
 
 
 @dataclass(frozen=True)
-class Track:
-    """What a method did, one row a tick.
+class ArmRun:
+    """Run of the arm under one method, one row a tick.
 
     Attributes:
         time: Start of the tick [s], (T,).
@@ -44,7 +44,7 @@ class Track:
         error: Wanted minus reached, in the order of `planar_arm.TASKS`, (T, 3) [m, m, rad].
         qps: Quadratic programs, (T,).
         solve_us: Time of the solver [µs], (T,).
-        furthest: Most beyond a position limit, between ticks too [rad].
+        max_beyond_range: Most beyond a position limit, between ticks too [rad].
     """
 
     time: Array
@@ -54,15 +54,15 @@ class Track:
     error: Array
     qps: Array
     solve_us: Array
-    furthest: float
+    max_beyond_range: float
 
     @property
-    def bound(self) -> Array:
-        """Ticks at which some task was given up for a bound, (T,)."""
+    def task_given_up(self) -> Array:
+        """Whether some task was given up for a bound at each tick, (T,)."""
         return np.abs(self.error).max(axis=1) > 1e-3
 
 
-def observe(q: Array, v: Array) -> Observation:
+def task_state(q: Array, v: Array) -> TaskState:
     """The tasks at joint angles q that move with v, shapes (3,) [rad, rad/s]."""
     angle, rate = np.cumsum(q), np.cumsum(v)
     c, s = np.cos(angle), np.sin(angle)
@@ -70,17 +70,17 @@ def observe(q: Array, v: Array) -> Observation:
     along, across = np.cumsum(c[::-1])[::-1], np.cumsum(s[::-1])[::-1]
     value = np.array([s.sum(), c.sum(), angle[-1]])
     jacobian = np.array([along, -across, np.ones(3)])
-    return Observation(value, jacobian, np.array([-(s @ rate**2), -(c @ rate**2), 0.0]))
+    return TaskState(value, jacobian, np.array([-(s @ rate**2), -(c @ rate**2), 0.0]))
 
 
-def links(q: Array) -> Array:
-    """Where the links begin and end, for each of T postures q, shape (T, 4, 2) [m]."""
+def link_ends(q: Array) -> Array:
+    """Ends of the links for each of T postures q, shape (T, 4, 2) [m]."""
     angle = np.cumsum(q, axis=1)
     ends = np.cumsum(np.stack([np.cos(angle), np.sin(angle)], axis=-1), axis=1)
     return np.concatenate([np.zeros((len(q), 1, 2)), ends], axis=1)
 
 
-def desired(t: float) -> tuple[Array, Array, Array]:
+def desired_tasks(t: float) -> tuple[Array, Array, Array]:
     """Values of the tasks at a time [s], their rates and accelerations: the tip goes 1 m forward on half a cosine."""
     w = np.pi / DURATION
     value = np.array([2.0, 1.5 - 0.5 * np.cos(w * t), 0.5 * np.pi])
@@ -88,9 +88,9 @@ def desired(t: float) -> tuple[Array, Array, Array]:
     return value, np.array([0.0, rate, 0.0]), np.array([0.0, acceleration, 0.0])
 
 
-def wanted(t: float, q: Array, v: Array) -> tuple[Array, Array]:
+def task_rows(t: float, q: Array, v: Array) -> tuple[Array, Array]:
     """Rows ``J q̈ = h`` of the three tasks, Kim (3) and (11): J, shape (3, 3), and h, shape (3,)."""
-    seen = observe(q, v)
-    value, rate, acceleration = desired(t)
+    seen = task_state(q, v)
+    value, rate, acceleration = desired_tasks(t)
     error, slip = value - seen.value, rate - seen.jacobian @ v
     return seen.jacobian, acceleration + 2.0 * np.sqrt(KP) * slip + KP * error - seen.drift

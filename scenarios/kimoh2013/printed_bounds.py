@@ -13,21 +13,22 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.replay import Tell
+from scenarios.replay import ProgressCallback
 from sim.reporting.chart import Curve, Panel, write_panels
 from tasks.bounds import AccelerationBounds
 
 Array = np.ndarray
 Bounds = Callable[[Array, Array, float], tuple[Array, Array]]
-Choice = Callable[[Array, Array, Array, Array], Array]
-"""An acceleration from the bounds, low and high, which joints were left with nothing, and what stops them."""
+AccelerationChoice = Callable[[Array, Array, Array, Array], Array]
+"""Function that chooses accelerations from: lower bounds, upper bounds, joints with empty bounds, stopping
+accelerations."""
 
-JOINTS = 2000
+JOINT_COUNT = 2000
 PERIODS = (0.0002, 0.001, 0.002, 0.005, 0.01)
-SECONDS = 1.0
-FORMS = ("as printed", "viable")
-PICTURE = "bounds.svg"
-BEYOND = 1e-9
+RUN_DURATION = 1.0
+FORM_NAMES = ("as printed", "viable")
+PICTURE_FILE = "bounds.svg"
+BOUND_TOLERANCE = 1e-9
 
 
 class PrintedBounds:
@@ -51,7 +52,7 @@ class PrintedBounds:
         return np.maximum(-a, (-down - v) / period), np.minimum(a, (up - v) / period)
 
 
-def study(rate: float, out: Path, tell: Tell) -> dict[str, Any]:
+def study(rate: float, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Measure both forms, and draw one joint that is driven into the end of its range.
 
     Args:
@@ -62,13 +63,13 @@ def study(rate: float, out: Path, tell: Tell) -> dict[str, Any]:
     figures = {}
     for k, period in enumerate(PERIODS):
         tell("measuring", k / len(PERIODS))
-        figures[f"{1e3 * period:g}"] = measure(period)
-    _draw(out / PICTURE, 1.0 / rate)
-    return {"scenario": "bounds", "joints": JOINTS, "seconds": SECONDS, "period_ms": figures}
+        figures[f"{1e3 * period:g}"] = compare_forms(period)
+    _draw(out / PICTURE_FILE, 1.0 / rate)
+    return {"scenario": "bounds", "joints": JOINT_COUNT, "seconds": RUN_DURATION, "period_ms": figures}
 
 
-def measure(period: float, joints: int = JOINTS) -> dict[str, dict[str, float]]:
-    """What both forms do at a period [s], from the same starts.
+def compare_forms(period: float, joints: int = JOINT_COUNT) -> dict[str, dict[str, float]]:
+    """Figures of both forms at a period [s], from the same starts.
 
     Returns:
         Of each form: the share of joints that are left with nothing to choose if they take any acceleration between the
@@ -81,17 +82,17 @@ def measure(period: float, joints: int = JOINTS) -> dict[str, dict[str, float]]:
     upper = lower + rng.uniform(0.5, 3.0, joints)
     velocity, a = rng.uniform(1.0, 10.0, joints), rng.uniform(10.0, 100.0, joints)
     q = rng.uniform(lower, upper)
-    most = [_stoppable(distance, a, period, velocity) for distance in (q - lower, upper - q)]
+    most = [_max_stoppable_speed(distance, a, period, velocity) for distance in (q - lower, upper - q)]
     v = rng.uniform(-most[0], most[1])
     forms: tuple[Bounds, Bounds] = (
         PrintedBounds(lower, upper, velocity, a),
         AccelerationBounds(lower, upper, velocity, a, a),
     )
     figures = {}
-    for name, bounds in zip(FORMS, forms, strict=True):
+    for name, bounds in zip(FORM_NAMES, forms, strict=True):
 
-        def run(choose: Choice, bounds: Bounds = bounds) -> tuple[Array, Array, Array]:
-            return _run(bounds, choose, q, v, upper, a, period)
+        def run(choose: AccelerationChoice, bounds: Bounds = bounds) -> tuple[Array, Array, Array]:
+            return _run_joints(bounds, choose, q, v, upper, a, period)
 
         wandering, _, _ = run(
             lambda low, high, empty, stop: np.where(empty, stop, low + rng.random(joints) * (high - low))
@@ -101,27 +102,27 @@ def measure(period: float, joints: int = JOINTS) -> dict[str, dict[str, float]]:
         figures[name] = {
             "random": float(np.mean(wandering)),
             "driven": float(np.mean(driven)),
-            "left": float(np.mean(beyond > BEYOND)),
+            "left": float(np.mean(beyond > BOUND_TOLERANCE)),
             "beyond_rad": float(np.maximum(beyond, 0.0).max()),
             "needed": float(np.max(hardest / a)),
         }
     return figures
 
 
-def _stoppable(distance: Array, a: Array, period: float, velocity: Array) -> Array:
-    """Speeds from which braking for whole periods stops within a distance; Kim (15) holds for them too."""
+def _max_stoppable_speed(distance: Array, a: Array, period: float, velocity: Array) -> Array:
+    """Largest speed from which braking for whole periods stops within a distance; Kim (15) holds for it too."""
     half = 0.5 * a * period
     return np.minimum(np.sqrt(half**2 + 2.0 * a * distance) - half, velocity)
 
 
-def _run(
-    bounds: Bounds, choose: Choice, q: Array, v: Array, upper: Array, a: Array, period: float
+def _run_joints(
+    bounds: Bounds, choose: AccelerationChoice, q: Array, v: Array, upper: Array, a: Array, period: float
 ) -> tuple[Array, Array, Array]:
-    """Which joints are left with nothing, how far they come beyond `upper`, and their hardest braking on the way."""
+    """Whether each joint is left with empty bounds, its largest excess over `upper`, and its hardest braking."""
     empty, beyond, hardest = np.zeros(len(q), dtype=bool), np.full(len(q), -np.inf), np.zeros(len(q))
-    for _ in range(round(SECONDS / period)):
+    for _ in range(round(RUN_DURATION / period)):
         low, high = bounds(q, v, period)
-        empty |= ~(low <= high + BEYOND)
+        empty |= ~(low <= high + BOUND_TOLERANCE)
         stop = np.clip(-v / period, -a, a)
         chosen = choose(low, high, empty, stop)
         hardest = np.where(np.isfinite(high), np.maximum(hardest, -chosen), hardest)
@@ -165,7 +166,7 @@ def _draw(path: Path, period: float) -> None:
             q, v = q + v * period + 0.5 * chosen * period**2, v + chosen * period
         tracks.append(np.array(rows))
     t, colors = np.arange(len(tracks[0])) * period, ("#d9762b", "#2b6fd9")
-    both = list(zip(FORMS, colors, tracks, strict=True))
+    both = list(zip(FORM_NAMES, colors, tracks, strict=True))
     edge = Curve(t[[0, -1]], np.full(2, -a[0]), "#c33", "-a_max", dashed=True, width=1.0)
     panels = [
         Panel("Position, its limit 0", "s", "rad", [Curve(t, rows[:, 0], color, name) for name, color, rows in both]),

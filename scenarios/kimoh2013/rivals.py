@@ -1,14 +1,14 @@
-"""Methods to compare with, as plain as their authors describe them; nothing else uses them."""
+"""Methods to compare with, as their authors describe them."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from solvers import Cascade, Level, LevelResult, Solution, Status
-from solvers.nullspace import project
+from solvers.nullspace import factorize_rows
 from solvers.proxqp import QP, PersistentQPs
 
-RANK = 1e-7
+RANK_TOLERANCE = 1e-7
 
 
 class LevelByLevel:
@@ -34,7 +34,7 @@ class LevelByLevel:
                     low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
                 qp = self._qps.solve(k, QP(B.T @ B, -(B.T @ r), hard.C @ Z, low, high))
                 x = x + Z @ qp.y
-                Z = project(B, RANK).remaining(Z)
+                Z = factorize_rows(B, RANK_TOLERANCE).remaining_basis(Z)
                 results.append((qp.status, qp.residual, True))
             else:
                 results.append((Status.SOLVED, 0.0, False))
@@ -47,8 +47,8 @@ class LevelByLevel:
         return Solution(x, told, worst)
 
 
-class Clamped:
-    """The solution without bounds, each variable then brought back to its own: the simplest there is.
+class ClampedCascade:
+    """The solution without bounds, each variable then clipped to its bounds: the simplest method.
 
     Level 0 is bounds of all variables, in their order.
     """

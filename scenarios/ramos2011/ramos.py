@@ -12,42 +12,42 @@ from rich.table import Table
 from scenarios.inputs.clips import find_clip
 from scenarios.inputs.stack_file import Composer, Composition
 from scenarios.ramos2011.ramos_edits import (
-    dancers_height,
+    dancer_hand_height,
     hand_edits,
     knee_edits,
+    low_hand_spans,
     oscillating_knees,
-    raises,
-    slid,
-    without,
+    slide_spans,
+    spans_without_slides,
 )
 from scenarios.ramos2011.ramos_figures import geometric_figures, hand_figures, knee_figures, slide_figures
 from scenarios.ramos2011.ramos_pictures import draw_curves, draw_scalogram, draw_thumbnails
-from scenarios.ramos2011.ramos_view import Three, record
+from scenarios.ramos2011.ramos_view import ThreeDances, write_recording
 from scenarios.replay import (
-    RECORDING,
-    REPORT,
-    TIMELINE,
+    RECORDING_FILE,
+    REPORT_FILE,
+    TIMELINE_FILE,
     Dance,
+    ProgressCallback,
     Replay,
-    Tell,
     check_writable,
-    composed,
-    keep,
+    composed_stack,
     make_solver,
-    perform,
+    run_motion,
+    write_outputs,
 )
 from sim.reporting import report, timeline
 from sim.reporting.slides import LIGHT_LOAD_RANGE, SMOOTHING_WINDOW_S
-from sot.behaviours.rehearsal import rebalanced, rehearsed
-from sot.behaviours.sliding import Sliding
+from sot.behaviours.rehearsal import rebalance, rehearse
+from sot.behaviours.sliding import SlidingSchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.motion import Human, plan, read, recognise
 from sot.motion.edit import Edit
-from sot.motion.feet.slides import AHEAD
+from sot.motion.feet.slides import SLIDE_FORWARD
 from sot.motion.human.human import SIDES
 from sot.motion.human.oscillation import find_oscillations
-from sot.motion.plan import NOISE_HZ, Plan, sampled
+from sot.motion.plan import CAPTURE_NOISE_HZ, Plan, sampled_motion
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from tasks import Balance, FootSliding, JointBounds, LeastForces, Posture, SelfCollision, TorqueBounds
@@ -55,19 +55,19 @@ from tasks import Balance, FootSliding, JointBounds, LeastForces, Posture, SelfC
 Array = NDArray[np.float64]
 
 CLIP = "lafan1_dance1_subject2"
-SECONDS = 40.0
-"""How much of a longer clip is danced: where the dancer's knees swing most."""
-SERVO = 25.0
+MAX_DURATION = 40.0
+"""Longest part of a clip that is danced: the one in which the knees swing most [s]."""
+POSTURE_STIFFNESS = 25.0
 """Stiffness λ_p of the posture, Ramos (17) [1/s²]: as a filter it is slower than a dancer's knees."""
-HEIGHT = 0.01
-"""Error of the hips' height that the plan accepts [m]: more would smooth the knees away before any servo does."""
-KEPT, HAND_KEPT = 0.01, 0.025
+HIP_HEIGHT_ERROR = 0.01
+"""Acceptable error of the hips' height in the plan [m]; a larger one would smooth the knees' swing away."""
+BODY_CLEARANCE, HAND_CLEARANCE = 0.01, 0.025
 """Least distance of parts of the robot from one another [m], and the same where a hand is raised to the head."""
-POSTURE, FINAL = "posture", "final"
+POSTURE_RUN, FINAL_RUN = "posture", "final"
 """Folders of the runs, each with its own recording and report."""
 
 
-def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
+def run(request: Replay, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Dance a clip as a copy, with the posture task only, and edited; lay the three beside each other.
 
     Args:
@@ -86,30 +86,32 @@ def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
     robot = Robot.load(request.robot)
     tell("reading", None)
     human = recognise(read(find_clip(request.clip)), request.mapping)
-    start, duration = part(human, request.start, request.duration)
+    start, duration = clip_part(human, request.start, request.duration)
     tell("planning", None)
     human = human.slice(start, duration)
-    planned = plan(human, robot, "planted", request.rate, height=HEIGHT)
-    sliding = plan(human, robot, "planted", request.rate, slide=AHEAD, height=HEIGHT)
-    geometric = sampled(robot, planned.imitation, planned.motion.phases, request.rate)
-    posture = _danced(request, posture_only(KEPT), planned, tell)
-    slides = slid(sliding)
+    planned = plan(human, robot, "planted", request.rate, height=HIP_HEIGHT_ERROR)
+    sliding = plan(human, robot, "planted", request.rate, slide=SLIDE_FORWARD, height=HIP_HEIGHT_ERROR)
+    geometric = sampled_motion(robot, planned.imitation, planned.motion.phases, request.rate)
+    posture = _dance_rebalanced(request, posture_stack(BODY_CLEARANCE), planned, tell)
+    slides = slide_spans(sliding)
     knees = oscillating_knees(planned, slides)
-    wanted = dancers_height(planned)
-    raised = without(raises(planned, wanted, posture.run.log.trimmed()), slides)
+    wanted = dancer_hand_height(planned)
+    raised = spans_without_slides(low_hand_spans(planned, wanted, posture.run.log.trimmed()), slides)
     edits = (*knee_edits(sliding, knees), *hand_edits(sliding, raised))
-    final = _danced(request, posture_only(HAND_KEPT, edits), sliding, tell)
+    final = _dance_rebalanced(request, posture_stack(HAND_CLEARANCE, edits), sliding, tell)
     logs = posture.run.log.trimmed(), final.run.log.trimmed()
-    three = Three(planned, geometric, *logs, wanted, knees, raised, slides)
+    three = ThreeDances(planned, geometric, *logs, wanted, knees, raised, slides)
 
     tell("recording", None)
-    runs = {name: keep(danced, out / name, tell) for name, danced in ((POSTURE, posture), (FINAL, final))}
+    runs = {
+        name: write_outputs(danced, out / name, tell) for name, danced in ((POSTURE_RUN, posture), (FINAL_RUN, final))
+    }
     title = f"{posture.info.clip}, {start:g} to {start + duration:g} s, by {robot.label}"
-    record(out / RECORDING, three, title)
+    write_recording(out / RECORDING_FILE, three, title)
     draw_thumbnails(out / "thumbnails.svg", three, title)
     draw_curves(out / "curves.svg", three, title)
     draw_scalogram(out / "scalogram.svg", three, title)
-    timeline.write_timeline(out / TIMELINE, final.run.log, final.info, robot)
+    timeline.write_timeline(out / TIMELINE_FILE, final.run.log, final.info, robot)
     figures = {
         "scenario": "ramos",
         "clip": posture.info.clip,
@@ -120,14 +122,14 @@ def run(request: Replay, out: Path, tell: Tell) -> dict[str, Any]:
         "duration_s": duration,
         "fell": any(run["fell"] for run in runs.values()),
         "geometric": geometric_figures(geometric),
-        "runs": {name: _summary(run) for name, run in runs.items()},
+        "runs": {name: _run_summary(run) for name, run in runs.items()},
         "knees": knee_figures(knees, geometric, three.posture, three.final),
         "hand": hand_figures(robot, wanted, raised, three.posture, three.final),
-        "slides": [slide | slide_figures(slide, planned.motion, three.posture) for slide in runs[FINAL]["slides"]],
+        "slides": [slide | slide_figures(slide, planned.motion, three.posture) for slide in runs[FINAL_RUN]["slides"]],
         "edits": list(final.edits),
     }
     figures = report.rounded(figures)
-    report.write_json(figures, out / REPORT)
+    report.write_json(figures, out / REPORT_FILE)
     return figures
 
 
@@ -144,47 +146,48 @@ def show(figures: dict[str, Any], console: Console) -> None:
         highlight=False,
     )
     table = Table(box=None, padding=(0, 2, 0, 0))
-    for words in ("", "demonstrated", POSTURE, FINAL):
+    for words in ("", "demonstrated", POSTURE_RUN, FINAL_RUN):
         table.add_column(words, justify="right" if words else "left")
-    runs = [figures["runs"][name] for name in (POSTURE, FINAL)]
+    runs = [figures["runs"][name] for name in (POSTURE_RUN, FINAL_RUN)]
     endings = (f"fell at {run['fell_at_s']:.1f} s" if run["fell"] else "upright" for run in runs)
     table.add_row("how it ended", "not simulated", *endings)
     for knee in figures["knees"]:
         when = f"{knee['start_s']:.1f} to {knee['end_s']:.1f} s, {knee['frequency_hz']:.2f} Hz"
-        amplitudes = (_digits(knee[f"{name}_deg"]) for name in ("demonstrated", POSTURE, FINAL))
+        amplitudes = (_formatted(knee[f"{name}_deg"]) for name in ("demonstrated", POSTURE_RUN, FINAL_RUN))
         table.add_row(f"{knee['knee'].replace('_', ' ')}, {when}, deg", *amplitudes)
-    off = [hand[f"{name}_rms_m"] for name in (POSTURE, FINAL)]
-    table.add_row("right hand's height off the dancer's, rms, mm", "", *(_digits(value, 1e3) for value in off))
-    near = [hand[f"{name}_head_min_m"] for name in (POSTURE, FINAL)]
-    table.add_row("right hand to head, least, mm", "", *(_digits(value, 1e3) for value in near))
+    off = [hand[f"{name}_rms_m"] for name in (POSTURE_RUN, FINAL_RUN)]
+    table.add_row("right hand's height off the dancer's, rms, mm", "", *(_formatted(value, 1e3) for value in off))
+    near = [hand[f"{name}_head_min_m"] for name in (POSTURE_RUN, FINAL_RUN)]
+    table.add_row("right hand to head, least, mm", "", *(_formatted(value, 1e3) for value in near))
     console.print(table)
-    for line in (*map(_slid, figures["slides"]), *figures["edits"]):
+    for line in (*map(_slide_sentence, figures["slides"]), *figures["edits"]):
         console.print(line, soft_wrap=True, highlight=False)
 
 
-def _danced(request: Replay, compose: Composer, planned: Plan, tell: Tell) -> Dance:
-    """A plan danced with a stack, its balance planned for what the stack makes of it."""
+def _dance_rebalanced(request: Replay, compose: Composer, planned: Plan, tell: ProgressCallback) -> Dance:
+    """Dance a plan with a stack; the balance is planned anew for the rehearsed momentum."""
     tell("rehearsing", None)
-    stack, schedule, _ = composed(request, compose, planned.motion)
-    motion = rebalanced(planned.motion, rehearsed(planned.motion, stack, make_solver(request.solver), schedule))
-    return perform(request, compose, motion, planned, tell)
+    stack, schedule, _ = composed_stack(request, compose, planned.motion)
+    motion = rebalance(planned.motion, rehearse(planned.motion, stack, make_solver(request.solver), schedule))
+    return run_motion(request, compose, motion, planned, tell)
 
 
-def part(human: Human, start: float, duration: float | None) -> tuple[float, float]:
+def clip_part(human: Human, start: float, duration: float | None) -> tuple[float, float]:
     """Which part of a clip is danced, its start and duration [s]: as asked for, or where the knees swing most.
 
-    That is the stretch of `SECONDS` with the largest sum of amplitude times duration over the oscillations of both
+    That is the stretch of `MAX_DURATION` with the largest sum of amplitude times duration over the oscillations of both
     knees' angles; a clip that is shorter is danced whole.
     """
-    if start or duration is not None or human.duration <= SECONDS:
+    if start or duration is not None or human.duration <= MAX_DURATION:
         return start, human.duration - start if duration is None else duration
-    smooth = human.low_passed(NOISE_HZ)
+    smooth = human.low_passed(CAPTURE_NOISE_HZ)
     found = [swing for side in SIDES for swing in find_oscillations(smooth.times, knee_angle(smooth, side))]
-    starts = np.arange(0.0, human.duration - SECONDS, 1.0)
+    starts = np.arange(0.0, human.duration - MAX_DURATION, 1.0)
     swung = [
-        sum(one.amplitude * max(min(one.end, t + SECONDS) - max(one.start, t), 0.0) for one in found) for t in starts
+        sum(one.amplitude * max(min(one.end, t + MAX_DURATION) - max(one.start, t), 0.0) for one in found)
+        for t in starts
     ]
-    return float(starts[int(np.argmax(swung))]), SECONDS
+    return float(starts[int(np.argmax(swung))]), MAX_DURATION
 
 
 def knee_angle(human: Human, side: str) -> Array:
@@ -193,37 +196,37 @@ def knee_angle(human: Human, side: str) -> Array:
     return np.arccos(np.clip(np.sum(thigh * shank, axis=1), -1.0, 1.0))
 
 
-def posture_only(kept: float, edits: Sequence[Edit] = ()) -> Composer:
+def posture_stack(clearance: float, edits: Sequence[Edit] = ()) -> Composer:
     """A stack with the paper's posture task, Ramos (17), below balance and feet that slide.
 
     Balance has no say in the height, nor is the trunk held upright: both are left to the posture, or little would be
     lost that edits could bring back.
 
     Args:
-        kept: Least distance of parts of the robot [m].
+        clearance: Least distance of parts of the robot [m].
         edits: Of the motion.
     """
 
     def compose(robot: Robot, motion: Motion) -> Composition:
         stack = Stack(
             contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
-            hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot, kept)],
+            hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot, clearance)],
             levels={
                 "balance": [Balance(motion.balance, motion.feet, axes="xy")],
-                "posture": [Posture(robot, motion.joints, kp=SERVO, feedforward=False)],
+                "posture": [Posture(robot, motion.joints, kp=POSTURE_STIFFNESS, feedforward=False)],
                 "forces": [LeastForces()],
             },
         )
         for foot in sorted({foot for phase in motion.phases for foot in phase.sliding}):
             stack.contact(foot).path = path = motion.pose(foot)
             stack.add(FootSliding(robot, foot, path), level="feet", before="posture")
-        return Composition(stack, Sliding(motion.phases), tuple(edits))
+        return Composition(stack, SlidingSchedule(motion.phases), tuple(edits))
 
     return compose
 
 
-def _slid(slide: dict[str, Any]) -> str:
-    """What there is to say about a slide."""
+def _slide_sentence(slide: dict[str, Any]) -> str:
+    """One sentence about a slide of the report."""
     return (
         f"{slide['foot'].replace('_', ' ')} slides {1e2 * slide['way_m']:.1f} cm, {slide['start_s']:.1f} to "
         f"{slide['end_s']:.1f} s: it touches the floor for {100 * slide['contact']:.0f} % of the time, with "
@@ -235,12 +238,12 @@ def _slid(slide: dict[str, Any]) -> str:
     )
 
 
-def _digits(value: float | None, factor: float = 1.0) -> str:
+def _formatted(value: float | None, factor: float = 1.0) -> str:
     return "-" if value is None else f"{factor * value:.1f}"
 
 
-def _summary(run: dict[str, Any]) -> dict[str, Any]:
-    """What is compared of a run; the rest is in its own report."""
+def _run_summary(run: dict[str, Any]) -> dict[str, Any]:
+    """Figures of a run that are compared; the rest is in its own report."""
     return {
         "fell": run["fell"],
         "fell_at_s": run["fell_at_s"],

@@ -1,4 +1,4 @@
-"""What Ramos 2011, VI, edits of a dance: the oscillation of the knees, and the right hand as high as the dancer's."""
+"""The edits of Ramos 2011, VI: the oscillation of the knees, and the right hand raised to the dancer's height."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -24,67 +24,69 @@ Span = tuple[float, float]
 KNEES = ("left_knee", "right_knee")
 SIDE = "right"
 HAND, WRIST = f"{SIDE}_hand", f"{SIDE}_wrist"
-BAND = 0.6, 1.6
-"""Of an oscillation's frequency, what belongs to it."""
-SHORT = 0.02
-"""A hand that is so much lower than the dancer's is too low [m]."""
-AROUND, APART = 0.3, 1.0
-"""An edit begins so long before what it mends and ends so long after; it is one for what is no further apart [s]."""
-ALONE = 0.5
-"""A foot slides alone: no other edit is at work from so long before until so long after [s]."""
-SWINGS = 2.0
-"""Least swings of what is an oscillation."""
-HAND_HZ = 4.0
-"""What a raised hand follows is slower."""
+OSCILLATION_BAND_FACTORS = 0.6, 1.6
+"""Lower and upper end of an oscillation's band, relative to its frequency."""
+HAND_TOO_LOW = 0.02
+"""Height below the dancer's at which a hand is too low [m]."""
+EDIT_LEAD_TIME, MAX_MERGED_GAP = 0.3, 1.0
+"""Time that an edit begins earlier and ends later than its cause; gap below which two edits become one [s]."""
+SLIDE_SEPARATION = 0.5
+"""Time before and after a slide in which no other edit acts [s]."""
+MIN_SWINGS = 2.0
+"""Least number of swings of an oscillation."""
+HAND_CUTOFF_HZ = 4.0
+"""Cut-off frequency of the height that a raised hand follows [Hz]."""
 
 
 @dataclass(frozen=True)
-class Knee:
+class KneeOscillation:
     """An oscillation of a knee in the geometric motion: `point`, number of its `joint`, and its `swing` [rad]."""
 
     point: str
     joint: int
-    swing: Oscillation
+    oscillation: Oscillation
 
 
-def oscillating_knees(planned: Plan, slides: Sequence[Span]) -> list[Knee]:
+def oscillating_knees(planned: Plan, slides: Sequence[Span]) -> list[KneeOscillation]:
     """The knees' oscillations in the geometric motion while the clip plays and no foot slides, in order of time."""
     robot, y = planned.motion.robot, planned.imitation.knots
     times = np.arange(len(y)) / PLAN_RATE
     shown = (times >= planned.start) & (times <= planned.end)
     knees = []
     for point in KNEES:
-        joint = knee_joint(robot, point)
+        joint = knee_joint_number(robot, point)
         for one in find_oscillations(times[shown], y[shown, 6 + joint]):
             knees += [
-                Knee(point, joint, replace(one, start=start, end=end))
-                for start, end in without([(one.start, one.end)], slides)
-                if (end - start) * one.frequency >= SWINGS
+                KneeOscillation(point, joint, replace(one, start=start, end=end))
+                for start, end in spans_without_slides([(one.start, one.end)], slides)
+                if (end - start) * one.frequency >= MIN_SWINGS
             ]
-    return sorted(knees, key=lambda knee: knee.swing.start)
+    return sorted(knees, key=lambda knee: knee.oscillation.start)
 
 
-def knee_joint(robot: Robot, point: str) -> int:
+def knee_joint_number(robot: Robot, point: str) -> int:
     """Number of the joint at a knee."""
     return robot.joints.index(robot.model.names[robot.model.frames[robot.point(point)].parentJoint])
 
 
-def knee_edits(planned: Plan, knees: Sequence[Knee]) -> list[Edit]:
+def knee_edits(planned: Plan, knees: Sequence[KneeOscillation]) -> list[Edit]:
     """A task on each knee while it oscillates, Ramos VI-A: its planned way, and the swing that the plan has smoothed
     away."""
     robot, geometric = planned.motion.robot, planned.imitation.knots
-    lost = geometric[:, 6:] - knots(planned)[: len(geometric), 7:]
+    lost = geometric[:, 6:] - balanced_knots(planned)[: len(geometric), 7:]
     edits = []
     for joint in sorted({knee.joint for knee in knees}):
-        swings = [knee.swing for knee in knees if knee.joint == joint]
+        swings = [knee.oscillation for knee in knees if knee.joint == joint]
         frequencies = [one.frequency for one in swings]
-        by = curve(swing(lost[:, joint], PLAN_RATE, min(frequencies), max(frequencies)))
-        for start, end in without(merged([(one.start, one.end) for one in swings], planned), slid(planned)):
+        by = smooth_curve(oscillating_part(lost[:, joint], PLAN_RATE, min(frequencies), max(frequencies)))
+        for start, end in spans_without_slides(
+            merged_spans([(one.start, one.end) for one in swings], planned), slide_spans(planned)
+        ):
             edits.append(Edit(robot.joints[joint], by=by, start=start, end=end))
     return edits
 
 
-def dancers_height(planned: Plan) -> Array:
+def dancer_hand_height(planned: Plan) -> Array:
     """Height of the right hand at the knots if the robot's arm pointed as the dancer's does (T,) [m]."""
     robot, human = planned.motion.robot, planned.human
     shoulder, elbow = f"{SIDE}_shoulder", f"{SIDE}_elbow"
@@ -104,68 +106,73 @@ def hand_height(log: RunLog, robot: Robot) -> tuple[Array, Array]:
     return log.time[rows], Points.of(robot, log.q[rows], (HAND,)).positions[HAND][:, 2]
 
 
-def raises(planned: Plan, wanted: Array, log: RunLog) -> list[Span]:
-    """When the hand of a run is too low while the clip plays: starts and ends [s]; wanted: the dancer's height."""
+def low_hand_spans(planned: Plan, wanted: Array, log: RunLog) -> list[Span]:
+    """Spans (start, end) [s] in which the hand of a run is lower than wanted, the dancer's height (T,) [m]."""
     times = np.arange(len(wanted)) / PLAN_RATE
     shown = (times >= planned.start) & (times <= planned.end)
-    low = (wanted - np.interp(times, *hand_height(log, planned.motion.robot)) > SHORT) & shown
-    return merged([(t, t) for t in times[low].tolist()], planned)
+    low = (wanted - np.interp(times, *hand_height(log, planned.motion.robot)) > HAND_TOO_LOW) & shown
+    return merged_spans([(t, t) for t in times[low].tolist()], planned)
 
 
-def slid(planned: Plan) -> list[Span]:
-    """When a foot slides [s]."""
+def slide_spans(planned: Plan) -> list[Span]:
+    """Spans (start, end) in which a foot slides [s]."""
     return [(phase.start, phase.end) for phase in planned.motion.phases if phase.sliding]
 
 
-def without(spans: Sequence[Span], slides: Sequence[Span]) -> list[Span]:
-    """What is left of spans (start, end) when none may be at work during slides, and some time around them."""
+def spans_without_slides(spans: Sequence[Span], slides: Sequence[Span]) -> list[Span]:
+    """The parts of spans (start, end) that are clear of slides by SLIDE_SEPARATION [s]."""
     left = list(spans)
     for begins, ends in slides:
-        parts = [((start, min(end, begins - ALONE)), (max(start, ends + ALONE), end)) for start, end in left]
-        left = [part for both in parts for part in both if part[1] - part[0] > 2.0 * AROUND]
+        parts = [
+            ((start, min(end, begins - SLIDE_SEPARATION)), (max(start, ends + SLIDE_SEPARATION), end))
+            for start, end in left
+        ]
+        left = [part for both in parts for part in both if part[1] - part[0] > 2.0 * EDIT_LEAD_TIME]
     return left
 
 
-def merged(spans: Sequence[Span], planned: Plan) -> list[Span]:
-    """Spans (start, end) with some time around them, one for those no further apart than APART, within the motion."""
+def merged_spans(spans: Sequence[Span], planned: Plan) -> list[Span]:
+    """Spans (start, end) with some time around them, one for those within MAX_MERGED_GAP, inside the motion."""
     made: list[Span] = []
     for start, end in sorted(spans):
-        if made and start - made[-1][1] <= APART:
+        if made and start - made[-1][1] <= MAX_MERGED_GAP:
             made[-1] = made[-1][0], max(made[-1][1], end)
         else:
             made.append((start, end))
-    return [(max(start - AROUND, 0.0), min(end + AROUND, planned.motion.duration)) for start, end in made]
+    return [
+        (max(start - EDIT_LEAD_TIME, 0.0), min(end + EDIT_LEAD_TIME, planned.motion.duration)) for start, end in made
+    ]
 
 
 def hand_edits(planned: Plan, spans: Sequence[Span]) -> list[Edit]:
     """The right hand raised to where the dancer's was, Ramos VI-B."""
-    wanted = dancers_height(planned)
-    own = Points.of(planned.motion.robot, knots(planned)[: len(wanted)], (HAND,)).positions[HAND][:, 2]
-    by = curve(low_passed(wanted - own, PLAN_RATE, HAND_HZ))
+    wanted = dancer_hand_height(planned)
+    own = Points.of(planned.motion.robot, balanced_knots(planned)[: len(wanted)], (HAND,)).positions[HAND][:, 2]
+    by = smooth_curve(low_passed(wanted - own, PLAN_RATE, HAND_CUTOFF_HZ))
     return [Edit(HAND, "z", by=by, start=start, end=end, limb_only=True) for start, end in spans]
 
 
-def curve(values: Array) -> Callable[[float], float]:
+def smooth_curve(values: Array) -> Callable[[float], float]:
     """A smooth curve through values (T,) at the knots."""
     spline = CubicSpline(np.arange(len(values)) / PLAN_RATE, values)
     return lambda t: float(spline(t))
 
 
-def knots(planned: Plan) -> Array:
+def balanced_knots(planned: Plan) -> Array:
     """Configurations of the balanced motion at PLAN_RATE (T, nq)."""
     motion = planned.motion
     rows = np.round(np.arange(round(motion.duration * PLAN_RATE) + 1) * motion.rate / PLAN_RATE).astype(int)
     return motion.q[rows.clip(max=len(motion.q) - 1)]
 
 
-def swing(values: Array, rate: float, lowest: float, highest: float | None = None) -> Array:
+def oscillating_part(values: Array, rate: float, lowest: float, highest: float | None = None) -> Array:
     """The part of a signal (T,) at a rate [Hz] that oscillates at about a frequency, or from one to another [Hz]."""
-    low, high = BAND[0] * lowest, BAND[1] * (highest or lowest)
+    low, high = OSCILLATION_BAND_FACTORS[0] * lowest, OSCILLATION_BAND_FACTORS[1] * (highest or lowest)
     return sosfiltfilt(butter(2, (low, min(high, 0.45 * rate)), "bandpass", fs=rate, output="sos"), values)
 
 
-def amplitude(times: Array, angle: Array, of: Oscillation) -> float:
+def oscillation_amplitude(times: Array, angle: Array, oscillation: Oscillation) -> float:
     """Amplitude of an oscillation in a signal (T,), evenly sampled: √2 of the root mean square while it lasts."""
     rate = (len(times) - 1) / (times[-1] - times[0])
-    inside = (times >= of.start) & (times <= of.end)
-    return float(np.sqrt(2.0 * np.mean(swing(angle, rate, of.frequency)[inside] ** 2)))
+    inside = (times >= oscillation.start) & (times <= oscillation.end)
+    return float(np.sqrt(2.0 * np.mean(oscillating_part(angle, rate, oscillation.frequency)[inside] ** 2)))

@@ -7,18 +7,18 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from scenarios.ramos2011.ramos_edits import HAND, Knee, amplitude, hand_height
+from scenarios.ramos2011.ramos_edits import HAND, KneeOscillation, hand_height, oscillation_amplitude
 from sim.log import RunLog
 from sot.control.tick import Tick
-from sot.motion.feet.contacts import Phase, phase_at, support
+from sot.motion.feet.contacts import Phase, phase_indices, support_polygon
 from sot.motion.plan import PLAN_RATE
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-RATE = 50.0
-"""At which postures are looked at [Hz]."""
+SAMPLED_RATE = 50.0
+"""Rate at which postures are evaluated [Hz]."""
 
 
 def geometric_figures(motion: Motion) -> dict[str, float]:
@@ -29,14 +29,14 @@ def geometric_figures(motion: Motion) -> dict[str, float]:
         "zmp_outside_p95_m": 95th percentile of how far outside; "torque_max" and "velocity_max": largest joint torque
         and velocity over their limits, the feet sharing what the floor has to give by least squares.
     """
-    robot, rows = motion.robot, np.arange(0, len(motion.q), max(1, round(motion.rate / RATE)))
+    robot, rows = motion.robot, np.arange(0, len(motion.q), max(1, round(motion.rate / SAMPLED_RATE)))
     margins = np.empty(len(rows))
-    phases = phase_at(motion.phases, rows / motion.rate)
+    phases = phase_indices(motion.phases, rows / motion.rate)
     for index in np.unique(phases).tolist():
         here = phases == index
-        margins[here] = support(robot, motion.phases[index]).margin(motion.zmp[rows[here]])
+        margins[here] = support_polygon(robot, motion.phases[index]).margin(motion.zmp[rows[here]])
     tick = Tick(robot)
-    torques = [needed_torque(tick.update(0.0, motion.q[k], motion.v[k]), motion.a[k]) for k in rows.tolist()]
+    torques = [required_torque(tick.update(0.0, motion.q[k], motion.v[k]), motion.a[k]) for k in rows.tolist()]
     return {
         "zmp_outside": float(np.mean(margins < 0.0)),
         "zmp_outside_p95_m": float(max(np.percentile(-margins, 95.0), 0.0)),
@@ -45,7 +45,7 @@ def geometric_figures(motion: Motion) -> dict[str, float]:
     }
 
 
-def needed_torque(tick: Tick, acceleration: Array) -> Array:
+def required_torque(tick: Tick, acceleration: Array) -> Array:
     """Joint torques (na,) that a state and its acceleration (nv,) need, ``Sᵀ τ = M v̇ + h − Jᵀ φ``; the wrenches φ of
     both feet are the least that move the base [N m]."""
     forces = tick.M @ acceleration + tick.h
@@ -54,20 +54,22 @@ def needed_torque(tick: Tick, acceleration: Array) -> Array:
     return forces[6:] - J[:, 6:].T @ wrenches
 
 
-def knee_figures(knees: Sequence[Knee], geometric: Motion, posture: RunLog, final: RunLog) -> list[dict[str, Any]]:
+def knee_figures(
+    knees: Sequence[KneeOscillation], geometric: Motion, posture: RunLog, final: RunLog
+) -> list[dict[str, Any]]:
     """Of each oscillation found: where, at which frequency, and its amplitude as demonstrated, with the posture task
     only, and with the task on the knee, Ramos Figure 6."""
     found = []
     for knee in knees:
         column = 7 + knee.joint
-        shown = amplitude(geometric.times, geometric.q[:, column], knee.swing)
-        only, edited = (amplitude(log.time, log.q[:, column], knee.swing) for log in (posture, final))
+        shown = oscillation_amplitude(geometric.times, geometric.q[:, column], knee.oscillation)
+        only, edited = (oscillation_amplitude(log.time, log.q[:, column], knee.oscillation) for log in (posture, final))
         found.append(
             {
                 "knee": knee.point,
-                "start_s": knee.swing.start,
-                "end_s": knee.swing.end,
-                "frequency_hz": knee.swing.frequency,
+                "start_s": knee.oscillation.start,
+                "end_s": knee.oscillation.end,
+                "frequency_hz": knee.oscillation.frequency,
                 "demonstrated_deg": float(np.rad2deg(shown)),
                 "posture_deg": float(np.rad2deg(only)),
                 "final_deg": float(np.rad2deg(edited)),
@@ -92,7 +94,7 @@ def hand_figures(
         height = np.interp(times, *hand_height(log, robot))
         off = (height - wanted)[raised]
         figures[f"{name}_rms_m"] = float(np.sqrt(np.mean(off**2))) if raised.any() else None
-        figures[f"{name}_head_min_m"] = head_distance(robot, log)
+        figures[f"{name}_head_min_m"] = min_hand_head_distance(robot, log)
     return figures
 
 
@@ -100,13 +102,13 @@ def slide_figures(slide: Mapping[str, Any], motion: Motion, posture: RunLog) -> 
     """The share of the time of a slide in which the ZMP of the posture task alone lay in the other foot, Ramos
     Figure 8."""
     rows = (posture.time >= slide["start_s"]) & (posture.time < slide["end_s"])
-    phase = motion.phases[int(phase_at(motion.phases, np.array([slide["start_s"]]))[0])]
+    phase = motion.phases[int(phase_indices(motion.phases, np.array([slide["start_s"]]))[0])]
     others = {foot: pose for foot, pose in phase.feet.items() if foot != slide["foot"]}
-    margin = support(motion.robot, Phase(phase.start, phase.end, others)).margin(posture.zmp_measured[rows])
+    margin = support_polygon(motion.robot, Phase(phase.start, phase.end, others)).margin(posture.zmp_measured[rows])
     return {"posture_zmp_inside": float(np.mean(margin >= 0.0)) if rows.any() else 0.0}
 
 
-def head_distance(robot: Robot, log: RunLog) -> float:
+def min_hand_head_distance(robot: Robot, log: RunLog) -> float:
     """Least distance between the right hand and the head during a run [m]."""
     shapes = robot.shapes.copy()
     shapes.removeAllCollisionPairs()
@@ -117,7 +119,7 @@ def head_distance(robot: Robot, log: RunLog) -> float:
             shapes.addCollisionPair(pin.CollisionPair(first, second))
     data, measured = robot.model.createData(), shapes.createData()
     least = np.inf
-    for k in log.rows_at(RATE).tolist():
+    for k in log.rows_at(SAMPLED_RATE).tolist():
         pin.updateGeometryPlacements(robot.model, data, shapes, measured, log.q[k])
         for pair in range(len(shapes.collisionPairs)):
             least = min(least, pin.computeDistance(shapes, measured, pair).min_distance)

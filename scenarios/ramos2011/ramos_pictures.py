@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenarios.ramos2011 import ramos_view
-from scenarios.ramos2011.ramos_edits import HAND, KNEES, knee_joint
-from scenarios.ramos2011.ramos_view import Three
+from scenarios.ramos2011.ramos_edits import HAND, KNEES, knee_joint_number
+from scenarios.ramos2011.ramos_view import ThreeDances
 from sim.log import nearest_frames
-from sim.recording.columns import css
-from sim.recording.panels import MM
+from sim.recording.columns import css_color
+from sim.recording.panels import MM_PER_M
 from sim.recording.visuals import BONES
 from sim.reporting.chart import Curve, Field, Panel, write_panels
 from sim.reporting.figures import Points
@@ -21,32 +21,32 @@ from sot.motion.plan import PLAN_RATE
 
 Array = NDArray[np.float64]
 
-MOMENTS = 7
-"""Thumbnails a dancer."""
-APART = 1.1
-"""Between two of them [m]."""
-SHADES = {name: css(shade) for name, shade in ramos_view.SHADES.items()}
+THUMBNAIL_COUNT = 7
+"""Number of thumbnails of each dancer."""
+THUMBNAIL_SPACING = 1.1
+"""Distance between two thumbnails [m]."""
+CSS_COLORS = {name: css_color(shade) for name, shade in ramos_view.DANCER_COLORS.items()}
 DRAWN_RATE = 50.0
-MARGIN = 1.5
-"""Of time around what a picture is about [s]."""
-ROW_OF_DANCERS = 900.0, 220.0
-"""Pixels."""
-CELLS = 32, 128
-"""Frequencies and times of a scalogram's picture."""
+TIME_MARGIN = 1.5
+"""Time shown before and after the event of a picture [s]."""
+THUMBNAILS_SIZE_PX = 900.0, 220.0
+"""Width and height of a row of thumbnails [pixels]."""
+SCALOGRAM_CELLS = 32, 128
+"""Number of frequencies and of times in a scalogram's picture."""
 PAPER_HZ, PAPER_SPANS, PAPER_DEG = 2.7, ((10.0, 14.0), (31.0, 36.5)), 6.0
 """What the paper reads off its Figure 5, as a made-up knee: frequency [Hz], when [s], and an amplitude [deg]."""
 
 
-def draw_thumbnails(path: Path, three: Three, title: str) -> None:
+def draw_thumbnails(path: Path, three: ThreeDances, title: str) -> None:
     """Figure 3: the dancer and the three robots at the same moments, from the front."""
     robot, human = three.geometric.robot, three.planned.human
-    middle = 0.5 * (three.planned.end - three.planned.start) / MOMENTS
-    moments = three.planned.start + middle * (1.0 + 2.0 * np.arange(MOMENTS))
+    middle = 0.5 * (three.planned.end - three.planned.start) / THUMBNAIL_COUNT
+    moments = three.planned.start + middle * (1.0 + 2.0 * np.arange(THUMBNAIL_COUNT))
     rows: dict[str, Mapping[str, Array]] = {"dancer": human.points}
     frames = {"dancer": nearest_frames(moments, human.rate, human.count)}
     for name, (times, q) in three.dances.items():
         nearest = np.abs(times[:, None] - moments).argmin(axis=0)
-        rows[name], frames[name] = Points.of(robot, q[nearest]).positions, np.arange(MOMENTS)
+        rows[name], frames[name] = Points.of(robot, q[nearest]).positions, np.arange(THUMBNAIL_COUNT)
     panels = []
     for name, points in rows.items():
         curves = []
@@ -55,63 +55,65 @@ def draw_thumbnails(path: Path, three: Three, title: str) -> None:
                 if near not in points or far not in points:
                     continue
                 ends = np.array([points[near][frame], points[far][frame]])
-                across = k * APART - (ends[:, 1] - points["waist"][frame][1])
-                curves.append(Curve(across, ends[:, 2], SHADES[name], width=2.0))
+                across = k * THUMBNAIL_SPACING - (ends[:, 1] - points["waist"][frame][1])
+                curves.append(Curve(across, ends[:, 2], CSS_COLORS[name], width=2.0))
         panels.append(Panel(name, "m, seen from the front", "m", curves, equal=True))
-    write_panels(path, f"{title} at {', '.join(f'{t:.0f}' for t in moments)} s", panels, 1, ROW_OF_DANCERS)
+    write_panels(path, f"{title} at {', '.join(f'{t:.0f}' for t in moments)} s", panels, 1, THUMBNAILS_SIZE_PX)
 
 
-def draw_curves(path: Path, three: Three, title: str) -> None:
+def draw_curves(path: Path, three: ThreeDances, title: str) -> None:
     """Figures 6a, 6b, 7 and 8 of the parts of the dance that were edited most."""
     robot = three.geometric.robot
     runs = {"posture": three.posture, "final": three.final}
     end = three.planned.motion.duration
-    longest = max(three.knees, key=lambda knee: knee.swing.amplitude, default=None)
+    longest = max(three.knees, key=lambda knee: knee.oscillation.amplitude, default=None)
     point = longest.point if longest else KNEES[-1]
-    column = 7 + knee_joint(robot, point)
-    around = (longest.swing.start - MARGIN, longest.swing.end + MARGIN) if longest else (0.0, end)
-    raised = max(three.raised, key=lambda span: span[1] - span[0], default=(0.0, end))
-    signals = {"demonstrated": _sampled(three.geometric.times, three.geometric.q, "geometric")}
-    signals |= {name: _sampled(log.time, log.q, name) for name, log in runs.items()}
+    column = 7 + knee_joint_number(robot, point)
+    around = (longest.oscillation.start - TIME_MARGIN, longest.oscillation.end + TIME_MARGIN) if longest else (0.0, end)
+    raised = max(three.raised_spans, key=lambda span: span[1] - span[0], default=(0.0, end))
+    signals = {"demonstrated": _sampled_for_drawing(three.geometric.times, three.geometric.q, "geometric")}
+    signals |= {name: _sampled_for_drawing(log.time, log.q, name) for name, log in runs.items()}
     places = {name: Points.of(robot, q, (point, HAND)).positions for name, (_, q, _) in signals.items()}
-    wanted = three.wanted
+    wanted = three.dancer_hand_height
 
     def shown(value: Mapping[str, Array], span: tuple[float, float]) -> list[Curve]:
-        return [_within(times, value[name], span, color, name) for name, (times, _, color) in signals.items()]
+        return [_curve_within(times, value[name], span, color, name) for name, (times, _, color) in signals.items()]
 
     angles = {name: np.rad2deg(q[:, column]) for name, (_, q, _) in signals.items()}
     knee = point.replace("_", " ")
-    x = {name: MM * place[point][:, 0] for name, place in places.items()}
-    z = {name: MM * place[HAND][:, 2] for name, place in places.items() if name != "demonstrated"}
-    dancer = _within(np.arange(len(wanted)) / PLAN_RATE, MM * wanted, raised, SHADES["dancer"], "dancer")
-    hand = [_within(signals[name][0], z[name], raised, SHADES[name], name) for name in z]
+    x = {name: MM_PER_M * place[point][:, 0] for name, place in places.items()}
+    z = {name: MM_PER_M * place[HAND][:, 2] for name, place in places.items() if name != "demonstrated"}
+    dancer = _curve_within(
+        np.arange(len(wanted)) / PLAN_RATE, MM_PER_M * wanted, raised, CSS_COLORS["dancer"], "dancer"
+    )
+    hand = [_curve_within(signals[name][0], z[name], raised, CSS_COLORS[name], name) for name in z]
     panels = [
         Panel(f"6a: {knee}, joint", "s", "deg", shown(angles, around)),
         Panel(f"6b: {knee}, X", "s", "mm", shown(x, around)),
         Panel("7: right hand, height", "s", "mm", [dancer, *hand]),
-        Panel("8: ZMP along Y", "s", "mm", _zmp(three)),
+        Panel("8: ZMP along Y", "s", "mm", _zmp_curves(three)),
     ]
     write_panels(path, title, panels, 2)
 
 
-def _zmp(three: Three) -> list[Curve]:
+def _zmp_curves(three: ThreeDances) -> list[Curve]:
     """Figure 8: the ZMP across the feet around the first slide, in both runs, with the edges of the soles."""
     motion = three.planned.motion
-    start, end = three.slid[0] if three.slid else (0.0, motion.duration)
-    span = (start - MARGIN, end + MARGIN)
+    start, end = three.slide_spans[0] if three.slide_spans else (0.0, motion.duration)
+    span = (start - TIME_MARGIN, end + TIME_MARGIN)
     curves: list[Curve] = []
     for foot, pose in motion.phases[0].feet.items():
         edges = np.array([pose.act(corner)[1] for corner in motion.robot.sole(foot)])
         for edge in (edges.min(), edges.max()):
             label = "soles" if not curves else ""
-            curves.append(Curve(np.array(span), np.full(2, MM * edge), "#c33", label, dashed=True, width=1.0))
+            curves.append(Curve(np.array(span), np.full(2, MM_PER_M * edge), "#c33", label, dashed=True, width=1.0))
     for name, log in (("posture", three.posture), ("final", three.final)):
-        curves.append(_within(log.time, MM * log.zmp_measured[:, 1], span, SHADES[name], name))
-    curves += [Curve(np.full(2, t), MM * np.array([-0.2, 0.2]), "#222", "", width=1.0) for t in (start, end)]
+        curves.append(_curve_within(log.time, MM_PER_M * log.zmp_measured[:, 1], span, CSS_COLORS[name], name))
+    curves += [Curve(np.full(2, t), MM_PER_M * np.array([-0.2, 0.2]), "#222", "", width=1.0) for t in (start, end)]
     return curves
 
 
-def draw_scalogram(path: Path, three: Three, title: str) -> None:
+def draw_scalogram(path: Path, three: ThreeDances, title: str) -> None:
     """Figure 5: each knee's scalogram below its angle, and that of a knee which swings as the paper's does.
 
     A line is an oscillation that was found: when, and at which frequency.
@@ -119,14 +121,14 @@ def draw_scalogram(path: Path, three: Three, title: str) -> None:
     motion = three.geometric
     every = max(1, round(motion.rate / DRAWN_RATE))
     times, q = motion.times[::every], motion.q[::every]
-    traces = {point: q[:, 7 + knee_joint(motion.robot, point)] for point in KNEES}
+    traces = {point: q[:, 7 + knee_joint_number(motion.robot, point)] for point in KNEES}
     panels: list[Panel] = []
     for point, angle in traces.items():
-        found = [knee.swing for knee in three.knees if knee.point == point]
-        panels += _seen(point.replace("_", " "), times, angle, found)
+        found = [knee.oscillation for knee in three.knees if knee.point == point]
+        panels += _scalogram_panels(point.replace("_", " "), times, angle, found)
     times = np.arange(0.0, 40.0, 1.0 / DRAWN_RATE)
     knee = swinging_knee(times)
-    panels += _seen("made up, as the paper's", times, knee, find_oscillations(times, knee))
+    panels += _scalogram_panels("made up, as the paper's", times, knee, find_oscillations(times, knee))
     write_panels(path, f"{title}: scalograms, 0 to the greatest amplitude", panels, 2)
 
 
@@ -138,13 +140,16 @@ def swinging_knee(times: Array) -> Array:
     return np.deg2rad(35.0 + 12.0 * np.sin(2.0 * np.pi * 0.1 * times) + PAPER_DEG * swing)
 
 
-def _seen(name: str, times: Array, angle: Array, found: Sequence[Oscillation]) -> list[Panel]:
+def _scalogram_panels(name: str, times: Array, angle: Array, found: Sequence[Oscillation]) -> list[Panel]:
     """A knee's angle (T,) and its scalogram, with its oscillations in both."""
     degrees = np.rad2deg(angle)
-    trace = [Curve(times, degrees, SHADES["geometric"])]
-    trace += [_within(times, degrees, (one.start, one.end), "#222", "") for one in found]
+    trace = [Curve(times, degrees, CSS_COLORS["geometric"])]
+    trace += [_curve_within(times, degrees, (one.start, one.end), "#222", "") for one in found]
     seen = scalogram(times, angle, BAND_HZ)
-    x, y = (np.linspace(span[0], span[-1], count) for span, count in ((seen.times, CELLS[1]), (BAND_HZ, CELLS[0])))
+    x, y = (
+        np.linspace(span[0], span[-1], count)
+        for span, count in ((seen.times, SCALOGRAM_CELLS[1]), (BAND_HZ, SCALOGRAM_CELLS[0]))
+    )
     columns = np.searchsorted(seen.times, x).clip(max=len(seen.times) - 1)
     swings = np.rad2deg(np.abs(seen.coefficients[:, columns]))
     values = np.array([np.interp(y, seen.frequencies, column) for column in swings.T]).T
@@ -156,11 +161,11 @@ def _seen(name: str, times: Array, angle: Array, found: Sequence[Oscillation]) -
     ]
 
 
-def _sampled(times: Array, q: Array, shade: str) -> tuple[Array, Array, str]:
+def _sampled_for_drawing(times: Array, q: Array, shade: str) -> tuple[Array, Array, str]:
     every = max(1, round(1.0 / (DRAWN_RATE * (times[1] - times[0]))))
-    return times[::every], q[::every], SHADES[shade]
+    return times[::every], q[::every], CSS_COLORS[shade]
 
 
-def _within(times: Array, values: Array, span: tuple[float, float], color: str, label: str) -> Curve:
+def _curve_within(times: Array, values: Array, span: tuple[float, float], color: str, label: str) -> Curve:
     inside = (times >= span[0]) & (times <= span[1])
     return Curve(times[inside], values[inside], color, label)

@@ -9,14 +9,16 @@ from sim.recording.columns import TIMELINE
 from sim.recording.panels import Tab
 from sot.motion.trajectory import Motion
 
-HEIGHT = 0.72  # m that is looked at
-SHARE = 0.6  # of the way that the robot goes, which is looked at from further away
-FROM = (3.3, -0.8, 0.63)  # m, from where, for a robot that stays in place
+LOOK_AT_HEIGHT = 0.72  # m, height of the point that the eye looks at
+DISTANCE_PER_TRAVEL = 0.6  # distance of the eye added per metre that the robot travels
+EYE_OFFSET = (3.3, -0.8, 0.63)  # m, from the point looked at to the eye, for a robot that stays in place
 
 
-def layout(motion: Motion, tabs: Sequence[Tab], conflicts: bool = False, aside: float = 0.0) -> rrb.Blueprint:
-    """Blueprint of a run of a motion with these tabs of plots, the first of them open, and one of its conflicts; those
-    who dance so far aside [m] are looked at too."""
+def layout(motion: Motion, tabs: Sequence[Tab], conflicts: bool = False, extra_width: float = 0.0) -> rrb.Blueprint:
+    """Blueprint of a run with these tabs of plots, the first of them open, and a tab of its conflicts if asked for.
+
+    extra_width: how far others dance beside the robot, which the view should include [m].
+    """
     told = [rrb.TextLogView(origin="conflicts", name="Conflicts")] if conflicts else []
     beside = rrb.Tabs(
         *(rrb.Vertical(*(plot.view() for plot in tab.plots), name=tab.name) for tab in tabs),
@@ -27,7 +29,7 @@ def layout(motion: Motion, tabs: Sequence[Tab], conflicts: bool = False, aside: 
     scene = rrb.Spatial3DView(
         origin="world",
         name=motion.robot.label,
-        eye_controls=_eye(motion, aside),
+        eye_controls=_eye_controls(motion, extra_width),
         line_grid=False,
         background=[24, 26, 31],
     )
@@ -39,9 +41,9 @@ def layout(motion: Motion, tabs: Sequence[Tab], conflicts: bool = False, aside: 
     )
 
 
-def _eye(motion: Motion, aside: float) -> rrb.EyeControls3D:
-    """Looks at the middle of where the robot goes, from as far as takes it all in."""
+def _eye_controls(motion: Motion, extra_width: float) -> rrb.EyeControls3D:
+    """Eye that looks at the middle of where the robot goes, from far enough to see it all."""
     low, high = motion.com[:, :2].min(axis=0), motion.com[:, :2].max(axis=0)
-    target = np.append(0.5 * (low + high), HEIGHT)
-    distance = 1.0 + (SHARE * np.linalg.norm(high - low) + aside) / np.linalg.norm(FROM)
-    return rrb.EyeControls3D(position=target + distance * np.array(FROM), look_target=target)
+    target = np.append(0.5 * (low + high), LOOK_AT_HEIGHT)
+    distance = 1.0 + (DISTANCE_PER_TRAVEL * np.linalg.norm(high - low) + extra_width) / np.linalg.norm(EYE_OFFSET)
+    return rrb.EyeControls3D(position=target + distance * np.array(EYE_OFFSET), look_target=target)

@@ -20,7 +20,7 @@ def send_robot(
     shapes: list[Shape],
     times: np.ndarray,
     q: np.ndarray,
-    ghost: Color | None = None,
+    ghost_color: Color | None = None,
 ) -> None:
     """Send a robot's shapes, which go where its bodies are at configurations q (T, nq); a ghost has one colour.
 
@@ -35,15 +35,15 @@ def send_robot(
         places = np.array([shape.position for shape in alike])[:, None, :, None]
         turns = Rotation.from_quat([shape.quaternion for shape in alike]).as_matrix()[:, None]
         centers = positions[on] + (rotations[on] @ places)[..., 0]
-        columns.static(entity, _look(alike, ghost))
-        moving.append(_placed(alike, centers.swapaxes(0, 1), (rotations[on] @ turns).swapaxes(0, 1)))
+        columns.static(entity, _shape_archetype(alike, ghost_color))
+        moving.append(_pose_columns(alike, centers.swapaxes(0, 1), (rotations[on] @ turns).swapaxes(0, 1)))
     columns.over_time(entity, times, *moving)
 
 
-def _look(alike: list[Shape], ghost: Color | None) -> rr.AsComponents:
+def _shape_archetype(alike: list[Shape], ghost_color: Color | None) -> rr.AsComponents:
     """Sizes and colours of shapes of one kind."""
     sizes = np.array([shape.half_sizes for shape in alike])
-    look: dict[str, Any] = {"colors": [ghost or shape.color for shape in alike], "fill_mode": "solid"}
+    look: dict[str, Any] = {"colors": [ghost_color or shape.color for shape in alike], "fill_mode": "solid"}
     match alike[0].kind:
         case "box":
             return rr.Boxes3D.from_fields(half_sizes=sizes, **look)
@@ -55,7 +55,7 @@ def _look(alike: list[Shape], ghost: Color | None) -> rr.AsComponents:
             return rr.Capsules3D.from_fields(lengths=2 * sizes[:, 2], radii=sizes[:, 0], **look)
 
 
-def _placed(alike: list[Shape], centers: np.ndarray, rotations: np.ndarray) -> rr.ComponentColumnList:
+def _pose_columns(alike: list[Shape], centers: np.ndarray, rotations: np.ndarray) -> rr.ComponentColumnList:
     """Columns of the poses of n shapes of one kind over time: centers (T, n, 3), rotations (T, n, 3, 3)."""
     count, size = centers.shape[:2]
     quaternions = Rotation.from_matrix(rotations.reshape(-1, 3, 3)).as_quat().astype(np.float32)

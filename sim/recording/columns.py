@@ -1,4 +1,4 @@
-"""A rerun recording as messages in an order that opens fast."""
+"""A rerun recording whose messages are ordered so that it opens fast."""
 
 from collections.abc import Sequence
 
@@ -27,7 +27,7 @@ COLORS: dict[str, Color] = {
     "grid": (80, 85, 95),
     "text": (225, 225, 225),
 }
-SERIES: tuple[Color, ...] = (
+SERIES_COLORS: tuple[Color, ...] = (
     *((235, 90, 90), (80, 180, 95), (80, 140, 245), (225, 165, 40)),
     *((175, 105, 225), (60, 185, 195), (150, 150, 150)),
 )
@@ -42,37 +42,37 @@ class Columns:
 
     def __init__(self, stream: rr.RecordingStream) -> None:
         self._stream = stream
-        self._waiting: list[tuple[str, np.ndarray, list[rr.ComponentColumn]]] = []
+        self._unsent: list[tuple[str, np.ndarray, list[rr.ComponentColumn]]] = []
 
     def static(self, entity: Entity, *archetypes: rr.AsComponents) -> None:
-        """What holds for the whole recording."""
-        self._stream.log(path(entity), *archetypes, static=True)
+        """Log archetypes that hold for the whole recording."""
+        self._stream.log(entity_path(entity), *archetypes, static=True)
 
     def over_time(self, entity: Entity, times: np.ndarray, *columns: rr.ComponentColumnList) -> None:
-        """Component columns with one row per time [s]."""
-        self._waiting.append((path(entity), times, [column for part in columns for column in part]))
+        """Queue component columns with one row per time [s]."""
+        self._unsent.append((entity_path(entity), times, [column for part in columns for column in part]))
 
     def points(self, entity: Entity, times: np.ndarray, positions: np.ndarray, color: str, radius: float) -> None:
-        """A point (T, 3) that moves, not shown where it is nan."""
+        """Queue a moving point (T, 3), which is hidden where it is nan."""
         seen = np.isfinite(positions).all(axis=1)
         self.static(entity, rr.Points3D.from_fields(colors=[COLORS[color]], radii=[radius]))
         columns = rr.Points3D.columns(positions=positions[seen].astype(np.float32))
         self.over_time(entity, times, columns.partition(seen.astype(int)))
 
     def send(self) -> None:
-        """Write what is still waiting."""
+        """Write all queued columns."""
         self._stream.flush()
-        for entity, times, columns in self._waiting:
+        for entity, times, columns in self._unsent:
             self._stream.send_columns(entity, [rr.TimeColumn(TIMELINE, duration=times)], columns)
-        self._waiting.clear()
+        self._unsent.clear()
         self._stream.flush()
 
 
-def css(color: Color) -> str:
-    """A colour as pictures for browsers have it, without its opacity."""
+def css_color(color: Color) -> str:
+    """A colour in CSS notation, without its opacity."""
     return "#{:02x}{:02x}{:02x}".format(*color[:3])
 
 
-def path(entity: Entity) -> str:
+def entity_path(entity: Entity) -> str:
     """The path of an entity, its parts escaped."""
     return entity if isinstance(entity, str) else rr.new_entity_path(list(entity))

@@ -1,4 +1,4 @@
-"""What a recording shows between the robot and the floor: soles, footholds, support, CoM, DCM and ZMP."""
+"""Soles, footholds, support polygon, CoM, DCM and ZMP in a recording."""
 
 import numpy as np
 import rerun as rr
@@ -6,16 +6,16 @@ import rerun as rr
 from sim.log import RunLog
 from sim.recording.bodies import point_poses
 from sim.recording.columns import COLORS, Columns
-from sim.recording.panels import MODES, dcm
+from sim.recording.panels import FOOT_MODE_NAMES, measured_and_planned_dcm
 from sim.support import planned_support
 from sot.motion.feet.footfalls import Footfalls
 from sot.motion.trajectory import Motion
 
-ON_FLOOR = 0.004  # m: what lies on the floor is drawn this much above it
+FLOOR_OFFSET = 0.004  # m, height above the floor at which things on the floor are drawn
 
 
 def send_footing(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray) -> None:
-    """Send what concerns balance and contacts at some rows of a log."""
+    """Send balance and contacts at some rows of a log."""
     _send_points(columns, log, motion, rows)
     _send_support(columns, log, motion, rows)
     _send_soles(columns, log, motion, rows)
@@ -25,7 +25,7 @@ def send_footing(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray
 def _send_points(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray) -> None:
     times = log.time[rows]
     columns.points("world/balance/com", times, log.com[rows], "com", 0.03)
-    measured, planned = dcm(log, motion)
+    measured, planned = measured_and_planned_dcm(log, motion)
     on_floor = {
         "zmp_measured": (log.zmp_measured, "measured"),
         "zmp_controller": (log.zmp_control, "controller"),
@@ -34,13 +34,13 @@ def _send_points(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray
         "dcm_planned": (planned, "dcm_planned"),
     }
     for name, (place, color) in on_floor.items():
-        columns.points(f"world/balance/{name}", times, _lifted(place[rows]), color, 0.012)
+        columns.points(f"world/balance/{name}", times, _on_floor(place[rows]), color, 0.012)
 
 
 def _send_support(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray) -> None:
     outlines: dict[int, np.ndarray] = {}
     for shared, polygon in planned_support(log, motion):
-        outline = _lifted(_closed(polygon.vertices)).astype(np.float32)
+        outline = _on_floor(_closed_outline(polygon.vertices)).astype(np.float32)
         outlines.update(dict.fromkeys(np.intersect1d(shared, rows).tolist(), outline))
     columns.static("world/contact/support", rr.LineStrips3D.from_fields(colors=[COLORS["planned"]], radii=[0.005]))
     shown = [outlines[row] for row in rows.tolist() if row in outlines]
@@ -50,12 +50,12 @@ def _send_support(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarra
 
 
 def _send_soles(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray) -> None:
-    """The outline of each sole in the colour of its planned contact."""
+    """Send the outline of each sole in the colour of its planned contact."""
     robot = motion.robot
     positions, rotations = point_poses(robot, robot.feet, log.q[rows])
-    shades = np.array([COLORS[mode] for mode in MODES], dtype=np.uint8)
+    shades = np.array([COLORS[mode] for mode in FOOT_MODE_NAMES], dtype=np.uint8)
     for index, foot in enumerate(robot.feet):
-        corners = positions[index][:, None] + _closed(robot.sole(foot)) @ rotations[index].swapaxes(1, 2)
+        corners = positions[index][:, None] + _closed_outline(robot.sole(foot)) @ rotations[index].swapaxes(1, 2)
         colors = shades[log.foot_mode[rows, index]]
         soles = rr.LineStrips3D.columns(strips=corners.astype(np.float32), colors=colors)
         entity = f"world/contact/{foot}/sole"
@@ -64,26 +64,26 @@ def _send_soles(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray)
 
 
 def _send_plan(columns: Columns, motion: Motion) -> None:
-    """All footholds, and the way of the centre of mass over the floor."""
-    outlines = [_lifted(outline) for outline in footholds(motion)]
+    """Send all footholds, and the planned path of the centre of mass over the floor."""
+    outlines = [_on_floor(outline) for outline in foothold_outlines(motion)]
     columns.static("world/plan/footholds", rr.LineStrips3D(outlines, colors=[COLORS["foothold"]], radii=[0.002]))
-    way = _lifted(motion.com[:: max(1, round(motion.rate / 20.0)), :2])
+    way = _on_floor(motion.com[:: max(1, round(motion.rate / 20.0)), :2])
     columns.static("world/plan/com", rr.LineStrips3D([way], colors=[COLORS["com_planned"]], radii=[0.002]))
 
 
-def footholds(motion: Motion) -> list[np.ndarray]:
+def foothold_outlines(motion: Motion) -> list[np.ndarray]:
     """Closed outline (K, 2) of each sole where the plan puts it down [m]."""
     return [
-        np.array([stance.pose.act(corner)[:2] for corner in _closed(motion.robot.sole(foot))])
+        np.array([stance.pose.act(corner)[:2] for corner in _closed_outline(motion.robot.sole(foot))])
         for foot in motion.robot.feet
         for stance in Footfalls(motion.phases, foot).stances
     ]
 
 
-def _closed(corners: np.ndarray) -> np.ndarray:
+def _closed_outline(corners: np.ndarray) -> np.ndarray:
     return np.vstack([corners, corners[:1]])
 
 
-def _lifted(places: np.ndarray) -> np.ndarray:
+def _on_floor(places: np.ndarray) -> np.ndarray:
     """Places on the floor (T, 2) as points to draw (T, 3)."""
-    return np.column_stack([places, np.full(len(places), ON_FLOOR)])
+    return np.column_stack([places, np.full(len(places), FLOOR_OFFSET)])

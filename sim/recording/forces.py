@@ -1,4 +1,4 @@
-"""What a recording shows of forces: the floor's on the feet, and pushes."""
+"""Forces in a recording: those of the floor on the feet, and pushes."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ PUSH_METRES_PER_NEWTON = 4e-3  # a push is weaker than a weight
 
 
 def send_forces(columns: Columns, log: RunLog, robot: Robot, rows: np.ndarray) -> None:
-    """The floor's force on each foot: an arrow from below whose tip is the centre of pressure, out of the leg's way."""
+    """Send the floor's force on each foot: an arrow from below whose tip is the centre of pressure."""
     origins, _ = point_poses(robot, robot.feet, log.q[rows])
     for foot, name in enumerate(robot.feet):
         wrench = log.foot_wrench[rows, foot]
@@ -33,7 +33,7 @@ def send_forces(columns: Columns, log: RunLog, robot: Robot, rows: np.ndarray) -
 
 
 def send_pushes(columns: Columns, log: RunLog, pushes: Sequence[Push], robot: Robot, rows: np.ndarray) -> None:
-    """An arrow onto the body that is pushed, for as long as it is."""
+    """Send pushes: an arrow onto the pushed body while the push lasts."""
     for index, push in enumerate(pushes):
         acting = rows[[push.is_acting(t) for t in log.time[rows]]]
         if not len(acting):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim.log import RunLog, nearest_frames
-from sim.recording.columns import COLORS, SERIES
+from sim.recording.columns import COLORS, SERIES_COLORS
 from sim.recording.plots import Curves, Plot, States
 from sim.support import support_extents
 from sot.motion.balance.centroidal import GRAVITY
@@ -14,11 +14,11 @@ from sot.motion.plan import PLAN_RATE, Plan
 from sot.motion.trajectory import Motion
 
 FRAME_RATE = 60.0  # Hz, of the 3D view and of what is only looked at; other curves keep the control rate
-MM = 1e3
-SLOWED = 0.999  # of the dancer's speed: less is rounding
-MODES = ("off", "fixed", "sliding")
+MM_PER_M = 1e3
+SLOWED_BELOW_SPEED = 0.999  # share of the dancer's speed; a run above it counts as not slowed down
+FOOT_MODE_NAMES = ("off", "fixed", "sliding")
 """Names of `RunLog.foot_mode`: `FOOT_OFF`, `FOOT_FIXED`, `FOOT_SLIDING`."""
-LIMBS = {
+LIMB_GROUPS = {
     "left_leg": ("left_leg",),
     "right_leg": ("right_leg",),
     "trunk": ("chest", "head"),
@@ -36,35 +36,37 @@ class Tab:
     plots: tuple[Plot | States, ...]
 
 
-def tabs(log: RunLog, motion: Motion, plan: Plan | None) -> list[Tab]:
-    """All plots of a run, what is looked at first coming first."""
-    joints = [_joints(log, motion, limb) for limb in LIMBS]
-    slowed = [_time(plan)] if plan is not None and plan.speed_min < SLOWED else []
+def run_tabs(log: RunLog, motion: Motion, plan: Plan | None) -> list[Tab]:
+    """All plots of a run in tabs; the most important come first."""
+    joints = [_joints_tab(log, motion, limb) for limb in LIMB_GROUPS]
+    slowed = [_speed_tab(plan)] if plan is not None and plan.speed_min < SLOWED_BELOW_SPEED else []
     return [
-        _balance(log, motion),
-        _center_of_mass(log, motion),
-        *changes(log),
+        _balance_tab(log, motion),
+        _center_of_mass_tab(log, motion),
+        *task_level_tabs(log),
         *slowed,
         *joints,
-        _tasks(log),
-        _ticks(log),
+        _tasks_tab(log),
+        _ticks_and_solver_tab(log),
     ]
 
 
-def divergent(com: np.ndarray, velocity: np.ndarray, height: np.ndarray) -> np.ndarray:
+def divergent_component(com: np.ndarray, velocity: np.ndarray, height: np.ndarray) -> np.ndarray:
     """Divergent component of motion ξ = c + ċ/ω (T, 2), ω² = g / height, of CoM positions and velocities (T, 3)."""
     return com[:, :2] + velocity[:, :2] * np.sqrt(height / GRAVITY)[:, None]
 
 
-def dcm(log: RunLog, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+def measured_and_planned_dcm(log: RunLog, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     """Measured and planned divergent component of motion at every tick, (T, 2) each [m]."""
     frames = nearest_frames(log.time, motion.rate, len(motion.com))
     planned, height = motion.com[frames], motion.com[frames, 2]
     velocity = np.gradient(log.com, log.period, axis=0) if log.ticks > 1 else np.zeros_like(log.com)
-    return divergent(log.com, velocity, height), divergent(planned, motion.com_velocity[frames], height)
+    return divergent_component(log.com, velocity, height), divergent_component(
+        planned, motion.com_velocity[frames], height
+    )
 
 
-def _balance(log: RunLog, motion: Motion) -> Tab:
+def _balance_tab(log: RunLog, motion: Motion) -> Tab:
     sides = support_extents(log, motion)
     frames = log.rows_at(FRAME_RATE)
     zmps = np.stack([log.zmp_measured, log.zmp_control, log.zmp_planned], axis=2)
@@ -74,8 +76,8 @@ def _balance(log: RunLog, motion: Motion) -> Tab:
             f"ZMP {name} in the planned support [mm]",
             ("balance", name),
             (
-                Curves("support", log.time[frames], MM * sides[frames, :, axis], ends, ("limit",) * 2),
-                Curves("zmp", log.time, MM * zmps[:, axis], names, names),
+                Curves("support", log.time[frames], MM_PER_M * sides[frames, :, axis], ends, ("limit",) * 2),
+                Curves("zmp", log.time, MM_PER_M * zmps[:, axis], names, names),
             ),
         )
         for axis, name in enumerate("xy")
@@ -83,16 +85,16 @@ def _balance(log: RunLog, motion: Motion) -> Tab:
     feet = motion.robot.feet
     load = Curves("load", log.time, log.foot_wrench[:, :, 2], feet)
     modes = {foot: log.foot_mode[:, k] for k, foot in enumerate(feet)}
-    shades = [COLORS[name] for name in MODES]
-    contacts = States("Planned contacts", ("contacts",), log.time, modes, MODES, shades)
+    shades = [COLORS[name] for name in FOOT_MODE_NAMES]
+    contacts = States("Planned contacts", ("contacts",), log.time, modes, FOOT_MODE_NAMES, shades)
     return Tab("Balance", (*in_support, Plot("Normal force on each foot [N]", ("balance", "force"), (load,)), contacts))
 
 
-def _center_of_mass(log: RunLog, motion: Motion) -> Tab:
+def _center_of_mass_tab(log: RunLog, motion: Motion) -> Tab:
     planned = motion.com[nearest_frames(log.time, motion.rate, len(motion.com))]
-    measured_dcm, planned_dcm = dcm(log, motion)
-    error = Curves("com_error", log.time, MM * (log.com - planned), ("x", "y", "z"))
-    dcm_error = Curves("dcm_error", log.time, MM * (measured_dcm - planned_dcm), ("x", "y"))
+    measured_dcm, planned_dcm = measured_and_planned_dcm(log, motion)
+    error = Curves("com_error", log.time, MM_PER_M * (log.com - planned), ("x", "y", "z"))
+    dcm_error = Curves("dcm_error", log.time, MM_PER_M * (measured_dcm - planned_dcm), ("x", "y"))
     both = np.stack([log.com[:, :2], planned[:, :2], measured_dcm, planned_dcm], axis=2)
     names = ("CoM, measured", "CoM, planned", "DCM, measured", "DCM, planned")
     shades = ("com", "com_planned", "dcm", "dcm_planned")
@@ -101,7 +103,7 @@ def _center_of_mass(log: RunLog, motion: Motion) -> Tab:
         Plot(
             f"Centre of mass and its divergent component, {name} [mm]",
             ("com", name),
-            (Curves("way", log.time[frames], MM * both[frames, axis], names, shades),),
+            (Curves("way", log.time[frames], MM_PER_M * both[frames, axis], names, shades),),
         )
         for axis, name in enumerate("xy")
     )
@@ -115,15 +117,15 @@ def _center_of_mass(log: RunLog, motion: Motion) -> Tab:
     )
 
 
-def _time(plan: Plan) -> Tab:
+def _speed_tab(plan: Plan) -> Tab:
     share = 100.0 / (PLAN_RATE * np.diff(plan.clock))
     curve = Curves("share", plan.clock[:-1], share, ("speed",))
     return Tab("Time", (Plot("Speed of the clip, over the dancer's [%]", ("time", "speed"), (curve,)),))
 
 
-def _joints(log: RunLog, motion: Motion, limb: str) -> Tab:
+def _joints_tab(log: RunLog, motion: Motion, limb: str) -> Tab:
     robot, frames = motion.robot, log.rows_at(FRAME_RATE)
-    joints = [joint for group in LIMBS[limb] for joint in robot.groups[group]]
+    joints = [joint for group in LIMB_GROUPS[limb] for joint in robot.groups[group]]
     names = [robot.joints[joint] for joint in joints]
     angle = log.q[:, 7:][:, joints]
     error = angle - motion.q[nearest_frames(log.time, motion.rate, len(motion.q)), 7:][:, joints]
@@ -159,7 +161,7 @@ def _joints(log: RunLog, motion: Motion, limb: str) -> Tab:
     )
 
 
-def _tasks(log: RunLog) -> Tab:
+def _tasks_tab(log: RunLog) -> Tab:
     errors = (
         Plot(
             f"{level}: error [{unit}]", ("tasks", level), (Curves("error", log.time, log.level_error[:, k], (level,)),)
@@ -169,8 +171,8 @@ def _tasks(log: RunLog) -> Tab:
     return Tab("Tasks", tuple(errors))
 
 
-def changes(log: RunLog) -> list[Tab]:
-    """In which level of the stack each task is that comes, goes or changes its level; none if there is no such task."""
+def task_level_tabs(log: RunLog) -> list[Tab]:
+    """A tab that shows the level of each task that is added, removed or moved; no tab if there is no such task."""
     if not (log.level_share < 1.0).any():
         return []
     states = [f"level {place}" for place in range(log.level_place.max() + 1)]
@@ -179,12 +181,16 @@ def changes(log: RunLog) -> list[Tab]:
     values = np.where(underway, len(states), log.level_place)  # a state of its own, after all the levels
     changing = np.flatnonzero((log.level_share < 1.0).any(axis=0))
     lanes = {log.level_names[k]: values[:, k] for k in changing.tolist()}
-    shades = [COLORS["off"], *(SERIES[place % len(SERIES)] for place in range(1, len(states))), COLORS["sliding"]]
+    shades = [
+        COLORS["off"],
+        *(SERIES_COLORS[place % len(SERIES_COLORS)] for place in range(1, len(states))),
+        COLORS["sliding"],
+    ]
     names = (*states, "on its way")
     return [Tab("Schedule", (States("Tasks and their levels", ("schedule",), log.time, lanes, names, shades),))]
 
 
-def _ticks(log: RunLog) -> Tab:
+def _ticks_and_solver_tab(log: RunLog) -> Tab:
     parts = np.column_stack([log.tick_us, log.model_us, log.assemble_us, log.solve_us])
 
     def plot(title: str, kind: str, values: np.ndarray, names: Sequence[str]) -> Plot:

@@ -7,9 +7,9 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from sim.recording.columns import COLORS, SERIES, Color, Columns, Entity, path
+from sim.recording.columns import COLORS, SERIES_COLORS, Color, Columns, Entity, entity_path
 
-WIDTH = 1.5  # of a curve, in points
+CURVE_WIDTH = 1.5  # in points
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class Curves:
     def send(self, columns: Columns, entity: Entity) -> None:
         """Send them as an entity."""
         shades = [COLORS[color] if isinstance(color, str) else color for color in self.colors]
-        shades = shades or [SERIES[k % len(SERIES)] for k in range(len(self.names))]
-        lines = rr.SeriesLines(names=list(self.names), colors=shades, widths=[WIDTH] * len(self.names))
+        shades = shades or [SERIES_COLORS[k % len(SERIES_COLORS)] for k in range(len(self.names))]
+        lines = rr.SeriesLines(names=list(self.names), colors=shades, widths=[CURVE_WIDTH] * len(self.names))
         columns.static(entity, lines)
         # Seven digits are enough to look at, and the zeros behind them make the file smaller.
         rounded = self.values.astype(np.float32).astype(np.float64)
@@ -61,7 +61,7 @@ class Plot:
     def view(self) -> rrb.View:
         """What shows it."""
         axis = rrb.ScalarAxis(range=self.range) if self.range else None
-        return rrb.TimeSeriesView(origin=path(self.entity), name=self.title, axis_y=axis)
+        return rrb.TimeSeriesView(origin=entity_path(self.entity), name=self.title, axis_y=axis)
 
     def send(self, columns: Columns) -> None:
         """Send the columns behind it."""
@@ -71,7 +71,7 @@ class Plot:
 
 @dataclass(frozen=True)
 class States:
-    """What state several things are in over time.
+    """States of several things over time.
 
     Attributes:
         title: of the view.
@@ -91,7 +91,7 @@ class States:
 
     def view(self) -> rrb.View:
         """What shows it."""
-        return rrb.StateTimelineView(origin=path(self.entity), name=self.title)
+        return rrb.StateTimelineView(origin=entity_path(self.entity), name=self.title)
 
     def send(self, columns: Columns) -> None:
         """Send the columns behind it, a row a change."""

@@ -12,7 +12,7 @@ from sim.log import RunInfo, RunLog
 from sim.recording.blueprint import layout
 from sim.recording.columns import Columns
 from sim.recording.forces import METRES_PER_NEWTON
-from sim.recording.panels import tabs
+from sim.recording.panels import run_tabs
 from sim.recording.visuals import send_visuals
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
@@ -20,7 +20,7 @@ from sot.robots.robot import Robot
 from sot.whole_file import atomic_write
 
 
-def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Plan | None) -> None:
+def write_recording(path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Plan | None) -> None:
     """Write a run to a rerun recording (`.rrd`), which appears under its name once it is complete.
 
     Args:
@@ -31,9 +31,9 @@ def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Plan | 
         plan: how the reference came from a human, if it is known.
     """
     log, robot = log.trimmed(), motion.robot
-    panels = tabs(log, motion, plan)
+    panels = run_tabs(log, motion, plan)
     blueprint = layout(motion, panels, bool(log.conflicts))
-    with recording(path, f"{info.clip}, {robot.label}", _about(info, robot), blueprint) as columns:
+    with open_recording(path, f"{info.clip}, {robot.label}", _about_text(info, robot), blueprint) as columns:
         send_visuals(columns, log, info, motion, plan.human if plan else None)
         for tab in panels:
             for plot in tab.plots:
@@ -43,8 +43,8 @@ def record(path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Plan | 
 
 
 @contextmanager
-def recording(path: Path, title: str, about: str, blueprint: rrb.Blueprint) -> Iterator[Columns]:
-    """What a recording (`.rrd`) is filled with; it appears under its name once it is complete.
+def open_recording(path: Path, title: str, about: str, blueprint: rrb.Blueprint) -> Iterator[Columns]:
+    """Open a recording (`.rrd`) to be filled with columns; it appears under its name once it is complete.
 
     Args:
         path: file to write.
@@ -63,7 +63,7 @@ def recording(path: Path, title: str, about: str, blueprint: rrb.Blueprint) -> I
         stream.disconnect()
 
 
-def _about(info: RunInfo, robot: Robot) -> str:
+def _about_text(info: RunInfo, robot: Robot) -> str:
     ending = "upright to the end" if info.fell_at_s is None else f"fell at {info.fell_at_s:.2f} s: {info.reason}"
     return f"""# {info.clip}
 

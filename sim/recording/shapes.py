@@ -5,18 +5,16 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from sim.scene import robot_spec
-from sot.errors import InputError
 from sot.robots.robot import Robot
 
-KINDS = {
+SHAPE_KINDS = {
     mujoco.mjtGeom.mjGEOM_BOX: "box",
     mujoco.mjtGeom.mjGEOM_SPHERE: "ellipsoid",
     mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
     mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
     mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
 }
-HIDDEN_GROUP = 3  # MuJoCo's viewers show geom groups 0 to 2: a model keeps its collision shapes in the others
+FIRST_HIDDEN_GROUP = 3  # MuJoCo's viewers show geom groups 0 to 2: a model keeps its collision shapes in the others
 
 
 @dataclass(frozen=True)
@@ -42,26 +40,19 @@ class Shape:
 
 
 def read_shapes(robot: Robot) -> list[Shape]:
-    """Visible shapes of a robot's model; a mesh is shown by its bounding box.
-
-    Raises:
-        InputError: MuJoCo cannot read the model.
-    """
-    try:
-        model = robot_spec(robot).compile()
-    except ValueError as error:
-        raise InputError(f"{robot.path}: MuJoCo cannot read this model: {str(error).splitlines()[0]}") from error
+    """Visible shapes of a robot's model."""
+    model = robot.mujoco_spec().compile()
     return [
         _shape(model, geom)
         for geom in range(model.ngeom)
-        if model.geom_bodyid[geom] > 0 and model.geom_group[geom] < HIDDEN_GROUP
+        if model.geom_bodyid[geom] > 0 and model.geom_group[geom] < FIRST_HIDDEN_GROUP
     ]
 
 
 def _shape(model: mujoco.MjModel, geom: int) -> Shape:
     size, position = model.geom_size[geom].copy(), model.geom_pos[geom].copy()
     w, x, y, z = model.geom_quat[geom]
-    kind = KINDS.get(mujoco.mjtGeom(model.geom_type[geom]))
+    kind = SHAPE_KINDS.get(mujoco.mjtGeom(model.geom_type[geom]))
     if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_SPHERE:
         size[:] = size[0]
     elif kind in ("capsule", "cylinder"):

@@ -10,7 +10,7 @@ from sim.log import FOOT_FIXED, FOOT_OFF, RunInfo, RunLog, constant_stretches, n
 from sim.support import planned_support
 from solvers.rows import Status
 from sot.motion.feet.path import path_length
-from sot.motion.likeness import hand_path_ratio, segment_deg
+from sot.motion.likeness import hand_path_ratio, mean_segment_angle_deg
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
@@ -104,8 +104,8 @@ def likeness(log: RunLog, plan: Plan | None) -> Figures:
     robot = Points.of(motion.robot, log.q[rows]).positions
     person = {name: positions[shown] for name, positions in human.points.items()}
     return {
-        "segment_deg": segment_deg(person, robot),
-        "upper_segment_deg": segment_deg(person, robot, upper=True),
+        "segment_deg": mean_segment_angle_deg(person, robot),
+        "upper_segment_deg": mean_segment_angle_deg(person, robot, upper_body_only=True),
         "hand_path_ratio": hand_path_ratio(person, robot, human.rate),
     }
 

@@ -13,6 +13,7 @@ from rich.table import Table
 from sim.log import Fallback, RunInfo, RunLog
 from sim.reference import hot_reference_us
 from sim.reporting import figures
+from sim.reporting.provenance import command_line, revision
 from sim.reporting.slides import slide_figures, worst_of_slides
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
@@ -82,6 +83,9 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
     robot = motion.robot
     duration, slid = log.ticks * log.period, slide_figures(log, motion)
     report = {
+        "command": command_line(),
+        "seed": info.mismatch.seed,
+        "revision": revision(),
         "clip": info.clip,
         "robot": info.robot,
         "solver": {
@@ -108,7 +112,7 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
         "retarget": dict(plan.retarget) if plan else dict.fromkeys(RETARGET_KEYS),
         "steps": figures.steps(log, plan),
         "flights": figures.flights(plan),
-        "remarks": [*(plan.remarks if plan else []), *_run_remarks(log)],
+        "remarks": [*robot.remarks, *(plan.remarks if plan else []), *_run_remarks(log)],
         "zmp": figures.zmp(log, motion),
         "contacts": figures.contacts(log, robot),
         "slide": worst_of_slides(slid),

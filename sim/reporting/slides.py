@@ -8,7 +8,7 @@ import numpy as np
 from sim.log import FOOT_SLIDING, RunLog, constant_stretches
 from sim.reporting.figures import Figures, Points
 from sot.control.tick import GRAVITY
-from sot.motion.feet.contacts import Phase, phase_at, support
+from sot.motion.feet.contacts import Phase, phase_indices, support_polygon
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
 
@@ -88,9 +88,9 @@ def _moving_mean(values: np.ndarray, period: float) -> np.ndarray:
 def _standing_support(log: RunLog, motion: Motion, foot: str, rows: slice) -> Polygon | None:
     """Support polygon of the feet that the motion has stand while one foot slides; None if none stands."""
     middle = log.time[(rows.start + rows.stop) // 2]
-    phase = motion.phases[int(phase_at(motion.phases, middle))]
+    phase = motion.phases[int(phase_indices(motion.phases, middle))]
     others = {other: pose for other, pose in phase.feet.items() if other != foot}
-    return support(motion.robot, Phase(0.0, 0.0, others)) if others else None
+    return support_polygon(motion.robot, Phase(0.0, 0.0, others)) if others else None
 
 
 def _margin_in_support(soles: Polygon | None, places: np.ndarray) -> np.ndarray:

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from sim.log import RunInfo, RunLog, nearest_frames
-from sim.recording.footing import footholds
-from sim.recording.panels import LIMBS
+from sim.recording.footing import foothold_outlines
+from sim.recording.panels import LIMB_GROUPS
 from sim.reporting.timeline import schedule_lanes
 from sim.support import support_extents
 from sot.errors import InputError
@@ -82,7 +82,8 @@ class Traces:
             "period_s": log.period,
             "joints": robot.joints,
             "limbs": {
-                name: [joint for group in groups for joint in robot.groups[group]] for name, groups in LIMBS.items()
+                name: [joint for group in groups for joint in robot.groups[group]]
+                for name, groups in LIMB_GROUPS.items()
             },
             "lower": robot.lower.tolist(),
             "upper": robot.upper.tolist(),
@@ -90,7 +91,7 @@ class Traces:
             "feet": robot.feet,
             "tasks": log.level_names,
             "task_units": log.level_units,
-            "footholds": [outline.tolist() for outline in footholds(motion)],
+            "footholds": [outline.tolist() for outline in foothold_outlines(motion)],
             "lanes": [
                 {
                     "name": lane.name,

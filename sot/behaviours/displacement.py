@@ -1,4 +1,4 @@
-"""Where a plan is to be carried out by feet that do not stand where it has them."""
+"""Displacement of a plan to feet that do not stand at their planned places."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -7,10 +7,10 @@ import numpy as np
 
 Array = np.ndarray
 
-NOTHING = np.zeros(2)
-NONE = np.zeros((2, 2))
-APART = 0.02
-"""Distance below which planned places are one [m]."""
+ZERO_SHIFT = np.zeros(2)
+ZERO_TILT = np.zeros((2, 2))
+COINCIDENT_DISTANCE = 0.02
+"""Distance below which two planned places count as one [m]."""
 
 
 class Displacement(NamedTuple):
@@ -29,17 +29,17 @@ class Displacement(NamedTuple):
 
     @classmethod
     def of(cls, feet: Sequence[tuple[Array, Array, float]]) -> "Displacement":
-        """That of one foot or two.
+        """The displacement for one standing foot or two.
 
         Args:
             feet: Planned place (2,), place (2,) [m], and load of each one that stands: one that may carry less than the
                 other counts by its share, so that nothing jumps when it begins to.
         """
         if not feet:
-            return cls(NOTHING, NONE)
+            return cls(ZERO_SHIFT, ZERO_TILT)
         if len(feet) == 1:
             ((planned, place, _),) = feet
-            return cls(place - planned, NONE)
+            return cls(place - planned, ZERO_TILT)
         (first, first_at, first_load), (second, second_at, second_load) = feet
         most = max(first_load, second_load)
         off, other = first_at - first, second_at - second
@@ -47,15 +47,15 @@ class Displacement(NamedTuple):
         off, other = other + first_share * (off - other), off + second_share * (other - off)
         between = second - first
         squared = between @ between
-        if squared < APART**2:
-            return cls(0.5 * (off + other), NONE)
+        if squared < COINCIDENT_DISTANCE**2:
+            return cls(0.5 * (off + other), ZERO_TILT)
         tilt = np.outer(other - off, between / squared)
         return cls(off - tilt @ first, tilt)
 
-    def place(self, x: Array) -> Array:
-        """Where a place (2,) of the plan is [m]."""
+    def displaced_place(self, x: Array) -> Array:
+        """Displaced place (2,) of a planned one [m]."""
         return x + self.shift + self.tilt @ x
 
-    def rate(self, v: Array) -> Array:
-        """What a velocity or acceleration (2,) of the plan is there."""
+    def displaced_rate(self, v: Array) -> Array:
+        """Displaced velocity or acceleration (2,) of a planned one."""
         return v + self.tilt @ v

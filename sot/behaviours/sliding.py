@@ -1,4 +1,4 @@
-"""Feet that slide: their contacts slide while the motion has them do so."""
+"""A schedule for feet that slide while the motion's phases say so."""
 
 from collections.abc import Sequence
 
@@ -6,8 +6,8 @@ from sot.control.schedule import Schedule
 from sot.motion.feet.contacts import Phase
 
 
-class Sliding(Schedule):
-    """A schedule that lets the contacts of the feet slide, and stand again, as the phases of a motion say.
+class SlidingSchedule(Schedule):
+    """Switches the contacts of the feet to sliding and back to standing, as the phases of a motion say.
 
     Args:
         phases: of the motion, `Motion.phases`.

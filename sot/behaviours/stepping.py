@@ -1,4 +1,4 @@
-"""Feet that step: contacts are made and broken as the plan says, and as the feet feel the floor."""
+"""A schedule for feet that step: it makes and breaks contacts by the plan and by the measured loads."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,27 +11,28 @@ from sot.motion.feet.contacts import Phase
 from sot.motion.feet.footfalls import Footfalls
 from sot.robots.robot import Robot
 
-TOUCH = 0.05  # of the weight: a foot that feels this much is on the floor
-CARRIES = 0.3  # of the weight: what the other feet must feel before one is released
-EARLY = 0.6  # of a swing: a foot that feels the floor later than this has landed
-LATEST = 0.15  # s after the planned touchdown, until when a foot looks for the floor
+TOUCHDOWN_LOAD_SHARE = 0.05  # share of the weight: a foot that measures this load has touched down
+CARRYING_LOAD_SHARE = 0.3  # share of the weight that the other feet must carry before one is released
+EARLIEST_LANDING_SHARE = 0.6  # share of a swing after which a measured load counts as touchdown
+MAX_LANDING_DELAY = 0.15  # s, after the planned touchdown, in which a foot still looks for the floor
 
 
 @dataclass(slots=True)
 class _Foot:
     """A foot on its way through its stances.
 
-    `next` counts the stances begun; `made` is when the present contact was, `lifts` when it ends, once that is settled.
+    `next_stance` counts the stances begun; `landed_at` is the time of the last touchdown, `lifts_at` that of the next
+    lift-off, once it is decided.
     """
 
     name: str
     stances: Footfalls
-    next: int
-    made: float
-    lifts: float | None = None
+    next_stance: int
+    landed_at: float
+    lifts_at: float | None = None
 
 
-class Stepping(Schedule):
+class SteppingSchedule(Schedule):
     """A schedule that leads the contacts of the feet through the phases of a motion.
 
     - A foot gives its load away within `ramp` before it leaves the floor, and takes it within `ramp` after it is back.
@@ -51,24 +52,24 @@ class Stepping(Schedule):
         self.ramp = ramp
         self._weight = robot.mass * GRAVITY
         falls = {foot: Footfalls(phases, foot) for foot in robot.feet}
-        self._feet = [_Foot(name, stances, stances.begun(0.0), -ramp) for name, stances in falls.items()]
+        self._feet = [_Foot(name, stances, stances.count_begun(0.0), -ramp) for name, stances in falls.items()]
 
     def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:
-        """Carry out what has become due; returns what it was. Without loads all happens as planned."""
+        """Carry out the changes that are due and return them in words; without loads all happens as planned."""
         done = super().apply(t, stack, loads)
         for foot in self._feet:
             contact = stack.contact(foot.name)
             mode = contact.mode
             if mode == "fixed":
-                self._stand(t, foot, contact, stack, loads)
+                self._update_standing(t, foot, contact, stack, loads)
             elif mode == "off":
-                self._swing(t, foot, contact, loads.get(foot.name, 0.0) if loads else None)
+                self._update_swinging(t, foot, contact, loads.get(foot.name, 0.0) if loads else None)
             if contact.mode != mode:
                 done.append(f"{foot.name} {contact.mode}")
         return done
 
     def others_carry(self, foot: str, stack: Stack, loads: Mapping[str, float] | None) -> bool:
-        """Whether another foot stands with all its load and, as far as that is felt, bears enough of the weight."""
+        """Whether another foot stands with all its load and, as far as loads are measured, carries enough weight."""
         standing = [
             other.name
             for other in self._feet
@@ -78,48 +79,54 @@ class Stepping(Schedule):
         ]
         if not standing or not loads:
             return bool(standing)
-        return sum(loads.get(name, 0.0) for name in standing) >= CARRIES * self._weight
+        return sum(loads.get(name, 0.0) for name in standing) >= CARRYING_LOAD_SHARE * self._weight
 
-    def begun(self, foot: str) -> int:
-        """How many stances of a foot have begun."""
-        return self._of(foot).next
+    def stances_begun(self, foot: str) -> int:
+        """Number of stances of a foot that have begun."""
+        return self._foot(foot).next_stance
 
-    def due(self, foot: str) -> int:
-        """How many are still to come."""
-        return len(self._of(foot).stances) - self.begun(foot)
+    def stances_to_come(self, foot: str) -> int:
+        """Number of stances of a foot that are still to come."""
+        return len(self._foot(foot).stances) - self.stances_begun(foot)
 
-    def interrupt(self, foot: str, lift: float, land: float) -> None:
-        """Have a foot that stands step in between, from a time to another [s]."""
-        own = self._of(foot)
-        own.stances = own.stances.interrupted(lift, land, own.stances[own.next - 1].pose)
+    def add_step(self, foot: str, lift: float, land: float) -> None:
+        """Insert a step of a standing foot between two times [s]."""
+        own = self._foot(foot)
+        own.stances = own.stances.with_step(lift, land, own.stances[own.next_stance - 1].pose)
 
-    def _of(self, name: str) -> _Foot:
+    def _foot(self, name: str) -> _Foot:
         return next(foot for foot in self._feet if foot.name == name)
 
-    def _stand(self, t: float, foot: _Foot, contact: Contact, stack: Stack, loads: Mapping[str, float] | None) -> None:
-        """Take the load, and give it away in time for the next swing."""
-        contact.load = min(max((t - foot.made) / self.ramp, 0.0), 1.0) if self.ramp else 1.0
-        if foot.next == 0 or foot.next >= len(foot.stances):
+    def _update_standing(
+        self, t: float, foot: _Foot, contact: Contact, stack: Stack, loads: Mapping[str, float] | None
+    ) -> None:
+        """Ramp the load of a standing foot up, and down in time for the next swing."""
+        contact.load = min(max((t - foot.landed_at) / self.ramp, 0.0), 1.0) if self.ramp else 1.0
+        if foot.next_stance == 0 or foot.next_stance >= len(foot.stances):
             return
-        leaves, lands = foot.stances[foot.next - 1].end, foot.stances[foot.next].start
-        if foot.lifts is None and t >= leaves - self.ramp - 1e-9:
+        leaves, lands = foot.stances[foot.next_stance - 1].end, foot.stances[foot.next_stance].start
+        if foot.lifts_at is None and t >= leaves - self.ramp - 1e-9:
             if contact.load >= 1.0 and self.others_carry(foot.name, stack, loads):
-                foot.lifts = max(leaves, t + self.ramp)
-            elif t > leaves + EARLY * (lands - leaves):
-                foot.next += 1  # too late for this step
-        if foot.lifts is not None:
-            contact.load = min(max((foot.lifts - t) / self.ramp, 0.0), 1.0) if self.ramp else 0.0
-            if t >= foot.lifts - 1e-9:
-                contact.mode, contact.load, foot.lifts = "off", 0.0, None
+                foot.lifts_at = max(leaves, t + self.ramp)
+            elif t > leaves + EARLIEST_LANDING_SHARE * (lands - leaves):
+                foot.next_stance += 1  # too late for this step
+        if foot.lifts_at is not None:
+            contact.load = min(max((foot.lifts_at - t) / self.ramp, 0.0), 1.0) if self.ramp else 0.0
+            if t >= foot.lifts_at - 1e-9:
+                contact.mode, contact.load, foot.lifts_at = "off", 0.0, None
 
-    def _swing(self, t: float, foot: _Foot, contact: Contact, felt: float | None) -> None:
-        """Land when the floor is felt, or when it is time."""
-        if foot.next >= len(foot.stances):
+    def _update_swinging(self, t: float, foot: _Foot, contact: Contact, felt: float | None) -> None:
+        """Land a swinging foot when it measures the floor, or when it is time."""
+        if foot.next_stance >= len(foot.stances):
             return
-        leaves = foot.stances[foot.next - 1].end if foot.next else 0.0
-        lands = foot.stances[foot.next].start
-        touches = felt is not None and felt > TOUCH * self._weight and t > leaves + EARLY * (lands - leaves)
-        due = t >= lands + (0.0 if felt is None else LATEST) - 1e-9
+        leaves = foot.stances[foot.next_stance - 1].end if foot.next_stance else 0.0
+        lands = foot.stances[foot.next_stance].start
+        touches = (
+            felt is not None
+            and felt > TOUCHDOWN_LOAD_SHARE * self._weight
+            and t > leaves + EARLIEST_LANDING_SHARE * (lands - leaves)
+        )
+        due = t >= lands + (0.0 if felt is None else MAX_LANDING_DELAY) - 1e-9
         if touches or due:
             contact.mode, contact.load = "fixed", 0.0
-            foot.made, foot.next = t, foot.next + 1
+            foot.landed_at, foot.next_stance = t, foot.next_stance + 1

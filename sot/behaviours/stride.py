@@ -1,4 +1,4 @@
-"""The way of a foot to a place that may still change while it swings."""
+"""The path of a swinging foot to a foothold that may still change."""
 
 import numpy as np
 
@@ -6,16 +6,16 @@ from sot.control.pose import Pose
 
 Array = np.ndarray
 
-DESCENT = 0.1
-SPEED_UP = 0.03
-"""Speed at which a foot looks for a floor that it should have reached [m/s], and how long it takes to get there [s]."""
-INTO = 0.005
-"""Depth to which a foot is led into the floor, so that it does not hover above it when it should land [m]."""
-UP = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+DESCENT_SPEED = 0.1
+DESCENT_RAMP_TIME = 0.03
+"""Speed at which a late foot is lowered [m/s], and the time in which it reaches that speed [s]."""
+LANDING_DEPTH = 0.005
+"""Depth below the floor at which the path ends, so that the foot does not hover above it [m]."""
+UPWARD = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 
 
 class Stride:
-    """A foot leaves the floor at rest and lands at rest, without turning, at a time that is settled: ``t -> Pose``.
+    """Path of a foot that leaves the floor and lands at rest, without turning, at a fixed time: ``t -> Pose``.
 
     It is led a little into the floor, so as to land in time. Over the floor it follows quintic polynomials, from what
     it does when it is led elsewhere; above it a bump.
@@ -30,18 +30,22 @@ class Stride:
     def __init__(self, start: Array, rotation: Array, lift: float, land: float, height: float) -> None:
         self.lift, self.land, self._height = lift, land, height
         self._rotation, self._floor = rotation.copy(), float(start[2])
-        self._since, self._along = lift, np.zeros((6, 2))
-        self._along[0] = self.place = start[:2].copy()
+        self._coefficients_from, self._coefficients = lift, np.zeros((6, 2))
+        self._coefficients[0] = self.landing_place = start[:2].copy()
 
-    def lead(self, t: float, place: Array) -> None:
-        """Change from a time on [s] where the foot is to land, shape (2,) [m]."""
+    def redirect(self, t: float, place: Array) -> None:
+        """Change the landing place (2,) [m] from a time on [s]."""
         t = max(t, self.lift)
         if t < self.land:
-            self._along, self._since, self.place = _quintic(*self._over(t), place, self.land - t), t, place.copy()
+            self._coefficients, self._coefficients_from, self.landing_place = (
+                _quintic_to_rest(*self._horizontal_state(t), place, self.land - t),
+                t,
+                place.copy(),
+            )
 
     def __call__(self, t: float) -> Pose:
-        """Where the foot is to be at a time [s]: lower and lower once it should have landed."""
-        at, rate, second = self._over(min(max(t, self.lift), self.land))
+        """Pose of the foot at a time [s]; lower and lower once it should have landed."""
+        at, rate, second = self._horizontal_state(min(max(t, self.lift), self.land))
         span = self.land - self.lift
         s = min(max((t - self.lift) / span, 0.0), 1.0)
         r = s * (1.0 - s)
@@ -51,36 +55,36 @@ class Stride:
         velocity[2] = 192.0 * self._height * r**2 * (1.0 - 2.0 * s) / span
         acceleration[2] = 384.0 * self._height * r * ((1.0 - 2.0 * s) ** 2 - r) / span**2
         over = Pose(position, self._rotation, velocity, acceleration)
-        return lowered(raised(over, -self._floor - INTO, t - self.lift, span), t - self.land)
+        return lowered_pose(raised_pose(over, -self._floor - LANDING_DEPTH, t - self.lift, span), t - self.land)
 
-    def _over(self, t: float) -> tuple[Array, Array, Array]:
-        """Place, velocity and acceleration over the floor, (2,) each."""
-        x, powers = t - self._since, np.arange(6)
+    def _horizontal_state(self, t: float) -> tuple[Array, Array, Array]:
+        """Horizontal position, velocity and acceleration at a time [s], (2,) each."""
+        x, powers = t - self._coefficients_from, np.arange(6)
         rows = [x**powers, powers[1:] * x ** powers[:-1], (powers[2:] * powers[1:-1]) * x ** powers[:-2]]
-        return rows[0] @ self._along, rows[1] @ self._along[1:], rows[2] @ self._along[2:]
+        return rows[0] @ self._coefficients, rows[1] @ self._coefficients[1:], rows[2] @ self._coefficients[2:]
 
 
-def lowered(pose: Pose, late: float) -> Pose:
-    """A pose on the floor for a foot that is late [s], and does not feel it yet: lower and lower, at a steady speed."""
+def lowered_pose(pose: Pose, late: float) -> Pose:
+    """A pose on the floor, lowered at a steady speed for a foot that is late [s] and has not touched down yet."""
     if late < 0.0:
         return pose
-    speed = DESCENT * min(late / SPEED_UP, 1.0)
-    depth = 0.5 * speed * late if late < SPEED_UP else DESCENT * (late - 0.5 * SPEED_UP)
-    return pose._replace(position=pose.position - depth * UP[:3], velocity=pose.velocity - speed * UP)
+    speed = DESCENT_SPEED * min(late / DESCENT_RAMP_TIME, 1.0)
+    depth = 0.5 * speed * late if late < DESCENT_RAMP_TIME else DESCENT_SPEED * (late - 0.5 * DESCENT_RAMP_TIME)
+    return pose._replace(position=pose.position - depth * UPWARD[:3], velocity=pose.velocity - speed * UPWARD)
 
 
-def raised(pose: Pose, by: float, t: float, span: float) -> Pose:
-    """A pose some time into a step [s] that is to end higher [m], the more of it the later, with the least jerk."""
+def raised_pose(pose: Pose, by: float, t: float, span: float) -> Pose:
+    """A pose at a time into a step [s], raised along a minimum-jerk curve so that the step ends higher [m]."""
     s = min(max(t / span, 0.0), 1.0)
     r = s * (1.0 - s)
     return pose._replace(
-        position=pose.position + by * s**3 * (10.0 - 15.0 * s + 6.0 * s * s) * UP[:3],
-        velocity=pose.velocity + by * 30.0 * r**2 / span * UP,
-        acceleration=pose.acceleration + by * 60.0 * r * (1.0 - 2.0 * s) / span**2 * UP,
+        position=pose.position + by * s**3 * (10.0 - 15.0 * s + 6.0 * s * s) * UPWARD[:3],
+        velocity=pose.velocity + by * 30.0 * r**2 / span * UPWARD,
+        acceleration=pose.acceleration + by * 60.0 * r * (1.0 - 2.0 * s) / span**2 * UPWARD,
     )
 
 
-def _quintic(at: Array, rate: Array, second: Array, to: Array, span: float) -> Array:
+def _quintic_to_rest(at: Array, rate: Array, second: Array, to: Array, span: float) -> Array:
     """Coefficients (6, 2) of a polynomial that begins with a place, velocity and acceleration and ends at rest."""
     rest = to - at - span * rate - 0.5 * span**2 * second
     slower, slack = -rate - span * second, -second

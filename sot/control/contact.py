@@ -20,7 +20,7 @@ SLIDING_LOAD_RANGE_WEIGHTS = 0.05, 0.09
 """Smallest and largest normal force of a sliding contact, in weights of the robot."""
 SLIDING_LOAD_RAMP = (SLIDING_LOAD_RANGE_WEIGHTS[1] / MAX_RAMPED_LOAD_WEIGHTS) ** (1.0 / 3.0)
 """Value of `Contact.load` at which a fixed contact may carry as much as a sliding one."""
-ARRIVAL_FADE_POWER = 5
+ARRIVAL_ACCELERATION_FADE_POWER = 5
 """Exponent with which the acceleration that a point had when its contact was made fades over the load ramp: most of it
 is gone after a quarter of the ramp, before it moves the foot."""
 PYRAMID_SIDES = 8
@@ -108,7 +108,7 @@ class Contact:
         return 3 * count if self.form == "pyramid" else 6 + count
 
     @property
-    def link_count(self) -> int:
+    def force_equality_count(self) -> int:
         """Number of equalities between the force variables in the present mode."""
         return 3 if self.form == "unilateral" and self.mode == "fixed" else 0
 
@@ -136,7 +136,7 @@ class Contact:
 
     def force_equalities(self, tick: Tick) -> Array:
         """Rows E with ``E φ = 0``, shape (e, k): Ramos (7) for the unilateral form when fixed, else none."""
-        if not self.link_count:
+        if not self.force_equality_count:
             return np.zeros((0, self.force_count))
         arms = self.vertices @ tick.frame(self.point).rotation.T
         E = np.zeros((3, self.force_count))
@@ -182,7 +182,7 @@ class Contact:
         frame = tick.frame(self.point)
         wanted = _flattening_acceleration(frame.position, frame.rotation, frame.velocity, self.stiffness, self.damping)
         if self.arrival_acceleration is not None:
-            wanted += (1.0 - self.load) ** ARRIVAL_FADE_POWER * (self.arrival_acceleration - wanted)
+            wanted += (1.0 - self.load) ** ARRIVAL_ACCELERATION_FADE_POWER * (self.arrival_acceleration - wanted)
             if self.load >= 1.0:
                 self.arrival_acceleration = None
         return wanted

@@ -19,7 +19,7 @@ from sot.robots.robot import Robot
 Array = np.ndarray
 
 EXPLANATION_INTERVAL = 1.0
-"""Shortest time between two infeasible level-0 problems that are kept for `solvers.conflict.explain` [s]."""
+"""Shortest time between two infeasible level-0 problems that are kept for `solvers.conflict.find_conflict` [s]."""
 HOLD_DAMPING = 5.0
 """Joint damping [N m s/rad] that is added when the last torque is held because no new one was found."""
 
@@ -39,8 +39,8 @@ class Command:
         model_us, assemble_us, solve_us: Where the time went [µs].
         invalid: If a state, a task or the solver gave values that cannot be used (not finite, of a wrong shape), which
             and why; the torque is then the damped hold, and the status `Status.INVALID`. Empty otherwise.
-        unsolved: If level 0 had no solution, a copy of it, now and then: `solvers.conflict.explain` says which of its
-            rows contradict each other, but takes as long as hundreds of ticks.
+        unsolved: If level 0 had no solution, a copy of it, now and then: `solvers.conflict.find_conflict` says which of
+            its rows contradict each other, but takes as long as hundreds of ticks.
     """
 
     torque: Array

@@ -18,10 +18,10 @@ from sot.errors import InvalidRowsError
 
 Array = np.ndarray
 
-FRICTION_GIVES_WAY = 3
+FRICTION_RELAXATION_ORDER = 3
 """Place of the friction pyramids in the order in which rows of level 0 are relaxed: the last."""
 _ROWS_NOT_PLACED = slice(0)
-_NOT_A_VARIABLE = 0, 0.0
+_NO_VARIABLE_START_AND_UNIT = 0, 0.0
 """First index and unit (none) of a kind of variable that the form does not have: torques in the condensed one."""
 
 
@@ -83,7 +83,7 @@ class Layout:
                 block = Block(
                     task.name, task.unit, task.weight, task.equality, _ROWS_NOT_PLACED, task.gives_way, task.labels
                 )
-                start, unit = form.variables.get(task.variable, _NOT_A_VARIABLE)
+                start, unit = form.variables.get(task.variable, _NO_VARIABLE_START_AND_UNIT)
                 if task.equality:
                     equality = Equality(own.A, own.lower, start=start, selects=own.selects if unit else None)
                     self._equalities.append((k, unit, task, builder.add_equality(block, equality)))
@@ -94,7 +94,7 @@ class Layout:
                     )
                     self._inequalities.append((k, unit, task, builder.add_inequality(bounds)))
             self.levels.append(builder.build(name, form.size))
-        self.levels[0].kind = self
+        self.levels[0].structure_key = self
 
     def write(self, tick: Tick, rows: Sequence[Rows]) -> list[Level]:
         """Write the rows of a tick and return its levels; the form has the mass matrix and the bias already.
@@ -120,14 +120,14 @@ class Layout:
         for k, unit, task, bounds in self._inequalities:
             own = rows[k]
             if unit:
-                valid = bounds.write(own.A, own.weight * unit, own.lower, own.upper, own.weight)
+                valid = bounds.write_rows(own.A, own.weight * unit, own.lower, own.upper, own.weight)
             else:
                 valid = bounds.write_torques(*form.torque_rows(own), own.lower, own.upper, own.weight)
             if not valid:
                 raise self._invalid(task, own)
             bounds.block.labels = task.labels
         for level in self.levels:
-            level.renew()
+            level.clear_cache()
         return self.levels
 
     def _invalid(self, task: Task, rows: Rows) -> InvalidRowsError:
@@ -176,13 +176,15 @@ class ContactRows:
         if own.start == own.stop:
             return
         share = 1.0 / form.units.force
-        if links := contact.link_count:
+        if links := contact.force_equality_count:
             E = np.empty((links, contact.force_count))
             block = Block(f"Pressure {contact.point}", "N", share, True, _ROWS_NOT_PLACED)
             self._pressure = builder.add_equality(block, Equality(E, np.zeros(links), start=columns.start))
         count = len(contact.force_inequalities(1.0)[1])
         labels = contact.force_labels(count)
-        block = Block(f"Friction {contact.point}", "N", share, False, _ROWS_NOT_PLACED, FRICTION_GIVES_WAY, labels)
+        block = Block(
+            f"Friction {contact.point}", "N", share, False, _ROWS_NOT_PLACED, FRICTION_RELAXATION_ORDER, labels
+        )
         self._friction = builder.add_inequality(_InequalityRows(block, columns, count, constant=True))
 
     def write(self, tick: Tick) -> None:
@@ -196,12 +198,12 @@ class ContactRows:
         if self._friction is None:
             return
         G = contact.wrench_map(tick)
-        if not _write_force_columns(frame.jacobian, G, -self._units.force, self._map, self._on_motion):
+        if not _write_wrench_map_and_motion_columns(frame.jacobian, G, -self._units.force, self._map, self._on_motion):
             raise InvalidRowsError(f"contact '{contact.point}': its path holds a value that is not finite")
         if self._pressure is not None:
             self._pressure.A = contact.force_equalities(tick)
         F, lower, upper = contact.force_inequalities(self._units.weight)
-        self._friction.write(F, 1.0, lower, upper, 1.0 / self._units.force)
+        self._friction.write_rows(F, 1.0, lower, upper, 1.0 / self._units.force)
 
 
 class _InequalityRows:
@@ -224,24 +226,24 @@ class _InequalityRows:
         """Take the views of the level's matrix and bounds to write to."""
         self._C, self._lower, self._upper = C[:, self._columns], lower, upper
 
-    def write(self, A: Array, scale: float, lower: Array, upper: Array, share: float) -> bool:
-        """Write ``lower <= A y <= upper``, times a share that A's scale has in it already; returns whether it is valid.
+    def write_rows(self, A: Array, matrix_scale: float, lower: Array, upper: Array, bound_scale: float) -> bool:
+        """Write ``lower <= A y <= upper``, the bounds times a scale that A's has in it; returns whether it is valid.
 
         A read-only array that was written last time has not changed since.
         """
-        same, (matrix, least, most) = scale == self._last_scale, self._last_arrays
+        same, (matrix, least, most) = matrix_scale == self._last_scale, self._last_arrays
         valid = True
         if not (same and (self._constant or (A is matrix and not A.flags.writeable))):
-            valid = _write_matrix(A, scale, self._C)
+            valid = _write_matrix(A, matrix_scale, self._C)
         if valid and not (same and lower is least and upper is most and not lower.flags.writeable):
-            valid = _write_bounds(lower, upper, self._no_offset, share, self._lower, self._upper)
-        self._last_scale, self._last_arrays = scale if valid else None, (A, lower, upper)
+            valid = _write_bounds(lower, upper, self._no_offset, bound_scale, self._lower, self._upper)
+        self._last_scale, self._last_arrays = matrix_scale if valid else None, (A, lower, upper)
         return valid
 
-    def write_torques(self, B: Array, offset: Array, lower: Array, upper: Array, share: float) -> bool:
-        """Write ``lower <= B x + offset <= upper``, times a share; returns whether it is valid."""
-        written: bool = _write_matrix(B, share, self._C)
-        return written and _write_bounds(lower, upper, offset, share, self._lower, self._upper)
+    def write_torques(self, B: Array, offset: Array, lower: Array, upper: Array, bound_scale: float) -> bool:
+        """Write ``lower <= B x + offset <= upper``, times a scale; returns whether it is valid."""
+        written: bool = _write_matrix(B, bound_scale, self._C)
+        return written and _write_bounds(lower, upper, offset, bound_scale, self._lower, self._upper)
 
 
 @compiled
@@ -267,19 +269,23 @@ def _write_matrix(A: Array, scale: float, to: Array) -> bool:
 
 
 @compiled
-def _write_bounds(lower: Array, upper: Array, offset: Array, share: float, to_lower: Array, to_upper: Array) -> bool:
+def _write_bounds(
+    lower: Array, upper: Array, offset: Array, bound_scale: float, to_lower: Array, to_upper: Array
+) -> bool:
     """Write bounds less an offset, scaled; returns whether there are as many as before, none of them nan."""
     if len(lower) != len(to_lower) or len(upper) != len(to_upper):
         return False
     valid = True
     for k in range(len(lower)):
-        to_lower[k], to_upper[k] = share * (lower[k] - offset[k]), share * (upper[k] - offset[k])
+        to_lower[k], to_upper[k] = bound_scale * (lower[k] - offset[k]), bound_scale * (upper[k] - offset[k])
         valid &= to_lower[k] == to_lower[k] and to_upper[k] == to_upper[k]
     return valid
 
 
 @compiled
-def _write_force_columns(jacobian: Array, G: Array, scale: float, to_map: Array, to_motion: Array) -> bool:
+def _write_wrench_map_and_motion_columns(
+    jacobian: Array, G: Array, scale: float, to_map: Array, to_motion: Array
+) -> bool:
     """Write the wrench map G to `to_map`, and ``scale Jᵀ G`` to `to_motion`; returns whether G is finite."""
     to_map[:] = G
     finite = _is_finite(G)

@@ -1,4 +1,4 @@
-"""A dance edited: x_n(t) = x_o(t) + x_m(t) on an axis of a point or on a joint, Ramos IV-B."""
+"""Edits of a dance: x_n(t) = x_o(t) + x_m(t) on an axis of a point or on a joint, Ramos IV-B."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ from sot.smooth import minimum_jerk
 Array = NDArray[np.float64]
 JointReference = Callable[[float], tuple[Array, Array, Array]]
 
-EASE = 0.3
-"""Time that a change takes to come, and to go, unless it says otherwise [s]."""
-RATE = 1000.0
-"""Samples of a change [Hz]."""
-AT_REST = [(1, 0.0), (2, 0.0)]
+DEFAULT_EASE = 0.3
+"""Time in which an edit eases in and out, unless it says otherwise [s]."""
+OFFSET_SAMPLE_RATE = 1000.0
+"""Rate at which an edit's offset is sampled [Hz]."""
+REST_CONDITIONS = [(1, 0.0), (2, 0.0)]
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Edit:
         start, end: when it happens [s]; way-points have their own times.
         ease: how long the way in and the way out take [s].
         limb_only: whether the limb does it alone, and the rest of the body does not help.
-        place: where it was written, for messages.
+        source: where it was written, for messages.
 
     Raises:
         InputError: anything that makes no sense without knowing the robot and the motion.
@@ -51,9 +51,9 @@ class Edit:
     target: tuple[float, float, float] | None = None
     start: float | None = None
     end: float | None = None
-    ease: float = EASE
+    ease: float = DEFAULT_EASE
     limb_only: bool = False
-    place: str = ""
+    source: str = ""
 
     def __post_init__(self) -> None:
         changes = [name for name in ("by", "through", "target") if getattr(self, name) is not None]
@@ -80,7 +80,7 @@ class Edit:
 
     @property
     def span(self) -> tuple[float, float]:
-        """When it changes anything [s]."""
+        """Start and end of the change [s]."""
         if self.through is not None:
             return self.through[0][0] - self.ease, self.through[-1][0] + self.ease
         assert self.start is not None and self.end is not None
@@ -94,11 +94,11 @@ class Edit:
         return () if self.axis is None else (AXIS_NAMES.index(self.axis),)
 
     def error(self, what: str) -> InputError:
-        """What is wrong, with where."""
-        return InputError(f"{self.place or f'edit of {self.of}'}: {what}")
+        """Error that says where the edit was written and what is wrong with it."""
+        return InputError(f"{self.source or f'edit of {self.of}'}: {what}")
 
     def check(self, robot: Robot, duration: float = np.inf) -> None:
-        """See that the robot has what is edited, and a motion of this duration [s] the time.
+        """Check that the robot has the edited point or joint, and that the edit lies within the duration [s].
 
         Raises:
             InputError: they have not.
@@ -114,14 +114,14 @@ class Edit:
         if start < 0.0 or end > duration:
             raise self.error(f"goes from {start:g} to {end:g} s, the motion from 0 to {duration:g} s: move it inside")
 
-    def meets(self, other: "Edit") -> bool:
+    def overlaps(self, other: "Edit") -> bool:
         """Whether both change the same thing at the same time."""
         (start, end), (begins, ends) = self.span, other.span
         same = self.of == other.of and (not self.rows or bool(set(self.rows) & set(other.rows)))
         return same and start < ends and begins < end
 
 
-class Moved(NamedTuple):
+class Offset(NamedTuple):
     """x_m, ẋ_m and ẍ_m at one time, each of shape (k,)."""
 
     value: Array
@@ -130,49 +130,49 @@ class Moved(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Change:
-    """x_m(t) of an edit, sampled: nothing but numbers is left to go wrong while the robot dances.
+class SampledOffset:
+    """Offset x_m(t) of an edit as samples, so that no function of a user is called while the robot dances.
 
     Attributes:
         start: time of the first sample [s].
-        table: (T, 3, k) value, rate and acceleration of what is added in each of k axes, at `RATE`.
+        samples: (T, 3, k) value, rate and acceleration of what is added in each of k axes, at `OFFSET_SAMPLE_RATE`.
     """
 
     start: float
-    table: Array
+    samples: Array
 
     @classmethod
-    def of(cls, edit: Edit, motion: Motion) -> "Change":
+    def of(cls, edit: Edit, motion: Motion) -> "SampledOffset":
         """Sample an edit of a motion.
 
         Raises:
             InputError: its function gives something else than finite numbers.
         """
         start, end = edit.span
-        times = start + np.arange(round((end - start) * RATE) + 1) / RATE
+        times = start + np.arange(round((end - start) * OFFSET_SAMPLE_RATE) + 1) / OFFSET_SAMPLE_RATE
         if edit.through is not None:
             knots = np.array([(start, 0.0), *edit.through, (end, 0.0)])
-            value = make_interp_spline(*knots.T, k=5, bc_type=(AT_REST, AT_REST))(times)[:, None]
+            value = make_interp_spline(*knots.T, k=5, bc_type=(REST_CONDITIONS, REST_CONDITIONS))(times)[:, None]
         else:
             way = min(edit.ease, 0.5 * (end - start))
             share = minimum_jerk((times - start) / way) * minimum_jerk((end - times) / way)
-            value = share[:, None] * _wish(edit, motion, times)
+            value = share[:, None] * _full_offset(edit, motion, times)
         if not np.isfinite(value).all():
             raise edit.error("what it adds is not always a finite number")
-        rate = np.gradient(value, 1.0 / RATE, axis=0)
-        return cls(start, np.stack([value, rate, np.gradient(rate, 1.0 / RATE, axis=0)], axis=1))
+        rate = np.gradient(value, 1.0 / OFFSET_SAMPLE_RATE, axis=0)
+        return cls(start, np.stack([value, rate, np.gradient(rate, 1.0 / OFFSET_SAMPLE_RATE, axis=0)], axis=1))
 
-    def __call__(self, t: float) -> Moved:
-        """What is added at a time [s]: nothing before and after."""
-        x = (t - self.start) * RATE
+    def __call__(self, t: float) -> Offset:
+        """Offset at a time [s]: zero before and after the edit."""
+        x = (t - self.start) * OFFSET_SAMPLE_RATE
         k = int(x)
-        if not 0.0 <= x < len(self.table) - 1:
-            return Moved(*np.zeros(self.table.shape[1:]))
-        return Moved(*(self.table[k] + (x - k) * (self.table[k + 1] - self.table[k])))
+        if not 0.0 <= x < len(self.samples) - 1:
+            return Offset(*np.zeros(self.samples.shape[1:]))
+        return Offset(*(self.samples[k] + (x - k) * (self.samples[k + 1] - self.samples[k])))
 
 
-def _wish(edit: Edit, motion: Motion, times: Array) -> Array:
-    """What is added once the way in is over (T, k)."""
+def _full_offset(edit: Edit, motion: Motion, times: Array) -> Array:
+    """Offset without easing in and out (T, k)."""
     if edit.target is not None:
         path = motion.pose(edit.of)
         return np.array([np.array(edit.target) - path(t).position for t in times.tolist()])
@@ -184,7 +184,9 @@ def _wish(edit: Edit, motion: Motion, times: Array) -> Array:
     return np.full((len(times), 1), edit.by)
 
 
-def edited_point(reference: PoseReference, changes: Sequence[tuple[tuple[int, ...], Change]]) -> PoseReference:
+def edited_point_reference(
+    reference: PoseReference, changes: Sequence[tuple[tuple[int, ...], SampledOffset]]
+) -> PoseReference:
     """x_n = x_o + x_m of a point: a reference with changes, each of some rows of `AXIS_NAMES`.
 
     Turns are about the world's axes, in the order of the changes, after the reference's own.
@@ -215,7 +217,9 @@ def edited_point(reference: PoseReference, changes: Sequence[tuple[tuple[int, ..
     return at
 
 
-def edited_joints(robot: Robot, reference: JointReference, changes: Mapping[str, Sequence[Change]]) -> JointReference:
+def edited_joint_reference(
+    robot: Robot, reference: JointReference, changes: Mapping[str, Sequence[SampledOffset]]
+) -> JointReference:
     """x_n = x_o + x_m of joints: a reference of all joints with changes of some of them, by name."""
     parts = [(robot.joints.index(joint), change) for joint, some in changes.items() for change in some]
 

@@ -1,4 +1,4 @@
-"""How much a robot's motion looks like a human's: angles of segments, and how far the hands travel."""
+"""Measures of how much a robot's motion looks like a human's: angles of segments, and the path of the hands."""
 
 from collections.abc import Mapping
 
@@ -11,8 +11,8 @@ from sot.motion.human.human import SEGMENTS, SIDES
 Array = NDArray[np.float64]
 Points = Mapping[str, Array]
 
-LEGS = tuple(f"{side}_{part}" for side in SIDES for part in ("thigh", "shank"))
-HAND_HZ = 6.0
+LEG_SEGMENTS = tuple(f"{side}_{part}" for side in SIDES for part in ("thigh", "shank"))
+HAND_CUTOFF_HZ = 6.0
 
 
 def segment_angles(human: Points, robot: Points) -> dict[str, Array]:
@@ -25,29 +25,31 @@ def segment_angles(human: Points, robot: Points) -> dict[str, Array]:
     cosine, sine = np.cos(turn), np.sin(turn)
     angles = {}
     for segment, (near, far) in SEGMENTS.items():
-        a, b = _direction(human, near, far), _direction(robot, near, far)
+        a, b = _unit_direction(human, near, far), _unit_direction(robot, near, far)
         b = np.column_stack([cosine * b[:, 0] - sine * b[:, 1], sine * b[:, 0] + cosine * b[:, 1], b[:, 2]])
         angles[segment] = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.sum(a * b, axis=1))
     return angles
 
 
-def segment_deg(human: Points, robot: Points, upper: bool = False) -> float:
-    """Mean of `segment_angles` over time and segments [deg], with `upper` without the legs."""
+def mean_segment_angle_deg(human: Points, robot: Points, upper_body_only: bool = False) -> float:
+    """Mean of `segment_angles` over time and segments [deg], with `upper_body_only` without the legs."""
     angles = segment_angles(human, robot)
-    return float(np.degrees(np.mean([angle for name, angle in angles.items() if not (upper and name in LEGS)])))
+    return float(
+        np.degrees(np.mean([angle for name, angle in angles.items() if not (upper_body_only and name in LEG_SEGMENTS)]))
+    )
 
 
 def hand_path_ratio(human: Points, robot: Points, rate: float) -> float:
     """Path length of the hands relative to the waist in arm lengths of their owner, robot over human.
 
-    Both are low-passed at HAND_HZ; 1 where the human's hands rest.
+    Both are low-passed at HAND_CUTOFF_HZ; 1 where the human's hands rest.
     """
-    there = _hand_path(human, rate)
-    return _hand_path(robot, rate) / there if there > 0.0 else 1.0
+    there = _hand_path_in_arm_lengths(human, rate)
+    return _hand_path_in_arm_lengths(robot, rate) / there if there > 0.0 else 1.0
 
 
-def _hand_path(body: Points, rate: float) -> float:
-    sos = butter(2, HAND_HZ, fs=rate, output="sos") if 0.5 * rate > HAND_HZ else None
+def _hand_path_in_arm_lengths(body: Points, rate: float) -> float:
+    sos = butter(2, HAND_CUTOFF_HZ, fs=rate, output="sos") if 0.5 * rate > HAND_CUTOFF_HZ else None
     total = 0.0
     for side in SIDES:
         shoulder, elbow, wrist = (body[f"{side}_{joint}"] for joint in ("shoulder", "elbow", "wrist"))
@@ -65,6 +67,6 @@ def _heading(body: Points) -> Array:
     return np.arctan2(-across[:, 0], across[:, 1])
 
 
-def _direction(body: Points, near: str, far: str) -> Array:
+def _unit_direction(body: Points, near: str, far: str) -> Array:
     along = body[far] - body[near]
     return along / np.linalg.norm(along, axis=1, keepdims=True)

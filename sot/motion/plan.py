@@ -1,4 +1,4 @@
-"""From a human's motion to a robot's that it can do: retarget, balance, sample."""
+"""The plan of a dance, from a human's motion to one that the robot can do: retarget, balance, sample."""
 
 import time
 from collections.abc import Sequence
@@ -9,22 +9,22 @@ from numpy.typing import NDArray
 
 from sot.errors import InputError
 from sot.motion.balance.centroidal import Centroidal
-from sot.motion.balance.rounds import Rounds
+from sot.motion.balance.rounds import BalanceRounds
 from sot.motion.body.coordinates import to_pinocchio
-from sot.motion.body.kinematics import Chains, Kinematics
+from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
-from sot.motion.body.targets import Targets, key_points, targets
-from sot.motion.body.whole_body import limbs_fitted, retarget
-from sot.motion.feet.contacts import Phase, planted
-from sot.motion.feet.course import Course, go, slid, slowed_down, stay
-from sot.motion.feet.flight import Flight, flights, remark
+from sot.motion.body.targets import Targets, key_points, targets_of_human
+from sot.motion.body.whole_body import fit_limbs, retarget
+from sot.motion.feet.contacts import Phase, planted_phases
+from sot.motion.feet.course import Course, standing_course, stepping_course, with_clock, with_slides
+from sot.motion.feet.flight import Flight, find_flights, flight_remark
 from sot.motion.feet.footwork import Step
-from sot.motion.feet.slides import Way, find_slide
-from sot.motion.feet.stance import LEAD, TAIL, Build, on_time_line, over_feet
+from sot.motion.feet.slides import SlideWay, find_slide
+from sot.motion.feet.stance import LEAD_IN_TIME, TAIL_TIME, Build, human_on_time_line, human_over_feet
 from sot.motion.feet.support import supports
-from sot.motion.feet.swing import facing, moving
-from sot.motion.feet.tempo import clock_of, slowed
+from sot.motion.feet.swing import any_foot_moves, feet_heading
+from sot.motion.feet.tempo import clock_from_slowness, slowness_raised
 from sot.motion.feet.travel import Travel
 from sot.motion.human.human import Human
 from sot.motion.trajectory import Motion
@@ -34,13 +34,14 @@ from sot.smooth import low_passed, minimum_jerk
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-FEET = ("auto", "steps", "planted")
+FEET_MODES = ("auto", "steps", "planted")
 PLAN_RATE = 50.0  # knots per second
-MENDS, LAST_MENDS = 4, 2  # most times that a body gets more time where it cannot follow, before and after its arms
-MEND, SLOWEST = 1.3, 3.0  # how much more time, and how many times slower than the dancer at most
-REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
-CALMING, BOUNCE_HZ = 0.5, 0.5  # s before a slide, in which hips stop to bounce; slower than this is no bounce
-NOISE_HZ = 6.0  # faster than this, a capture is noise
+MAX_SLOWDOWNS, MAX_FINAL_SLOWDOWNS = 4, 2  # times that a body gets more time, before and after its arms are fitted
+SLOWDOWN_FACTOR, MAX_SLOWNESS = 1.3, 3.0  # by which one slowdown slows, and times slower than the dancer in all
+LIMB_REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
+BOUNCE_FADE_TIME = 0.5  # s before a slide, in which the hips stop bouncing
+BOUNCE_HZ = 0.5  # slower motion of the hips is no bounce
+CAPTURE_NOISE_HZ = 6.0  # faster motion of a capture is noise
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class Plan:
         flights: of the dancer; the robot has a foot on the floor all the time.
         seconds: time that planning took, by step.
         imitation: the body that looks like the human, joint limits kept, before anything of it is balanced or slowed
-            down; coordinates of `sot.motion.body.coordinates` at PLAN_RATE. `sampled` makes a motion of it, which no
+            down; coordinates of `sot.motion.body.coordinates` at PLAN_RATE. `sampled_motion` makes one of it, which no
             robot can do.
     """
 
@@ -76,16 +77,17 @@ class Plan:
 
     @property
     def speed_min(self) -> float:
-        """The slowest that the clip is played at, over the dancer's own speed."""
+        """The slowest speed at which the clip is played, over the dancer's own."""
         return float(1.0 / max(1.0, PLAN_RATE * np.diff(self.clock).max()))
 
     @property
     def remarks(self) -> list[str]:
         """What the robot does otherwise than the dancer, a sentence each."""
-        return [remark(self.flights, self.travel is not None)] if self.flights else []
+        told = [one.words for one in self.human.remarks]
+        return [*told, *([flight_remark(self.flights, self.travel is not None)] if self.flights else [])]
 
     @property
-    def stretched(self) -> float:
+    def added_time(self) -> float:
         """Time that slowing down adds [s]."""
         added = self.end - self.start - (len(self.clock) - 1) / PLAN_RATE
         return max(0.0, round(added, 9))  # sums of periods: nothing is not always nothing
@@ -97,7 +99,7 @@ def plan(
     feet: str = "planted",
     rate: float = 1000.0,
     contacts: Sequence[Step] | None = None,
-    slide: Way | None = None,
+    slide: SlideWay | None = None,
     height: float | None = None,
 ) -> Plan:
     """The motion with which a robot dances like a human.
@@ -117,33 +119,35 @@ def plan(
     Raises:
         InputError: another kind of `feet`, contacts for planted ones, or a slide for others or in too short a clip.
     """
-    if feet not in FEET:
-        raise InputError(f"feet '{feet}' are not known: choose one of {', '.join(FEET)}")
+    if feet not in FEET_MODES:
+        raise InputError(f"feet '{feet}' are not known: choose one of {', '.join(FEET_MODES)}")
     if contacts is not None and feet == "planted":
         raise InputError("planted feet make no steps: leave the contacts out, or choose steps")
     if (slide is not None or height is not None) and feet != "planted":
         raise InputError("only planted feet slide, and let the hips bounce: choose them, or leave slide and height out")
-    supports(robot, planted(robot, 1.0))  # compiles what it needs, once an installation: that is no planning
+    supports(robot, planted_phases(robot, 1.0))  # compiles what it needs, once an installation: that is no planning
     begun = time.perf_counter()
-    fit = _Fit(robot, Build.of(robot), Limits.of(robot), height)
-    smooth = human.low_passed(NOISE_HZ)
-    course = None if feet == "planted" else fit.go(smooth, contacts)
+    fit = _Fitter(robot, Build.of(robot), Limits.of(robot), height)
+    smooth = human.low_passed(CAPTURE_NOISE_HZ)
+    course = None if feet == "planted" else fit.stepping_course(smooth, contacts)
     if course is None or (feet == "auto" and contacts is None and len(course.phases) == 1):
-        course = stay(on_time_line(over_feet(smooth, fit.build), PLAN_RATE), robot)
-    wanted, imitation = fit.looks(course)
+        course = standing_course(human_on_time_line(human_over_feet(smooth, fit.build), PLAN_RATE), robot)
+    wanted, imitation = fit.unbalanced_body(course)
     if slide is not None:
-        course = fit.slid(course, imitation, slide)
-        wanted, imitation = fit.looks(course)
+        course = fit.with_slide(course, imitation, slide)
+        wanted, imitation = fit.unbalanced_body(course)
     retargeted = time.perf_counter()
-    course, whole = fit.feasible(course, wanted, imitation, MENDS, rough=True)
-    whole = limbs_fitted(robot, fit.targets(course), fit.limits, whole, REFIT_STEPS)  # the chest has moved
-    course, whole = fit.feasible(course, fit.targets(course), whole, LAST_MENDS)
+    course, body_motion = fit.balanced(course, wanted, imitation, MAX_SLOWDOWNS, rough=True)
+    body_motion = fit_limbs(
+        robot, fit.targets(course), fit.limits, body_motion, LIMB_REFIT_STEPS
+    )  # the chest has moved
+    course, body_motion = fit.balanced(course, fit.targets(course), body_motion, MAX_FINAL_SLOWDOWNS)
     wanted = fit.targets(course)
-    motion = sampled(robot, whole, course.phases, rate)
-    start, end = round(LEAD * PLAN_RATE), len(course.clock) - 1 - round(TAIL * PLAN_RATE)
+    motion = sampled_motion(robot, body_motion, course.phases, rate)
+    start, end = round(LEAD_IN_TIME * PLAN_RATE), len(course.clock) - 1 - round(TAIL_TIME * PLAN_RATE)
     span = slice(round(course.clock[start] * PLAN_RATE), round(course.clock[end] * PLAN_RATE) + 1)
     figures = {
-        "key_point_rms_m": _key_point_rms(robot, wanted, whole, span),
+        "key_point_rms_m": _key_point_rms(robot, wanted, body_motion, span),
         "frames_per_s": human.count / (retargeted - begun),
     }
     ended = time.perf_counter()
@@ -154,7 +158,7 @@ def plan(
         end=float(course.clock[end]),
         clock=course.clock[start : end + 1],
         travel=course.travel,
-        flights=flights(on_time_line(smooth, PLAN_RATE)),
+        flights=find_flights(human_on_time_line(smooth, PLAN_RATE)),
         retarget=figures,
         seconds={"retarget": retargeted - begun, "balance": ended - retargeted, "total": ended - begun},
         imitation=imitation,
@@ -162,94 +166,97 @@ def plan(
 
 
 @dataclass(frozen=True)
-class _Fit:
-    """What a course of feet and human is fitted with."""
+class _Fitter:
+    """The fit of a robot's body to a course of human and feet."""
 
     robot: Robot
     build: Build
     limits: Limits
-    height: float | None
+    hip_height_error: float | None
 
-    def go(self, human: Human, contacts: Sequence[Step] | None) -> Course:
+    def stepping_course(self, human: Human, contacts: Sequence[Step] | None) -> Course:
         """A course that steps; contacts: the steps to make, on the clip's time, instead of those found."""
-        return go(on_time_line(human, PLAN_RATE), self.robot, self.build, contacts)
+        return stepping_course(human_on_time_line(human, PLAN_RATE), self.robot, self.build, contacts)
 
     def targets(self, course: Course) -> Targets:
-        wanted = targets(course.human, self.robot, self.build, facing(course.feet))
-        if self.height is None:
+        wanted = targets_of_human(course.human, self.robot, self.build, feet_heading(course.feet))
+        if self.hip_height_error is None:
             return wanted
-        return replace(wanted, hips=calmed(wanted.hips, course.phases), height=self.height)
+        return replace(
+            wanted, hips=hips_without_bounce_in_slides(wanted.hips, course.phases), height=self.hip_height_error
+        )
 
-    def looks(self, course: Course) -> tuple[Targets, Spline]:
-        """The body's targets, and a body that meets them, nothing of it balanced yet."""
+    def unbalanced_body(self, course: Course) -> tuple[Targets, Spline]:
+        """The body's targets, and the motion of a body that meets them, not yet balanced."""
         wanted = self.targets(course)
         return wanted, retarget(self.robot, self.build, wanted, course.feet, self.limits, 1.0 / PLAN_RATE)
 
-    def slid(self, course: Course, whole: Spline, way: Way) -> Course:
-        """The same course with a slide where the body, as it looks, has its ZMP."""
-        zmp = Centroidal.along(self.robot, *to_pinocchio(*(whole(course.human.times, k) for k in range(3)))).zmp()
-        return slid(course, self.robot, [find_slide(self.robot, course.phases, zmp, PLAN_RATE, way)])
+    def with_slide(self, course: Course, body_motion: Spline, way: SlideWay) -> Course:
+        """The course with a slide where the ZMP of the body's motion allows it best."""
+        zmp = Centroidal.along(self.robot, *to_pinocchio(*(body_motion(course.human.times, k) for k in range(3)))).zmp()
+        return with_slides(course, self.robot, [find_slide(self.robot, course.phases, zmp, PLAN_RATE, way)])
 
-    def feasible(
-        self, course: Course, wanted: Targets, whole: Spline, mends: int, rough: bool = False
+    def balanced(
+        self, course: Course, wanted: Targets, body_motion: Spline, slowdowns: int, rough: bool = False
     ) -> tuple[Course, Spline]:
-        """The body balanced, and the course slowed down, so many times at most, where it cannot follow its feet.
+        """The course, slowed down where the body cannot follow its feet, and the balanced motion of the body.
 
-        rough: the body is fresh from `looks`.
+        slowdowns: times that it is slowed down at most.
+        rough: the body is fresh from `unbalanced_body`.
         """
         changed = None
-        for left in range(mends if course.travel and moving(course.feet) else 0, -1, -1):
-            rounds = Rounds(self.robot, self.build, wanted, course.feet, course.phases, self.limits, whole)
-            hasty = rounds.everywhere(rough) if changed is None else rounds.about(changed)
-            whole = rounds.whole
-            if not left or not len(hasty):
+        for left in range(slowdowns if course.travel and any_foot_moves(course.feet) else 0, -1, -1):
+            rounds = BalanceRounds(self.robot, self.build, wanted, course.feet, course.phases, self.limits, body_motion)
+            strained_times = rounds.balance_all(rough) if changed is None else rounds.balance_about(changed)
+            body_motion = rounds.body_motion
+            if not left or not len(strained_times):
                 break
-            clock = clock_of(slower(course, hasty), 1.0 / PLAN_RATE)
-            course, whole = slowed_down(course, self.robot, clock), played(whole, clock)
-            wanted, changed = self.targets(course), stretched(clock, 1.0 / PLAN_RATE)
-        return course, whole
+            clock = clock_from_slowness(slowness_about(course, strained_times), 1.0 / PLAN_RATE)
+            course, body_motion = with_clock(course, self.robot, clock), body_at_clock(body_motion, clock)
+            wanted, changed = self.targets(course), slowed_knots(clock, 1.0 / PLAN_RATE)
+        return course, body_motion
 
 
-def slower(course: Course, hasty: Array) -> Array:
-    """How many times slower (T,) the frames of a course should be to have more time about some times (m,) [s]."""
+def slowness_about(course: Course, strained_times: Array) -> Array:
+    """The slowness (T,) of a course's frames with more time near the times `strained_times` (m,) [s]."""
     times = course.human.times
     already = np.interp(times, course.clock, PLAN_RATE * np.gradient(course.clock))
-    most = np.maximum(1.0, SLOWEST / np.maximum(already, 1.0))
-    return slowed(np.ones(len(times)), times, hasty.tolist(), MEND, most)
+    most = np.maximum(1.0, MAX_SLOWNESS / np.maximum(already, 1.0))
+    return slowness_raised(np.ones(len(times)), times, strained_times.tolist(), SLOWDOWN_FACTOR, most)
 
 
-def stretched(clock: Array, period: float) -> Flags:
-    """At which of the knots of what is played at the times (T,) of a clock it is played slower."""
+def slowed_knots(clock: Array, period: float) -> Flags:
+    """Flags of the knots, of a motion played at the times (T,) of a clock, at which it is played slower."""
     times = np.arange(round(clock[-1] / period) + 1) * period
     late = np.interp(times, clock, clock - period * np.arange(len(clock)))
     flags: Flags = np.gradient(late) > 1e-9
     return flags
 
 
-def played(whole: Spline, clock: Array) -> Spline:
-    """A body that does at the times (T,) of a clock what it did at its knots."""
-    times = np.arange(round(clock[-1] / whole.period) + 1) * whole.period
-    y = whole(np.interp(times, clock, whole.period * np.arange(len(clock))))
-    slow = Spline.through(y, whole.period)
+def body_at_clock(body_motion: Spline, clock: Array) -> Spline:
+    """The motion of a body that does at the times (T,) of a clock what it did at its knots."""
+    times = np.arange(round(clock[-1] / body_motion.period) + 1) * body_motion.period
+    y = body_motion(np.interp(times, clock, body_motion.period * np.arange(len(clock))))
+    slow = Spline.through(y, body_motion.period)
     slow.control[:3], slow.control[-3:] = y[0], y[-1]  # at rest
     return slow
 
 
-def calmed(hips: Array, phases: Sequence[Phase]) -> Array:
-    """The hips (T, 3) without their bounce where a foot slides: its load has to be light, and steady."""
+def hips_without_bounce_in_slides(hips: Array, phases: Sequence[Phase]) -> Array:
+    """The hips (T, 3) without their bounce where a foot slides, whose load has to be light and steady [m]."""
     times = np.arange(len(hips)) / PLAN_RATE
     share = np.zeros(len(hips))
     for phase in phases:
         if phase.sliding:
             inside = np.minimum(times - phase.start, phase.end - times)
-            share = np.maximum(share, minimum_jerk(1.0 + inside / CALMING))
+            share = np.maximum(share, minimum_jerk(1.0 + inside / BOUNCE_FADE_TIME))
     calm = hips.copy()
     calm[:, 2] += share * (low_passed(hips[:, 2], PLAN_RATE, BOUNCE_HZ) - hips[:, 2])
     return calm
 
 
-def sampled(robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate: float) -> Motion:
-    """The motion at a rate [Hz], with the ZMP that its whole-body dynamics needs."""
+def sampled_motion(robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate: float) -> Motion:
+    """A spline as a motion sampled at a rate [Hz], with the ZMP that its whole-body dynamics needs."""
     times = np.arange(round(spline.duration * rate) + 1) / rate
     q, v, a = to_pinocchio(*(spline(times, derivative) for derivative in range(3)))
     state = Centroidal.along(robot, q, v, a)
@@ -269,12 +276,12 @@ def sampled(robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate: float
 
 
 def _key_point_rms(robot: Robot, wanted: Targets, reference: Spline, clip: slice) -> float:
-    """Root mean square distance, over the clip, from the reference's key points to those of the human in the robot's
-    size (see `key_points`), both relative to the waist [m]."""
-    kinematics = Kinematics(Chains(robot), reference.knots[clip])
-    _, waist = kinematics.frame(robot.point("waist"))
+    """The root mean square distance from the reference's key points, over the clip, to those of the human in the
+    robot's size (see `key_points`), both relative to the waist [m]."""
+    kinematics = Kinematics(JointTree(robot), reference.knots[clip])
+    _, waist = kinematics.frame_pose(robot.point("waist"))
     offsets = [
-        kinematics.frame(robot.point(name))[1] - waist - place[clip]
+        kinematics.frame_pose(robot.point(name))[1] - waist - place[clip]
         for name, place in key_points(wanted, robot).items()
     ]
     return float(np.sqrt(np.mean(np.sum(np.square(offsets), axis=2))))

@@ -13,19 +13,19 @@ from numpy.typing import NDArray
 
 from sot.control.pose import Pose
 from sot.errors import InputError
-from sot.motion.feet.contacts import Phase, planted
+from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footfalls import Footfalls
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-ON_SAMPLE = 1e-6
-"""A time nearer to a sample than this share of the time between two is that sample's: times are sums of periods."""
-FIELDS = ("q", "v", "a", "com", "com_velocity", "com_acceleration", "zmp", "momentum")
+SAMPLE_TOLERANCE = 1e-6
+"""Distance from a sample, as a share of the sampling period, within which a time counts as that sample's."""
+SAVED_FIELDS = ("q", "v", "a", "com", "com_velocity", "com_acceleration", "zmp", "momentum")
 
 
 class MotionSample(NamedTuple):
-    """A motion at one time, as `Motion` names it."""
+    """A motion at one time; the fields are those of `Motion`."""
 
     q: Array
     v: Array
@@ -110,7 +110,7 @@ class Motion:
             com_acceleration=nothing,
             zmp=np.tile(com[:2], (count, 1)),
             momentum=nothing,
-            phases=planted(robot, (count - 1) / rate),
+            phases=planted_phases(robot, (count - 1) / rate),
         )
 
     @property
@@ -125,47 +125,47 @@ class Motion:
 
     def sample(self, t: float) -> MotionSample:
         """The motion at a time [s], linear between samples, at rest before the first and after the last."""
-        row = self._row(t)
+        row = self._interpolated_row(t)
         return MotionSample._make([row[part] for part in self._slices])
 
-    def _row(self, t: float) -> Array:
-        k, rest = self._place(t)
+    def _interpolated_row(self, t: float) -> Array:
+        k, rest = self._sample_before(t)
         row = self._table[k]
         return row + rest * (self._table[k + 1] - row) if rest else row
 
-    def _place(self, t: float) -> tuple[int, float]:
-        """The sample at or before a time [s], and which share of the way to the next has passed."""
+    def _sample_before(self, t: float) -> tuple[int, float]:
+        """Index of the sample at or before a time [s], and the share of the period that has passed since."""
         x, last = t * self.rate, len(self._table) - 1.0
         x = 0.0 if x < 0.0 else last if x > last else x
-        k = int(x + ON_SAMPLE)
-        return (k, x - k) if x - k > ON_SAMPLE else (k, 0.0)
+        k = int(x + SAMPLE_TOLERANCE)
+        return (k, x - k) if x - k > SAMPLE_TOLERANCE else (k, 0.0)
 
     def joints(self, t: float) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration of the joints at a time [s], (na,) each: a posture's reference."""
-        row, (q, v, a, *_) = self._row(t), self._slices
+        row, (q, v, a, *_) = self._interpolated_row(t), self._slices
         return row[q.start + 7 : q.stop], row[v.start + 6 : v.stop], row[a.start + 6 : a.stop]
 
     def balance(self, t: float) -> tuple[Array, Array, Array, Array]:
         """CoM (3,), its velocity and acceleration, and the ZMP (2,) at a time [s]: a balance task's reference."""
-        row, (_, _, _, com, velocity, acceleration, zmp) = self._row(t), self._slices
+        row, (_, _, _, com, velocity, acceleration, zmp) = self._interpolated_row(t), self._slices
         return row[com], row[velocity], row[acceleration], row[zmp]
 
     def angular_momentum(self, t: float) -> Array:
         """Angular momentum about the centre of mass at a time [s], (3,), world axes [N m s]."""
-        k, rest = self._place(t)
+        k, rest = self._sample_before(t)
         L = self.momentum[k]
         return L + rest * (self.momentum[k + 1] - L) if rest else L
 
     @property
     def feet(self) -> dict[str, Callable[[float], Array]]:
-        """Where each foot that stands is to stand at a time [s], or was or will be if it is not to stand then: (3,)."""
+        """Function of each foot that gives its foothold (3,) [m] at a time [s]; during a swing, the nearest in time."""
         return {foot: self._foothold(foot) for foot in self.robot.feet}
 
     def _foothold(self, foot: str) -> Callable[[float], Array]:
         stances, somewhere = Footfalls(self.phases, foot), np.full(3, np.nan)
 
         def at(t: float) -> Array:
-            stance = stances.nearest(t)
+            stance = stances.nearest_stance(t)
             return somewhere if stance is None else stance.pose.translation
 
         return at
@@ -179,7 +179,7 @@ class Motion:
         track = self.track(point)
 
         def at(t: float) -> Pose:
-            k, rest = self._place(t)
+            k, rest = self._sample_before(t)
             dt = rest / self.rate
             pose = Pose(track.position[k], track.rotation[k], track.velocity[k], track.acceleration[k])
             if not dt:
@@ -197,10 +197,10 @@ class Motion:
             InputError: the robot has no such point.
         """
         if point not in self._tracks:
-            self._tracks[point] = self._follow(self.robot.point(point))
+            self._tracks[point] = self._track_of_frame(self.robot.point(point))
         return self._tracks[point]
 
-    def _follow(self, frame: int) -> Track:
+    def _track_of_frame(self, frame: int) -> Track:
         model, data, axes = self.robot.model, self.robot.model.createData(), pin.LOCAL_WORLD_ALIGNED
         length = len(self.q)
         track = Track(np.empty((length, 3)), np.empty((length, 3, 3)), np.empty((length, 6)), np.empty((length, 6)))
@@ -225,7 +225,7 @@ class Motion:
                 ]
             ),
         }
-        content: dict[str, Any] = {name: getattr(self, name) for name in FIELDS} | phases
+        content: dict[str, Any] = {name: getattr(self, name) for name in SAVED_FIELDS} | phases
         np.savez_compressed(path, robot=self.robot.name, joints=self.robot.joints, rate=self.rate, **content)
 
     @staticmethod
@@ -235,17 +235,17 @@ class Motion:
         Raises:
             InputError: not a motion file, damaged, or of another robot.
         """
-        content = _read(Path(path))
+        content = _read_arrays(Path(path))
         name = str(content["robot"])
         robot = Robot.load(name) if robot is None else robot
         if tuple(content["joints"]) != robot.joints:
             raise InputError(f"{path}: a motion of the robot '{name}', whose joints are not those of '{robot.name}'")
-        columns = _columns(Path(path), content, robot)
-        return Motion(robot, float(content["rate"]), **columns, phases=_phases(Path(path), content, robot))
+        columns = _checked_columns(Path(path), content, robot)
+        return Motion(robot, float(content["rate"]), **columns, phases=_checked_phases(Path(path), content, robot))
 
 
-def _read(path: Path) -> Mapping[str, Array]:
-    needed = {"robot", "joints", "rate", "phase_times", "phase_stands", "phase_slides", "phase_feet", *FIELDS}
+def _read_arrays(path: Path) -> Mapping[str, Array]:
+    needed = {"robot", "joints", "rate", "phase_times", "phase_stands", "phase_slides", "phase_feet", *SAVED_FIELDS}
     try:
         with np.load(path, allow_pickle=False) as file:
             missing = sorted(needed - set(file.files))
@@ -256,21 +256,21 @@ def _read(path: Path) -> Mapping[str, Array]:
         raise InputError(f"{path}: cannot be read as a motion (.npz): {error}") from None
 
 
-def _columns(path: Path, content: Mapping[str, Array], robot: Robot) -> dict[str, Array]:
+def _checked_columns(path: Path, content: Mapping[str, Array], robot: Robot) -> dict[str, Array]:
     widths = (robot.nq, robot.nv, robot.nv, 3, 3, 3, 2, 3)
     length = len(np.atleast_1d(content["q"]))
     if length < 2 or content["rate"].shape != () or not 0.0 < float(content["rate"]) < np.inf:
         raise InputError(f"{path}: needs two samples or more and a positive rate")
-    for name, width in zip(FIELDS, widths, strict=True):
+    for name, width in zip(SAVED_FIELDS, widths, strict=True):
         values = content[name]
         if values.shape != (length, width):
             raise InputError(f"{path}: '{name}' has shape {values.shape}, expected {(length, width)}")
         if values.dtype.kind != "f" or not np.isfinite(values).all():
             raise InputError(f"{path}: '{name}' holds something that is not a finite number")
-    return {name: content[name] for name in FIELDS}
+    return {name: content[name] for name in SAVED_FIELDS}
 
 
-def _phases(path: Path, content: Mapping[str, Array], robot: Robot) -> tuple[Phase, ...]:
+def _checked_phases(path: Path, content: Mapping[str, Array], robot: Robot) -> tuple[Phase, ...]:
     times, stands, slides, feet = (content[f"phase_{name}"] for name in ("times", "stands", "slides", "feet"))
     count, sides = len(np.atleast_1d(times)), len(robot.feet)
     shapes = (count, 2), (count, sides), (count, sides), (count, sides, 4, 4)

@@ -10,7 +10,7 @@ import pytest
 from scenarios import cli, viewer
 from scenarios.inputs import clips
 from scenarios.inputs.groove import groove_bvh
-from scenarios.replay import RECORDING, REPORT, TRACES
+from scenarios.replay import RECORDING_FILE, REPORT_FILE, TRACES_FILE
 from sot.motion.trajectory import Motion
 
 UNKNOWN_SKELETON = """HIERARCHY
@@ -78,7 +78,7 @@ BAD_STACKS = {
     "raises when composed": ("def stack(robot, motion):\n    return robot.tail\n", "mine.py:2: AttributeError"),
     "raises in the loop": (
         "from scenarios import stacks\nfrom tasks import CenterOfMass\n\n\ndef stack(robot, motion):\n"
-        "    made = stacks.planted(robot, motion)\n"
+        "    made = stacks.planted_stack(robot, motion)\n"
         "    made.add(CenterOfMass(lambda t: 1 / 0, name='mine'), level='balance')\n    return made\n",
         "mine.py:7: ZeroDivisionError",
     ),
@@ -89,20 +89,20 @@ BAD_STACKS = {
     ),
     "no function": ("stack = 3\n", "mine.py: defines no function stack(robot, motion)"),
     "wrong schedule": (
-        "from scenarios.stacks import planted as stack\n\n\ndef schedule(robot, motion):\n    return 3\n",
+        "from scenarios.stacks import planted_stack as stack\n\n\ndef schedule(robot, motion):\n    return 3\n",
         "schedule(robot, motion) returned int, not a Schedule",
     ),
     "wrong edits": (
-        "from scenarios.stacks import planted as stack\n\n\ndef edits(robot, motion):\n    return [3]\n",
+        "from scenarios.stacks import planted_stack as stack\n\n\ndef edits(robot, motion):\n    return [3]\n",
         "something else than Edit in it",
     ),
     "edit that does not fit": (
-        "from scenarios.stacks import planted as stack\nfrom sot.motion.edit import Edit\n\n\n"
+        "from scenarios.stacks import planted_stack as stack\nfrom sot.motion.edit import Edit\n\n\n"
         "def edits(robot, motion):\n    return [Edit('tail', 'z', by=0.1, start=0.0, end=0.5)]\n",
         "mine.py: hrp2 has no point 'tail'",
     ),
     "edit that raises": (
-        "from scenarios.stacks import planted as stack\nfrom sot.motion.edit import Edit\n\n\n"
+        "from scenarios.stacks import planted_stack as stack\nfrom sot.motion.edit import Edit\n\n\n"
         "def edits(robot, motion):\n    return [Edit('head', 'z', by=lambda t: 1 / 0, start=0.0, end=0.5)]\n",
         "mine.py:6: ZeroDivisionError",
     ),
@@ -194,7 +194,7 @@ def test_bad_arguments(arguments, expected, folder, capsys):
 
 def test_unwritable_output_is_found_before_any_work(folder, capsys, monkeypatch):
     (folder / "file").write_text("in the way")
-    monkeypatch.setattr(clips, "locate", lambda clip: pytest.fail("looked for the clip"))
+    monkeypatch.setattr(clips, "find_clip", lambda clip: pytest.fail("looked for the clip"))
     status, said = lines(["replay", "groove", "--out", "file/run"], capsys)
     assert status == cli.BAD_INPUT
     assert said.count("\n") == 1
@@ -218,7 +218,7 @@ def test_an_unexpected_error_is_one_line_too(capsys, monkeypatch):
     def broken(clip: str) -> Path:
         raise RuntimeError("a bug\nof two lines")
 
-    monkeypatch.setattr(clips, "locate", broken)
+    monkeypatch.setattr(clips, "find_clip", broken)
     assert lines(["replay", "groove"], capsys) == (
         cli.FAILED,
         "sot: RuntimeError: a bug of two lines; SOT_TRACEBACK=1 shows where\n",
@@ -238,7 +238,7 @@ def test_list(kind, expected, capsys):
 
 
 def test_view_opens_what_a_run_wrote_in_a_window(folder, monkeypatch):
-    (folder / RECORDING).write_bytes(b"")
+    (folder / RECORDING_FILE).write_bytes(b"")
     commands = []
 
     class Done:
@@ -249,15 +249,27 @@ def test_view_opens_what_a_run_wrote_in_a_window(folder, monkeypatch):
         return Done
 
     monkeypatch.setattr(viewer.subprocess, "run", called)
+    monkeypatch.setenv("DISPLAY", ":0")
     assert cli.main(["view", "."]) == cli.DONE
-    assert commands == [[sys.executable, "-m", "rerun", RECORDING]]
+    assert commands == [[sys.executable, "-m", "rerun", RECORDING_FILE]]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux names its displays so")
+@pytest.mark.parametrize("arguments", [["view", "."], ["replay", "groove", "--view"]])
+def test_without_a_display_the_browser_is_named_before_any_work(arguments, folder, monkeypatch, capsys):
+    (folder / RECORDING_FILE).write_bytes(b"")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    status, said = lines(arguments, capsys)
+    assert (status, said.count("\n")) == (cli.BAD_INPUT, 1)
+    assert "no display" in said and "--web" in said
 
 
 def test_replays_a_second_of_the_clip_that_ships(folder, capsys):
     status, said = lines(["replay", "groove", "--duration", "0.5", "--out", "new/run"], capsys)
     assert (status, said) == (cli.DONE, "")
-    assert sorted(path.name for path in (folder / "new/run").iterdir()) == [REPORT, RECORDING, TRACES]
-    report = json.loads((folder / "new/run" / REPORT).read_text())
+    assert sorted(path.name for path in (folder / "new/run").iterdir()) == [REPORT_FILE, RECORDING_FILE, TRACES_FILE]
+    report = json.loads((folder / "new/run" / REPORT_FILE).read_text())
     assert report["clip"] == "groove"
     assert report["fell"] is False
     assert report["tracking"]["mpjpe_mm"] < 20.0
@@ -271,6 +283,6 @@ def test_retargets_to_a_motion_that_can_be_replayed(folder, capsys):
     assert motion.robot.name == "hrp2"
     assert np.isfinite(motion.q).all()
     assert cli.main(["replay", "motion.npz", "--rate", "500"]) == cli.DONE
-    report = json.loads((folder / "runs/motion" / REPORT).read_text())
+    report = json.loads((folder / "runs/motion" / REPORT_FILE).read_text())
     assert report["likeness"]["segment_deg"] is None
     assert report["tracking"]["mpjpe_mm"] < 20.0

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from scenarios.replay import RECORDING, REPORT, Replay, replay
+from scenarios.replay import RECORDING_FILE, REPORT_FILE, Replay, replay
 
 JVRC1 = Path(__file__).parents[2] / "docs/examples/jvrc1.toml"
 MOCAP = Path(__file__).parents[2] / "../shared/mocap"
@@ -53,5 +53,5 @@ def test_dances_within_all_limits(name, tmp_path):
     figures = {place: value(report, place) for place in LIMITS}
     beyond = {place: figures[place] for place, (low, high) in LIMITS.items() if not low <= figures[place] <= high}
     assert beyond == {}
-    assert (tmp_path / RECORDING).stat().st_size < 2e6 * report["duration_s"]
-    assert (tmp_path / REPORT).is_file()
+    assert (tmp_path / RECORDING_FILE).stat().st_size < 2e6 * report["duration_s"]
+    assert (tmp_path / REPORT_FILE).is_file()

@@ -21,7 +21,7 @@ EVERY = 25  # ticks
 def test_full_and_condensed_agree_on_every_state_of_a_dance():
     robot = Robot.load("hrp2")
     motion = plan(recognise(read(find_clip("groove"))), robot).motion
-    stack = stacks.planted(robot, motion)
+    stack = stacks.planted_stack(robot, motion)
     log = run(Controller(robot, stack, Cascade()), World(robot), motion).log.trimmed()
     tick, solvers = Tick(robot), {form: Cascade() for form in ("condensed", "full")}
     tick.contacts = stack.contacts

@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 from scenarios import cli
-from scenarios.replay import Replay, dance, keep
+from scenarios.replay import Replay, dance, write_outputs
 
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("runs") / "short"
     tell = lambda what, share: None  # noqa: E731
-    keep(dance(Replay("groove", duration=0.1, rate=200.0), tell), folder, tell)
+    write_outputs(dance(Replay("groove", duration=0.1, rate=200.0), tell), folder, tell)
     return folder
 
 

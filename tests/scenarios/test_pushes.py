@@ -9,7 +9,7 @@ from sim.push import Push
 from sim.reporting import figures
 from sim.world import World
 from solvers import Cascade
-from sot.behaviours.stepping import Stepping
+from sot.behaviours.stepping import SteppingSchedule
 from sot.control.controller import Controller
 from sot.control.schedule import Schedule
 from sot.motion.trajectory import Motion
@@ -27,15 +27,15 @@ def motion() -> Motion:
 def pushed(motion: Motion, impulse: tuple[float, float], schedule: Schedule) -> Run:
     """The shipped stack, pushed at the chest with an impulse [N s]."""
     robot, force = motion.robot, (10.0 * impulse[0], 10.0 * impulse[1], 0.0)
-    controller = Controller(robot, stacks.steps(robot, motion), Cascade(), 1.0 / RATE, schedule)
+    controller = Controller(robot, stacks.stepping_stack(robot, motion), Cascade(), 1.0 / RATE, schedule)
     return run(controller, World(robot, 1.0 / RATE, pushes=[Push(0.2, force)]), motion)
 
 
 @pytest.mark.parametrize("impulse", [(26.0, 4.0), (-18.0, 3.0)])
 def test_a_push_beyond_what_the_feet_can_hold_is_caught_by_a_step(motion, impulse):
     robot = motion.robot
-    assert pushed(motion, impulse, Stepping(robot, motion.phases)).fell_at_s is not None
-    caught = pushed(motion, impulse, stacks.stepping(robot, motion))
+    assert pushed(motion, impulse, SteppingSchedule(robot, motion.phases)).fell_at_s is not None
+    caught = pushed(motion, impulse, stacks.stepping_schedule(robot, motion))
     assert caught.fell_at_s is None, caught.reason
     log = caught.log.trimmed()
     assert figures.contacts(log, robot)["switches"] >= 2
@@ -44,6 +44,6 @@ def test_a_push_beyond_what_the_feet_can_hold_is_caught_by_a_step(motion, impuls
 
 
 def test_a_push_that_the_feet_can_hold_makes_no_step(motion):
-    done = pushed(motion, (8.0, 0.0), stacks.stepping(motion.robot, motion))
+    done = pushed(motion, (8.0, 0.0), stacks.stepping_schedule(motion.robot, motion))
     assert done.fell_at_s is None
     assert figures.contacts(done.log.trimmed(), motion.robot)["switches"] == 0

@@ -11,7 +11,7 @@ from sim.world import World
 from solvers import Cascade
 from sot.control.controller import Controller
 from sot.motion import plan, read, recognise
-from sot.motion.feet.slides import AHEAD, SPEED, slide_time
+from sot.motion.feet.slides import SLIDE_FORWARD, SLIDE_SPEED, slide_duration
 from sot.robots.robot import Robot, robot_names
 
 
@@ -24,17 +24,17 @@ def test_each_foot_slides_ahead_in_its_turn(name):
         foot = motion.track(phase.sliding[0])
         rows = slice(round(100.0 * phase.start), round(100.0 * phase.end))
         way = foot.position[rows][-1] - foot.position[rows][0]
-        assert way == pytest.approx([sliding.WAY[0], 0.0, 0.0], abs=2e-3)
+        assert way == pytest.approx([sliding.SLIDE_WAY[0], 0.0, 0.0], abs=2e-3)
         assert abs(foot.position[rows, 2]).max() < 1e-3
         (standing,) = phase.feet
         assert abs(motion.track(standing).velocity[rows]).max() < 5e-3
-    assert slide_time(sliding.WAY, robot) > sliding.WAY[0] / SPEED
+    assert slide_duration(sliding.SLIDE_WAY, robot) > sliding.SLIDE_WAY[0] / SLIDE_SPEED
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rate", [200.0, 1000.0])
 def test_slides_lightly_loaded_where_it_should(rate, monkeypatch):
-    monkeypatch.setattr(sliding, "FEET", sliding.FEET[:1])
+    monkeypatch.setattr(sliding, "FEET_IN_ORDER", sliding.FEET_IN_ORDER[:1])
     robot = Robot.load("hrp2")
     motion = sliding.motion(robot, rate)
     stack, schedule = sliding.stack(robot, motion), sliding.schedule(robot, motion)
@@ -44,7 +44,7 @@ def test_slides_lightly_loaded_where_it_should(rate, monkeypatch):
     assert figures.solver(log)["infeasible_ticks"] == 0
     assert figures.contacts(log, robot)["slip_max_m"] < 0.002
     (slide,) = slide_figures(log, motion)
-    assert slide["foot"] == sliding.FEET[0]
+    assert slide["foot"] == sliding.FEET_IN_ORDER[0]
     assert slide["moved_m"] > 0.08
     assert slide["contact"] > 0.9
     # At 200 Hz the log has one physics step in five, too few for a mean over 50 ms.
@@ -55,8 +55,8 @@ def test_slides_lightly_loaded_where_it_should(rate, monkeypatch):
 @pytest.mark.slow
 def test_a_dance_slides_where_its_dancer_stands_on_one_foot_most():
     robot = Robot.load("hrp2")
-    motion = plan(recognise(read(clips.find_clip("groove"))), robot, rate=500.0, slide=AHEAD).motion
-    stack, schedule = stacks.slides(robot, motion), stacks.sliding(robot, motion)
+    motion = plan(recognise(read(clips.find_clip("groove"))), robot, rate=500.0, slide=SLIDE_FORWARD).motion
+    stack, schedule = stacks.sliding_stack(robot, motion), stacks.sliding_schedule(robot, motion)
     done = run(Controller(robot, stack, Cascade(), 0.002, schedule), World(robot, 0.002), motion)
     assert done.fell_at_s is None, done.reason
     log = done.log.trimmed()

@@ -31,7 +31,7 @@ def motion() -> Motion:
 @pytest.fixture(scope="module")
 def stepped(motion):
     robot = motion.robot
-    stack, schedule = stacks.steps(robot, motion), stacks.stepping(robot, motion)
+    stack, schedule = stacks.stepping_stack(robot, motion), stacks.stepping_schedule(robot, motion)
     done = run(Controller(robot, stack, Cascade(), 1.0 / RATE, schedule), World(robot, 1.0 / RATE), motion)
     assert done.fell_at_s is None, done.reason
     return done.log.trimmed()

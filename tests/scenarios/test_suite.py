@@ -9,27 +9,27 @@ from rich.console import Console
 
 from scenarios import cli, suite
 from scenarios.inputs.groove import groove_bvh
-from scenarios.replay import RECORDING, REPORT, Replay
-from scenarios.suite import FIGURES, Piece, bench_suite, pieces, show
+from scenarios.replay import RECORDING_FILE, REPORT_FILE, Replay
+from scenarios.suite import TABLE_FIGURES, Piece, bench_suite, show, suite_pieces
 from sot.errors import InputError
 
 PLANTED = Replay("", rate=200.0, feet="planted")
 
 
 def test_the_long_dance_comes_in_pieces_and_a_folder_s_clips_before_it(tmp_path):
-    whole = pieces(None)
+    whole = suite_pieces(None)
     assert [piece.start for piece in whole] == [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 0.0]
     assert [piece.duration for piece in whole[:-1]] == pytest.approx([20.0] * 6 + [11.5])
     assert whole[-1] == Piece("cmu_01_01", "cmu_01_01")
     for name in ("b.amc", "a.bvh", "b.asf"):
         (tmp_path / name).touch()
-    assert [piece.name for piece in pieces(tmp_path)[:2]] == ["a", "b"]
-    assert pieces(tmp_path)[2:] == whole
+    assert [piece.name for piece in suite_pieces(tmp_path)[:2]] == ["a", "b"]
+    assert suite_pieces(tmp_path)[2:] == whole
 
 
 def test_an_empty_folder_is_an_error(tmp_path):
     with pytest.raises(InputError, match="no clips"):
-        pieces(tmp_path)
+        suite_pieces(tmp_path)
 
 
 def test_rows_of_a_dance_and_of_a_clip_that_is_refused(tmp_path):
@@ -44,12 +44,12 @@ def test_rows_of_a_dance_and_of_a_clip_that_is_refused(tmp_path):
     assert danced["tracking.mpjpe_mm"] < 20.0
     assert danced["speed"] == 1.0
     assert danced["planning_ratio"] > 0.0
-    assert all(place in danced and refused[place] is None for place, *_ in FIGURES)
+    assert all(place in danced and refused[place] is None for place, *_ in TABLE_FIGURES)
     assert not refused["success"]
     assert refused["ending"].startswith("refused: no such file.bvh")
     assert (done["summary"]["clips"], done["summary"]["successes"]) == (2, 1)
     assert done["summary"]["tracking.mpjpe_mm"] == danced["tracking.mpjpe_mm"]
-    assert (tmp_path / "kept/short" / RECORDING).is_file() and (tmp_path / "kept/short" / REPORT).is_file()
+    assert (tmp_path / "kept/short" / RECORDING_FILE).is_file() and (tmp_path / "kept/short" / REPORT_FILE).is_file()
     console = Console(file=StringIO(), width=250)
     show(done, console)
     assert "1 of 2" in console.file.getvalue()
@@ -58,8 +58,8 @@ def test_rows_of_a_dance_and_of_a_clip_that_is_refused(tmp_path):
 def test_from_the_command_line(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.bvh").write_text(groove_bvh())
-    chosen = suite.pieces(Path())
-    monkeypatch.setattr(cli, "pieces", lambda mocap: [Piece(chosen[0].name, chosen[0].clip, 1.0, 0.2)])
+    chosen = suite.suite_pieces(Path())
+    monkeypatch.setattr(cli, "suite_pieces", lambda mocap: [Piece(chosen[0].name, chosen[0].clip, 1.0, 0.2)])
     status = cli.main(["bench", "--suite", "dance", "--feet", "planted", "--rate", "200", "--json"])
     assert status == cli.DONE
     assert json.loads(capsys.readouterr().out)["rows"][0]["name"] == "mine"

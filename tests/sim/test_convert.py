@@ -5,8 +5,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from sim.convert import joint_order, state_from_mujoco, state_to_mujoco
-from sim.scene import robot_spec
+from sim.convert import state_from_mujoco, state_to_mujoco
 from sot.robots.robot import Robot, robot_names
 from tests.sot.robots import urdf_robot
 
@@ -30,7 +29,7 @@ def robot(request, tmp_path_factory) -> Robot:
 
 @pytest.fixture(scope="module")
 def model(robot) -> mujoco.MjModel:
-    return robot_spec(robot).compile()
+    return robot.mujoco_spec().compile()
 
 
 def to_mujoco_velocity(robot: Robot, q: np.ndarray) -> np.ndarray:
@@ -71,19 +70,8 @@ def test_velocities_mean_the_same_motion(robot, model):
         np.testing.assert_allclose(moved, v, atol=1e-5)
 
 
-def test_joint_order_by_name():
-    assert joint_order(("a", "b", "c"), ("a", "b", "c")) is None
-    order = joint_order(("a", "b", "c"), ("c", "a", "b"))
-    q = np.array([0, 0, 0, 0, 0, 0, 1, 10, 20, 30.0])
-    v = np.array([0, 0, 0, 0, 0, 0, 1, 2, 3.0])
-    qpos, qvel = state_to_mujoco(q, v, order)
-    np.testing.assert_array_equal(qpos[7:], (30, 10, 20))
-    np.testing.assert_array_equal(qvel[6:], (3, 1, 2))
-    q_back, v_back = state_from_mujoco(qpos, qvel, order)
-    np.testing.assert_array_equal(q_back, q)
-    np.testing.assert_array_equal(v_back, v)
-    with pytest.raises(ValueError, match=r"not the same joints: \['b', 'd'\]"):
-        joint_order(("a", "b"), ("a", "d"))
+def test_joints_have_one_order(robot, model):
+    assert tuple(model.joint(1 + k).name for k in range(robot.na)) == robot.joints
 
 
 def test_dynamics_agree(robot, model):
@@ -109,8 +97,6 @@ def test_dynamics_agree(robot, model):
 def test_points_agree(robot, model):
     """Position and Jacobian of every operational point."""
     data, mj = robot.model.createData(), mujoco.MjData(model)
-    if robot.mjcf is not None:
-        pytest.skip("a URDF has no sites; tests/sot/robots/test_urdf.py compares its bodies")
     sites = [model.site(name).id for name in robot.points]
     J_mj = np.zeros((len(sites), 6, model.nv))
     for q, v in random_states(robot, STATES):

@@ -59,7 +59,7 @@ def motion():
 
 
 def test_fallbacks_are_kept_with_their_time_level_and_reason(motion):
-    controller = Controller(motion.robot, stacks.planted(motion.robot, motion), Stumbling(), PERIOD)
+    controller = Controller(motion.robot, stacks.planted_stack(motion.robot, motion), Stumbling(), PERIOD)
     second, failed = run(controller, World(motion.robot, PERIOD), motion).log.fallbacks
     assert (second.t, second.level, second.residual) == (pytest.approx(4 * PERIOD), "posture", 1e-9)
     assert second.reason == "stumbled"
@@ -68,7 +68,7 @@ def test_fallbacks_are_kept_with_their_time_level_and_reason(motion):
 
 
 def test_conflicts_are_explained_after_the_run(motion):
-    stack = stacks.planted(motion.robot, motion)
+    stack = stacks.planted_stack(motion.robot, motion)
     stack.hard.append(Impossible("Impossible", "rad/s²", "rad"))
     done = run(Controller(motion.robot, stack, Cascade(), PERIOD), World(motion.robot, PERIOD), motion)
     ((t, rows),) = done.log.conflicts

@@ -32,7 +32,7 @@ def test_agrees_with_a_dense_solver(seed):
 def test_the_price_that_is_expected_changes_the_way_not_the_answer():
     _, H, g, A = random_problem(np.random.default_rng(0))
     qp = BandedQP(A, np.full(59, -0.15), np.full(59, 0.15), band=3)
-    cheap, dear = (qp.solve(H, g, price=price, tolerance=1e-10) for price in (1.0, 1e5))
+    cheap, dear = (qp.solve(H, g, first_multiplier=price, tolerance=1e-10) for price in (1.0, 1e5))
     assert cheap.solved and dear.solved and cheap.iterations != dear.iterations
     np.testing.assert_allclose(cheap.x, dear.x, atol=1e-6)
 

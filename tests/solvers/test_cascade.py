@@ -111,8 +111,8 @@ class GivesUpOnce(Cascade):
 
     gave_up = False
 
-    def _cascade(self, levels):
-        answer = super()._cascade(levels)
+    def _solve_levels(self, levels):
+        answer = super()._solve_levels(levels)
         if not self.gave_up:
             self.gave_up, answer.levels[0].status = True, Status.FAILED
         return answer

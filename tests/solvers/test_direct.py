@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solvers.cascade import Cascade
-from solvers.direct import Direct
+from solvers.direct import DirectSolver
 from solvers.reduction import Reduction
 from solvers.rows import Equality, Level
 
@@ -57,12 +57,12 @@ def test_the_short_way_leads_where_the_cascade_does(reach, room, least):
     bitten = taken = 0
     for _ in range(40):
         levels = hierarchy(rng, reach, room)
-        direct = Direct(1e-7)
+        direct = DirectSolver(1e-7)
         x = direct.solve(levels)
         if x is None:
             continue
         taken += 1
-        bitten += direct.held.any()
+        bitten += direct.active_sides.any()
         expected = Roundabout().solve(levels)
         np.testing.assert_allclose(x, expected.x, atol=1e-5 * np.abs(expected.x).max())
     assert taken >= least
@@ -71,16 +71,16 @@ def test_the_short_way_leads_where_the_cascade_does(reach, room, least):
 
 def test_what_was_held_is_let_go_when_it_pulls():
     levels = hierarchy(np.random.default_rng(1), 1e3)
-    direct = Direct(1e-7)
+    direct = DirectSolver(1e-7)
     free = direct.solve(levels)
-    direct.expect(np.array([LEADING]), np.array([1.0]))
+    direct.warm_start(np.array([LEADING]), np.array([1.0]))
     np.testing.assert_allclose(direct.solve(levels), free, atol=1e-9)
-    assert not direct.held.any()
+    assert not direct.active_sides.any()
 
 
 def test_hierarchies_of_another_kind_are_left_to_others():
     rng = np.random.default_rng(2)
-    levels, direct = hierarchy(rng, 1e3), Direct(1e-7)
+    levels, direct = hierarchy(rng, 1e3), DirectSolver(1e-7)
     assert direct.solve(levels) is not None
     contradicting = [*levels]
     contradicting[2] = levels[1]
@@ -102,9 +102,9 @@ def test_the_change_of_variables_reaches_what_level_0_admits_and_nothing_else():
     reduction = Reduction.of(levels[0], LEADING, 1e-7)
     assert reduction.T.shape == (SIZE, SIZE - 9) and np.linalg.matrix_rank(reduction.T) == SIZE - 9
     z = rng.normal(size=SIZE - 9)
-    x = reduction.back(z)
+    x = reduction.full_solution(z)
     np.testing.assert_allclose(levels[0].A @ x, levels[0].b, atol=1e-10)
-    for mine, level in zip(reduction.levels(levels)[1:], levels[1:], strict=True):
+    for mine, level in zip(reduction.reduced_levels(levels)[1:], levels[1:], strict=True):
         np.testing.assert_allclose(mine.violation(z), level.violation(x), atol=1e-10)
 
 
@@ -133,18 +133,18 @@ def test_a_bound_that_has_gone_holds_nothing(solver):
 def test_levels_of_one_kind_are_worked_out_once():
     """What is remembered of levels that carry a kind goes with any numbers in them."""
     rng, taken = np.random.default_rng(4), 0
-    kept, direct = hierarchy(rng, 1.5), Direct(1e-7)
-    kept[0].kind = object()
+    kept, direct = hierarchy(rng, 1.5), DirectSolver(1e-7)
+    kept[0].structure_key = object()
     for _ in range(20):
         fresh = hierarchy(rng, 1.5)
         for mine, other in zip(kept, fresh, strict=True):
             for e, o in zip(mine.equalities, other.equalities, strict=True):
                 e.A, e.b = o.A, o.b
-            mine.renew()
+            mine.clear_cache()
         if (x := direct.solve(kept)) is not None:
             np.testing.assert_allclose(x, Roundabout().solve(fresh).x, atol=1e-5 * np.abs(x).max())
             taken += 1
     assert taken > 15
     kept[2] = kept[1]  # rows that depend on others
-    kept[0].kind = object()
+    kept[0].structure_key = object()
     assert direct.solve(kept) is None

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from solvers.feasibility import feasible
+from solvers.feasibility import is_feasible
 
 
 def program_has_solution(A, lower, upper):
@@ -35,25 +35,25 @@ def test_agrees_with_a_linear_program(kind):
     answers = []
     for _ in range(150):
         problem = problems(rng, kind)
-        answers.append(feasible(*problem, tolerance=1e-9))
+        answers.append(is_feasible(*problem, tolerance=1e-9))
         assert answers[-1] == program_has_solution(*problem)
     assert 0.1 < np.mean(answers) < 0.95
 
 
 def test_ends_by_bland_s_rule_too(monkeypatch):
-    monkeypatch.setattr("solvers.feasibility.GREEDY", 0)
+    monkeypatch.setattr("solvers.feasibility.GREEDY_PIVOTS_PER_ROW", 0)
     rng = np.random.default_rng(1)
     for kind in ("two-sided", "integer"):
         for _ in range(100):
             problem = problems(rng, kind)
-            assert feasible(*problem, tolerance=1e-9) == program_has_solution(*problem)
+            assert is_feasible(*problem, tolerance=1e-9) == program_has_solution(*problem)
 
 
 def test_corner_cases():
     nothing, one = np.zeros((0, 3)), np.ones(1)
-    assert feasible(nothing, np.zeros(0), np.zeros(0), 1e-9)
-    assert feasible(np.zeros((1, 2)), -one, one, 1e-9)
-    assert not feasible(np.zeros((1, 2)), one, 2.0 * one, 1e-9)  # a row that nothing moves
-    assert not feasible(np.ones((1, 1)), one, -one, 1e-9)  # nothing lies between
-    assert feasible(np.ones((1, 1)), one, one - 1e-12, 1e-9)
-    assert not feasible(np.ones((2, 1)), np.array([np.nan, 0.0]), np.array([np.nan, 1.0]), 1e-9)
+    assert is_feasible(nothing, np.zeros(0), np.zeros(0), 1e-9)
+    assert is_feasible(np.zeros((1, 2)), -one, one, 1e-9)
+    assert not is_feasible(np.zeros((1, 2)), one, 2.0 * one, 1e-9)  # a row that nothing moves
+    assert not is_feasible(np.ones((1, 1)), one, -one, 1e-9)  # nothing lies between
+    assert is_feasible(np.ones((1, 1)), one, one - 1e-12, 1e-9)
+    assert not is_feasible(np.ones((2, 1)), np.array([np.nan, 0.0]), np.array([np.nan, 1.0]), 1e-9)

@@ -19,7 +19,7 @@ def test_a_bound_that_only_rounding_could_reach_is_given_up_at_once():
     lower[4], upper[4] = 0.5, 2.0
     start = time.perf_counter()
     problem = QP(np.eye(n), rng.normal(size=n), C, lower, upper)
-    answer = PersistentQPs().solve("impossible", problem, second=False)
+    answer = PersistentQPs().solve("impossible", problem, use_second_solver=False)
     assert answer.status == Status.FAILED
     assert time.perf_counter() - start < 0.2
 
@@ -37,7 +37,7 @@ def test_a_problem_with_rows_of_rounding_is_solved():
 def test_a_thin_set_that_the_second_solver_finds_empty_is_tried_again():
     """A level of a foot that begins to slide: the levels above have left it next to no room, but some."""
     with np.load(Path(__file__).with_name("stubborn.npz")) as file:
-        problem = QP(**file, feasible=True)
+        problem = QP(**file, known_feasible=True)
     assert problem.violation(np.zeros_like(problem.g)) == 0.0
     answer = PersistentQPs(max_iterations=1).solve("stubborn", problem)
     assert answer.status == Status.SECOND_SOLVER

@@ -6,7 +6,7 @@ import qpsolvers
 from scipy.optimize import linprog
 
 from solvers import Cascade, Level, Rows, Status, TaskCorrection
-from solvers.task_correction import Priorities, Task
+from solvers.task_correction import PrioritizedTasks, Task
 
 TOLERANCE = 1e-7
 
@@ -61,11 +61,11 @@ def test_algorithm_1_gives_what_corrections_do_to_the_solution(deficient):
     for _ in range(30):
         n, rows = sizes(rng)
         tasks = random_tasks(rng, n, [m + deficient for m in rows], deficient)
-        priorities = Priorities(tasks, 0.0, 1e-9)
+        priorities = PrioritizedTasks(tasks, 0.0, 1e-9)
         np.testing.assert_allclose(priorities.x, kim_5(tasks), atol=1e-8)
         changes = [rng.standard_normal(len(task.h)) for task in tasks]
         moved = kim_5(corrected(tasks, changes)) - kim_5(tasks)
-        np.testing.assert_allclose(np.hstack(priorities.gains()) @ np.concatenate(changes), moved, atol=1e-8)
+        np.testing.assert_allclose(np.hstack(priorities.correction_gains()) @ np.concatenate(changes), moved, atol=1e-8)
 
 
 def test_without_singularities_corrections_are_the_task_errors_and_g_the_inverse_of_the_stacked_tasks():
@@ -73,8 +73,8 @@ def test_without_singularities_corrections_are_the_task_errors_and_g_the_inverse
     for _ in range(30):
         n, rows = sizes(rng)
         tasks = random_tasks(rng, n, rows)
-        priorities = Priorities(tasks, 0.0, 1e-9)
-        gains = priorities.gains()
+        priorities = PrioritizedTasks(tasks, 0.0, 1e-9)
+        gains = priorities.correction_gains()
         G, J = np.hstack(gains), np.vstack([task.J for task in tasks])
         assert np.linalg.matrix_rank(G) == sum(rows)  # Remark 1, its first half
         np.testing.assert_allclose(G, np.linalg.pinv(J), atol=1e-8 * np.linalg.cond(J))
@@ -102,7 +102,7 @@ def test_damping_restores_no_rank(damping):
     rng = np.random.default_rng(3)
     J = rng.standard_normal((2, 5))
     tasks = [Task(J, np.zeros(2)), Task(np.vstack([rng.standard_normal((1, 5)), J[0] - J[1]]), np.zeros(2))]
-    G = np.hstack(Priorities(tasks, damping, 1e-9).gains())
+    G = np.hstack(PrioritizedTasks(tasks, damping, 1e-9).correction_gains())
     assert np.linalg.matrix_rank(G) == 3 < G.shape[1]
     damped = J.T @ np.linalg.inv(J @ J.T + damping**2 * np.eye(2))
     np.testing.assert_allclose(G[:, :2][:, :], damped - _second(tasks, damping) @ tasks[1].J @ damped, atol=1e-12)

@@ -7,7 +7,8 @@ import pytest
 
 from sim.world import World
 from sot.control.tick import Tick
-from sot.proximity import LIMBS, Proximity
+from sot.proximity import Proximity
+from sot.robots.pairs import LIMBS
 from sot.robots.robot import Robot, robot_names
 from tests.sot.states import random_state
 

@@ -24,7 +24,7 @@ def order(stack):
 
 
 def test_an_edit_has_a_level_of_its_own_above_the_posture_while_it_lasts(motion):
-    stack, schedule = stacks.planted(motion.robot, motion), Schedule()
+    stack, schedule = stacks.planted_stack(motion.robot, motion), Schedule()
     lines = edit(stack, schedule, motion, [Edit("right_hand", "z", by=0.1, start=1.0, end=3.0)])
     assert lines == ["edit 1: right_hand z, 1 to 3 s: outranks 'posture', which stays as a guide"]
     before = order(stack)
@@ -48,7 +48,7 @@ def test_it_comes_before_the_first_level_that_it_interferes_with(motion):
         (Edit("right_hand", "x", by=0.1, start=1.0, end=3.0), "hand"),
         (Edit("right_hand", "z", by=0.1, start=1.0, end=3.0), "rest"),
     ):
-        stack = stacks.planted(robot, motion)
+        stack = stacks.planted_stack(robot, motion)
         stack.remove("Posture")
         stack.add(Posture(robot, motion.joints, "legs"), "legs", before="forces")
         stack.add(OperationalPoint(robot, "right_hand", motion.pose("right_hand"), "xy"), "hand", before="forces")
@@ -58,14 +58,14 @@ def test_it_comes_before_the_first_level_that_it_interferes_with(motion):
 
 
 def test_without_a_posture_it_comes_before_what_decides_on_the_forces(motion):
-    stack = stacks.planted(motion.robot, motion)
+    stack = stacks.planted_stack(motion.robot, motion)
     stack.remove("Posture")
     (line,) = edit(stack, Schedule(), motion, [Edit("right_hand", "z", by=0.1, start=1.0, end=3.0)])
     assert "outranks 'forces'" in line
 
 
 def test_edits_of_one_point_share_a_level_and_a_reference(motion):
-    stack, schedule = stacks.planted(motion.robot, motion), Schedule()
+    stack, schedule = stacks.planted_stack(motion.robot, motion), Schedule()
     edits = [
         Edit("right_hand", "z", by=0.1, start=1.0, end=3.0),
         Edit("right_hand", "yaw", by=0.2, start=1.5, end=3.5),
@@ -82,16 +82,16 @@ def test_edits_of_one_point_share_a_level_and_a_reference(motion):
 
 def test_two_edits_of_the_same_thing_at_the_same_time_are_refused(motion):
     first = Edit("right_hand", "z", by=0.1, start=1.0, end=2.0)
-    target = Edit("right_hand", target=(0.4, -0.3, 1.0), start=1.5, end=3.0, place="mine.toml: edit 2")
+    target = Edit("right_hand", target=(0.4, -0.3, 1.0), start=1.5, end=3.0, source="mine.toml: edit 2")
     with pytest.raises(InputError, match=r"mine.toml: edit 2: changes right_hand .* from 1.5 to 2 s, as edit 1"):
-        edit(stacks.planted(motion.robot, motion), Schedule(), motion, [first, target])
+        edit(stacks.planted_stack(motion.robot, motion), Schedule(), motion, [first, target])
     later = Edit("right_hand", target=(0.4, -0.3, 1.0), start=2.0, end=3.0)
     turned = Edit("right_hand", "yaw", by=0.1, start=1.0, end=2.0)
-    assert len(edit(stacks.planted(motion.robot, motion), Schedule(), motion, [first, later, turned])) == 3
+    assert len(edit(stacks.planted_stack(motion.robot, motion), Schedule(), motion, [first, later, turned])) == 3
 
 
 def test_a_limb_does_an_edit_alone_guided_by_what_was_planned_for_it(motion):
-    robot, stack, schedule = motion.robot, stacks.planted(motion.robot, motion), Schedule()
+    robot, stack, schedule = motion.robot, stacks.planted_stack(motion.robot, motion), Schedule()
     edits = [
         Edit("right_hand", "z", by=0.1, start=1.0, end=3.0, limb_only=True),
         Edit("RARM5", by=0.2, start=1.5, end=3.5),
@@ -112,6 +112,6 @@ def test_a_limb_does_an_edit_alone_guided_by_what_was_planned_for_it(motion):
 def test_what_is_on_no_limb_has_none_that_does_it_alone(motion):
     with pytest.raises(InputError, match="waist is on no limb"):
         one = Edit("waist", "z", by=0.1, start=1.0, end=3.0, limb_only=True)
-        edit(stacks.planted(motion.robot, motion), Schedule(), motion, [one])
+        edit(stacks.planted_stack(motion.robot, motion), Schedule(), motion, [one])
     with pytest.raises(InputError, match="only points have a limb"):
         Edit("RARM5", by=0.1, start=1.0, end=3.0, limb_only=True)

@@ -1,4 +1,4 @@
-"""What a whole-body motion asks of the floor: centre of mass, momentum and zero moment point."""
+"""Centroidal quantities of a whole-body motion: centre of mass, momentum and zero moment point."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-LIGHTEST = 0.3  # of its weight: lighter, on its way into a jump, a robot has no ZMP worth the name
+MIN_WEIGHT_SHARE = 0.3  # of the weight, on the floor: with less, on the way into a jump, the ZMP means nothing
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Centroidal:
 
     @staticmethod
     def along(robot: Robot, q: Array, v: Array, a: Array) -> "Centroidal":
-        """Of a motion (T, nq), (T, nv), (T, nv) in Pinocchio's conventions."""
+        """The centroidal quantities of a motion q (T, nq), v (T, nv), a (T, nv) in Pinocchio's conventions."""
         model, data = robot.model, robot.model.createData()
         com, momentum, rate = np.empty((len(q), 3)), np.empty((len(q), 6)), np.empty((len(q), 6))
         for k in range(len(q)):
@@ -43,7 +43,7 @@ class Centroidal:
         return Centroidal(com, momentum, rate, robot.mass)
 
     def __getitem__(self, rows: slice) -> "Centroidal":
-        """At some of the times."""
+        """The quantities at some of the times."""
         return Centroidal(self.com[rows], self.momentum[rows], self.rate[rows], self.mass)
 
     def __setitem__(self, rows: slice, other: "Centroidal") -> None:
@@ -51,16 +51,16 @@ class Centroidal:
 
     @property
     def velocity(self) -> Array:
-        """Of the centre of mass (T, 3) [m/s]."""
+        """The velocity of the centre of mass (T, 3) [m/s]."""
         return self.momentum[:, :3] / self.mass
 
     @property
     def acceleration(self) -> Array:
-        """Of the centre of mass (T, 3) [m/s²]."""
+        """The acceleration of the centre of mass (T, 3) [m/s²]."""
         return self.rate[:, :3] / self.mass
 
     def toward(self, other: "Centroidal", share: float) -> "Centroidal":
-        """A share of the way to another one."""
+        """The quantities a share of the way toward others."""
 
         def mixed(mine: Array, theirs: Array) -> Array:
             return mine + share * (theirs - mine)
@@ -71,12 +71,12 @@ class Centroidal:
     def pendulum(self) -> tuple[Array, Array]:
         """h (T,) and offset (T, 2) of the ZMP on z = 0, z = c − h c̈ + offset in the plane:
         h = c_z / (g + c̈_z), offset = (−L̇_y, L̇_x) / (m (g + c̈_z))."""
-        gravity = np.maximum(GRAVITY + self.acceleration[:, 2], LIGHTEST * GRAVITY)
+        gravity = np.maximum(GRAVITY + self.acceleration[:, 2], MIN_WEIGHT_SHARE * GRAVITY)
         turning = np.column_stack([-self.rate[:, 4], self.rate[:, 3]])
         return self.com[:, 2] / gravity, turning / (self.mass * gravity)[:, None]
 
     def zmp(self) -> Array:
-        """Zero moment point on z = 0, (T, 2) [m]."""
+        """The zero moment point on z = 0, (T, 2) [m]."""
         height, offset = self.pendulum()
         return self.com[:, :2] - height[:, None] * self.acceleration[:, :2] + offset
 

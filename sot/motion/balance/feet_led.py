@@ -1,4 +1,4 @@
-"""A motion that its feet lead: their ways are given, the centre of mass keeps in balance, the rest stays near rest."""
+"""A motion led by its feet: their paths are given, the centre of mass keeps balance, the posture stays near rest."""
 
 from collections.abc import Mapping, Sequence
 
@@ -7,8 +7,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from sot.control.tick import Tick
-from sot.motion.balance.balance import plan_balance
 from sot.motion.balance.centroidal import Centroidal
+from sot.motion.balance.programme import plan_balance
 from sot.motion.body.coordinates import from_configuration, to_pinocchio
 from sot.motion.body.spline import Spline
 from sot.motion.feet.contacts import Phase
@@ -19,14 +19,16 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-NEWTON_STEPS = 4  # of inverse kinematics a knot, from the knot before
-HOMEWARD = 0.1  # of the way to the rest posture, as far as feet and centre of mass leave it open
+NEWTON_STEPS = 4  # of inverse kinematics at each knot, from the knot before
+HOMEWARD_SHARE = (
+    0.1  # of the way to the rest posture in a Newton step, within the null space of feet and centre of mass
+)
 
 
 def feet_led(
     robot: Robot, phases: Sequence[Phase], paths: Mapping[str, FootPath], period: float, rate: float
 ) -> Motion:
-    """The robot with its feet on the way, its waist upright, and its centre of mass at the height of rest.
+    """The motion of a robot whose feet follow paths, its waist upright, its centre of mass at the height of rest.
 
     Args:
         robot: who moves.
@@ -41,7 +43,7 @@ def feet_led(
     count = len(middle)
     still = Centroidal(np.tile(rest.com, (count, 1)), np.zeros((count, 6)), np.zeros((count, 6)), robot.mass)
     com = plan_balance(still, wanted, supports(robot, phases), period).com.knots
-    q = _follow(robot, np.column_stack([com, still.com[:, 2]]), paths)
+    q = _configurations_following(robot, np.column_stack([com, still.com[:, 2]]), paths)
     spline = Spline.through(from_configuration(q), period)
     times = np.arange(round(spline.duration * rate) + 1) / rate
     sampled = to_pinocchio(*(spline(times, order) for order in range(3)))
@@ -59,7 +61,7 @@ def feet_led(
     )
 
 
-def _follow(robot: Robot, com: Array, paths: Mapping[str, FootPath]) -> Array:
+def _configurations_following(robot: Robot, com: Array, paths: Mapping[str, FootPath]) -> Array:
     """Configurations (T, nq): Newton steps on CoM, waist and feet; the joints go home in their null space."""
     tick, q, nothing = Tick(robot), robot.rest.copy(), np.zeros(robot.nv)
     out = np.empty((len(com), robot.nq))
@@ -74,7 +76,7 @@ def _follow(robot: Robot, com: Array, paths: Mapping[str, FootPath]) -> Array:
                 errors += [path.position[k] - frame.position, pin.log3(path.rotation[k] @ frame.rotation.T)]
             J, error = np.vstack(jacobians), np.concatenate(errors)
             inverse = np.linalg.pinv(J, rcond=1e-6)
-            home = np.concatenate([np.zeros(6), HOMEWARD * (robot.rest[7:] - q[7:])])
+            home = np.concatenate([np.zeros(6), HOMEWARD_SHARE * (robot.rest[7:] - q[7:])])
             q = pin.integrate(robot.model, q, inverse @ (error - J @ home) + home)
         out[k] = q
     return out

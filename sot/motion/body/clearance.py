@@ -1,7 +1,6 @@
-"""Limbs that keep clear of the rest of the body: arms of all that is not of them, legs of each other."""
+"""Limbs that keep their distance: arms from the rest of the body, legs from each other."""
 
 from collections.abc import Iterable, Mapping
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +8,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from sot.motion.body.coordinates import to_configuration
-from sot.motion.body.kinematics import Chains, Kinematics
+from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.body.parts import Arm, Body, Indices
 from sot.motion.body.targets import Targets
 from sot.motion.feet.stance import Build
@@ -19,12 +18,12 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-ROOM = 0.02  # m, distance that limbs keep
-CLEAR = {"arm": 1.0 / 0.003, "legs": 1.0 / 0.001}  # 1/m, weight of what is missing of it
+MIN_CLEARANCE = 0.02  # m, distance that limbs keep from other parts
+CLEARANCE_WEIGHTS = {"arm": 1.0 / 0.003, "legs": 1.0 / 0.001}  # 1/m, weight of the distance that is missing
 
 
-class _Place(NamedTuple):
-    """Where a pair is nearest: the row, the shape, the normal and the nearest points (3,)."""
+class _NearestPair(NamedTuple):
+    """Nearest pair of a limb's shape: its row and shape, the normal and the two nearest points (3,)."""
 
     row: int
     shape: int
@@ -36,9 +35,9 @@ class _Place(NamedTuple):
 class Clearance:
     """Signed distances from each shape of a limb to the nearest one of what it keeps clear of, at the knots of a clip.
 
-    Pairs that are less than ROOM apart at rest, neighbours in the tree mostly, do not count. A distance changes by no
-    more than the joints between two shapes turn, each times its reach: only where something may have come near since a
-    knot was last looked at is it looked at again.
+    Only the robot's own pairs of shapes count; those that are less than MIN_CLEARANCE apart at rest need be no further
+    apart. A distance changes by no more than the joints between two shapes turn, each times its reach: distances at a
+    knot are measured again only where something may have come near since.
     """
 
     def __init__(self, robot: Robot, pairs: Iterable[tuple[int, int]], length: int):
@@ -48,91 +47,94 @@ class Clearance:
             pairs: of its shapes, each what is to be kept clear of and the limb's.
             length: number of knots T.
         """
-        self._model, self._chains = robot.model, Chains(robot)
+        self._model, self._chains = robot.model, JointTree(robot)
         self._data = robot.model.createData()
         self._geometry = robot.shapes.copy()
         self._geometry.removeAllCollisionPairs()
         for pair in pairs:
             self._geometry.addCollisionPair(pin.CollisionPair(*pair))
-        self._make_room()
-        for k in np.flatnonzero(self._distances(robot.rest) < ROOM)[::-1]:
-            self._geometry.removeCollisionPair(self._geometry.collisionPairs[int(k)])
-        self._make_room()
+        self._allocate_results()
+        self._min_distances = np.minimum(MIN_CLEARANCE, self._distances(robot.rest))
         left, shapes = list(self._geometry.collisionPairs), self._geometry.geometryObjects
         owners = np.array([pair.second for pair in left], dtype=int)
-        self._limb = [np.flatnonzero(owners == shape) for shape in np.unique(owners)]  # pairs of each of its shapes
+        self._pairs_of_shape = [
+            np.flatnonzero(owners == shape) for shape in np.unique(owners)
+        ]  # pairs of each of its shapes
         self._joints = [(shapes[pair.first].parentJoint, shapes[pair.second].parentJoint) for pair in left]
         reaches = [lever_arm_bounds(self._model, shapes[pair.first], shapes[pair.second]) for pair in left]
         self._reach = np.array(reaches).reshape(len(left), robot.na)
-        self._seen = np.zeros((length, robot.na))
-        self._apart = np.full((length, len(left)), -np.inf)
+        self._measured_angles = np.zeros((length, robot.na))
+        self._known_distances = np.full((length, len(left)), -np.inf)
 
     @staticmethod
     def of_arm(robot: Robot, side: str, length: int) -> "Clearance":
-        """Of an arm from the rest of the body."""
-        arm, shapes = _carrying(robot, f"{side}_arm"), range(robot.shapes.ngeoms)
-        return Clearance(robot, product([k for k in shapes if k not in arm], arm), length)
+        """Clearance of an arm from the rest of the body."""
+        arm = set(_shapes_of_group(robot, f"{side}_arm"))
+        return Clearance(robot, _pairs_between(robot, set(range(robot.shapes.ngeoms)) - arm, arm), length)
 
     @staticmethod
     def of_legs(robot: Robot, length: int) -> "Clearance":
-        """Of the left leg from the right one; where the feet go is given, so that these do not count together."""
-        left, right = (_carrying(robot, f"{side}_leg") for side in ("left", "right"))
+        """Clearance of the left leg from the right one; pairs of feet do not count, since their motion is given."""
+        left, right = (set(_shapes_of_group(robot, f"{side}_leg")) for side in ("left", "right"))
         soles = {robot.model.frames[robot.point(foot)].parentJoint for foot in robot.feet}
         feet = {k for k, shape in enumerate(robot.shapes.geometryObjects) if shape.parentJoint in soles}
-        return Clearance(robot, (pair for pair in product(right, left) if not feet.issuperset(pair)), length)
+        return Clearance(
+            robot, [pair for pair in _pairs_between(robot, right, left) if not feet.issuperset(pair)], length
+        )
 
     def evaluate(self, knots: Indices, y: Array, columns: Indices) -> tuple[Array, Array]:
-        """What is missing of ROOM at n knots (n, shapes) [m], 0 where nothing is, and its Jacobian (n, shapes, s) with
-        respect to some columns of the coordinates y (n, nv)."""
-        missing = np.zeros((len(y), len(self._limb)))
+        """Distance that is missing from MIN_CLEARANCE at n knots (n, shapes) [m], 0 where none is, and its Jacobian
+        (n, shapes, s) with respect to some columns of the coordinates y (n, nv)."""
+        missing = np.zeros((len(y), len(self._pairs_of_shape)))
         J = np.zeros((*missing.shape, len(columns)))
-        nearest: dict[int, list[_Place]] = {}  # pair -> where it is the nearest
-        turned = np.abs(y[:, 6:] - self._seen[knots]) @ self._reach.T
-        due = np.flatnonzero((self._apart[knots] - turned < ROOM).any(axis=1))
-        self._seen[knots[due]] = y[due, 6:]
+        nearest: dict[int, list[_NearestPair]] = {}  # pair -> where it is the nearest
+        turned = np.abs(y[:, 6:] - self._measured_angles[knots]) @ self._reach.T
+        due = np.flatnonzero((self._known_distances[knots] - turned < self._min_distances).any(axis=1))
+        self._measured_angles[knots[due]] = y[due, 6:]
         for n, q in zip(due.tolist(), to_configuration(y[due]), strict=True):
-            self._apart[knots[n]] = apart = self._distances(q)
-            if apart.min(initial=np.inf) >= ROOM:
+            self._known_distances[knots[n]] = apart = self._distances(q)
+            spare = apart - self._min_distances
+            if spare.min(initial=np.inf) >= 0.0:
                 continue
-            for i, pairs in enumerate(self._limb):
-                if (least := apart[pairs].min()) < ROOM:
-                    k = int(pairs[apart[pairs].argmin()])
-                    missing[n, i] = ROOM - least
-                    found = self._each[k]
-                    place = _Place(n, i, found.normal.copy(), found.getNearestPoint1(), found.getNearestPoint2())
+            for i, pairs in enumerate(self._pairs_of_shape):
+                if (least := spare[pairs].min()) < 0.0:
+                    k = int(pairs[spare[pairs].argmin()])
+                    missing[n, i] = -least
+                    found = self._pair_results[k]
+                    place = _NearestPair(n, i, found.normal.copy(), found.getNearestPoint1(), found.getNearestPoint2())
                     nearest.setdefault(k, []).append(place)
         for k, places in nearest.items():
             rows, shapes, normals, first, second = (np.array(each) for each in zip(*places, strict=True))
             kinematics, (one, other) = Kinematics(self._chains, y[rows], columns), self._joints[k]
-            apart_by = kinematics.moved(other, second) - kinematics.moved(one, first)
+            apart_by = kinematics.point_jacobian(other, second) - kinematics.point_jacobian(one, first)
             J[rows, shapes] = -np.einsum("ni,nis->ns", normals, apart_by)
         return missing, J
 
-    def _make_room(self) -> None:
+    def _allocate_results(self) -> None:
         self._results = self._geometry.createData()
-        self._each = list(self._results.distanceResults)  # views: looking them up costs more than the distances
+        self._pair_results = list(self._results.distanceResults)  # views: looking them up costs more than the distances
 
     def _distances(self, q: Array) -> Array:
         pin.computeDistances(self._model, self._data, self._geometry, self._results, q)
-        return np.array([result.min_distance for result in self._each])
+        return np.array([result.min_distance for result in self._pair_results])
 
 
 class ClearArm(Arm):
-    """An arm as it is to point, pushed off the rest of the body where it comes nearer than ROOM."""
+    """An arm that follows its directions and is pushed off the body where it comes nearer than MIN_CLEARANCE."""
 
     def __init__(self, robot: Robot, side: str, targets: Targets):
         super().__init__(robot, side, targets)
         self._clearance = Clearance.of_arm(robot, side, targets.length)
 
     def evaluate(self, knots: Indices, y: Array) -> tuple[Array, Array]:
-        return _beside("arm", super().evaluate(knots, y), self._clearance.evaluate(knots, y, self.columns))
+        return _with_clearance("arm", super().evaluate(knots, y), self._clearance.evaluate(knots, y, self.columns))
 
 
 class ClearBody(Body):
-    """Base, legs and chest as they are to be, with legs pushed off each other where they come nearer than ROOM.
+    """Base, legs and chest that follow their targets, with legs pushed off each other below MIN_CLEARANCE.
 
-    The more they overlap the less, and not at all from ROOM on: over feet that leave no way out, the push would tear at
-    all the rest.
+    The push fades with overlap and vanishes where legs overlap by MIN_CLEARANCE: over feet that leave no way out it
+    would disturb all the rest.
     """
 
     def __init__(
@@ -150,16 +152,25 @@ class ClearBody(Body):
 
     def evaluate(self, knots: Indices, y: Array) -> tuple[Array, Array]:
         missing, J = self._legs.evaluate(knots, y, self.columns)
-        hope = np.clip(2.0 - missing / ROOM, 0.0, 1.0)
-        return _beside("legs", super().evaluate(knots, y), (hope * missing, hope[..., None] * J))
+        hope = np.clip(2.0 - missing / MIN_CLEARANCE, 0.0, 1.0)
+        return _with_clearance("legs", super().evaluate(knots, y), (hope * missing, hope[..., None] * J))
 
 
-def _carrying(robot: Robot, group: str) -> list[int]:
-    """The shapes that a group of joints carries."""
+def _shapes_of_group(robot: Robot, group: str) -> list[int]:
+    """Numbers of the shapes that a group of joints carries."""
     joints = {2 + joint for joint in robot.groups[group]}
     return [k for k, shape in enumerate(robot.shapes.geometryObjects) if shape.parentJoint in joints]
 
 
-def _beside(limb: str, looks: tuple[Array, Array], clear: tuple[Array, Array]) -> tuple[Array, Array]:
-    (errors, jacobians), (missing, J) = looks, clear
-    return np.hstack([errors, CLEAR[limb] * missing]), np.concatenate([jacobians, CLEAR[limb] * J], axis=1)
+def _pairs_between(robot: Robot, first: set[int], second: set[int]) -> list[tuple[int, int]]:
+    """Pairs of the robot's shapes that may collide, each one of the first and one of the second shapes."""
+    pairs = [(int(pair.first), int(pair.second)) for pair in robot.shapes.collisionPairs]
+    swapped = [(b, a) for a, b in pairs]
+    return [(a, b) for a, b in (*pairs, *swapped) if a in first and b in second]
+
+
+def _with_clearance(limb: str, residuals: tuple[Array, Array], clearance: tuple[Array, Array]) -> tuple[Array, Array]:
+    (errors, jacobians), (missing, J) = residuals, clearance
+    return np.hstack([errors, CLEARANCE_WEIGHTS[limb] * missing]), np.concatenate(
+        [jacobians, CLEARANCE_WEIGHTS[limb] * J], axis=1
+    )

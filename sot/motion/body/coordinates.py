@@ -1,4 +1,4 @@
-"""Coordinates for fitting: y = (base position, roll, pitch, yaw, joints), a plain vector of nv numbers.
+"""The coordinates in which motions are fitted: y = (base position, roll, pitch, yaw, joints), a vector of nv numbers.
 
 Pinocchio's configuration holds a quaternion and its base velocity is in the base frame; splines and limits want a
 vector space. The two agree away from a pitch of ±90°: a robot lying on its face is out of scope.

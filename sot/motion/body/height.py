@@ -1,4 +1,4 @@
-"""Hips low enough for both legs to reach, without bouncing: a smooth height below what the legs' lengths allow."""
+"""A smooth height of the hips from which both legs reach their feet."""
 
 from collections.abc import Mapping
 
@@ -7,46 +7,48 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from solvers.banded import BandedQP
-from sot.motion.body.kinematics import Chains, Kinematics
-from sot.motion.body.spline import AT_KNOT, Spline
+from sot.motion.body.kinematics import JointTree, Kinematics
+from sot.motion.body.spline import VALUE_STENCIL, Spline
 from sot.motion.feet.swing import FootPath
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-STRETCHED = 0.975  # of its length, how far a leg may reach: what is left is for the closed loop
-LIFT = 2.5  # m/s², of the hips up or down
-HEIGHT_ERROR = 0.02  # m, a deviation that costs as much as JERK_ERROR
-JERK_ERROR = 20.0  # m/s³
-HELD = 1e9  # weight that holds both ends
-EDGE = 1e-4  # m, room that is left where a height is held
+MAX_LEG_EXTENSION = 0.975  # share of its length that a leg may reach; the closed loop needs the rest
+MAX_HIP_ACCELERATION = 2.5  # m/s², of the hips, up and down
+ACCEPTED_HEIGHT_ERROR = 0.02  # m, deviation that costs as much as a jerk of ACCEPTED_JERK
+ACCEPTED_JERK = 20.0  # m/s³
+HELD_END_WEIGHT = 1e9  # weight that holds the control points at both ends
+HELD_HEIGHT_ROOM = 1e-4  # m, added to the bound where a height is held
 
 
-def reachable(robot: Robot, y: Array, feet: Mapping[str, FootPath]) -> Array:
-    """The greatest height (T,) of the waist frame [m] from which both legs reach their feet.
+def reachable_hip_height(robot: Robot, y: Array, feet: Mapping[str, FootPath]) -> Array:
+    """Greatest height (T,) of the waist frame [m] from which both legs reach their feet.
 
     Args:
         y: (T, nv) coordinates, of which the base's place and orientation count.
         feet: where the feet are to be.
     """
-    kinematics = Kinematics(Chains(robot), y)
+    kinematics = Kinematics(JointTree(robot), y)
     waist = y[:, 2]
     highest = np.full(len(y), np.inf)
     for foot, path in feet.items():
         side = foot.removesuffix("_foot")
-        rotation, at = kinematics.frame(robot.point(foot))
-        hip, knee, ankle = (kinematics.frame(robot.point(f"{side}_{point}"))[1] for point in ("hip", "knee", "ankle"))
+        rotation, at = kinematics.frame_pose(robot.point(foot))
+        hip, knee, ankle = (
+            kinematics.frame_pose(robot.point(f"{side}_{point}"))[1] for point in ("hip", "knee", "ankle")
+        )
         leg = np.linalg.norm(knee - hip, axis=1) + np.linalg.norm(ankle - knee, axis=1)
         own = np.einsum("tji,tj->ti", rotation, ankle - at)
         target = path.position + np.einsum("tij,tj->ti", path.rotation, own)
         flat = np.sum((hip - target)[:, :2] ** 2, axis=1)
-        above = np.sqrt(np.maximum((STRETCHED * leg) ** 2 - flat, 0.0))
+        above = np.sqrt(np.maximum((MAX_LEG_EXTENSION * leg) ** 2 - flat, 0.0))
         highest = np.minimum(highest, target[:, 2] + above - (hip[:, 2] - waist))
     return highest
 
 
-def lowered(wanted: Array, highest: Array, period: float, held: Spline | None = None) -> Spline:
-    """The smooth height nearest to the wanted one (T,) that stays below the highest one (T,) [m].
+def smooth_height_below(wanted: Array, highest: Array, period: float, held: Spline | None = None) -> Spline:
+    """Smooth height nearest to the wanted one (T,) that stays below the highest one (T,) [m], as a spline.
 
     held: keep its first and last three control points; both ends are at rest without it.
     """
@@ -58,7 +60,7 @@ def lowered(wanted: Array, highest: Array, period: float, held: Spline | None = 
     else:
         start, stop, highest = held.control[:3, 0], held.control[-3:, 0], highest.copy()
         edge = [0, 1, -2, -1]
-        highest[edge] = np.maximum(highest[edge], held.knots[edge, 0] + EDGE)
+        highest[edge] = np.maximum(highest[edge], held.knots[edge, 0] + HELD_HEIGHT_ROOM)
 
     def rows(stencil: Array) -> sp.dia_array:
         return sp.diags_array(
@@ -67,17 +69,17 @@ def lowered(wanted: Array, highest: Array, period: float, held: Spline | None = 
             shape=(n - len(stencil) + 1, n),
         )
 
-    A = sp.vstack([rows(AT_KNOT), rows(np.array([1.0, -2.0, 1.0]) / period**2)], format="csr")
-    bend = np.full(length, LIFT)
+    A = sp.vstack([rows(VALUE_STENCIL), rows(np.array([1.0, -2.0, 1.0]) / period**2)], format="csr")
+    bend = np.full(length, MAX_HIP_ACCELERATION)
     qp = BandedQP(A, np.concatenate([np.full(length, -np.inf), -bend]), np.concatenate([highest, bend]), 3)
-    value = rows(AT_KNOT / HEIGHT_ERROR)
-    jerk = rows(np.array([-1.0, 3.0, -3.0, 1.0]) / (period**3 * JERK_ERROR))
-    hold = sp.diags_array(HELD * np.isin(np.arange(n), [0, 1, 2, n - 3, n - 2, n - 1]))
+    value = rows(VALUE_STENCIL / ACCEPTED_HEIGHT_ERROR)
+    jerk = rows(np.array([-1.0, 3.0, -3.0, 1.0]) / (period**3 * ACCEPTED_JERK))
+    hold = sp.diags_array(HELD_END_WEIGHT * np.isin(np.arange(n), [0, 1, 2, n - 3, n - 2, n - 1]))
     H = (value.T @ value + jerk.T @ jerk + hold).todia()
     banded = np.zeros((n, 4))
     for apart in range(4):
         banded[: n - apart, apart] = H.diagonal(-apart)
     around = np.concatenate([wanted[:1], wanted, wanted[-1:]])
     around[:3], around[-3:] = start, stop
-    g = value.T @ (value @ around - wanted / HEIGHT_ERROR) + jerk.T @ (jerk @ around)
+    g = value.T @ (value @ around - wanted / ACCEPTED_HEIGHT_ERROR) + jerk.T @ (jerk @ around)
     return Spline(qp.solve(banded, g, around).x[:, None], period)

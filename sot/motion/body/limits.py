@@ -1,4 +1,4 @@
-"""Limits of the coordinates y that motions are fitted in, a little inside the robot's own."""
+"""Limits of the fitted coordinates y, a little inside the robot's own."""
 
 from dataclasses import dataclass
 
@@ -6,23 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sot.motion.body.coordinates import from_configuration
-from sot.motion.body.kinematics import Chains, Kinematics
+from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-ROOM = 0.02  # rad, kept free at either end of a joint's range for the closed loop
-SHARE = 0.97  # of the velocity and acceleration limits that a reference may use
-LEGS = (
-    0.92  # of its velocity limits, the same of the legs: feedback needs the rest, and all that is strict hangs on them
-)
-STRAIGHT = 0.985  # of its length that a leg may extend to: at full length it can no longer push
+RANGE_MARGIN = 0.02  # rad, kept free at both ends of a joint's range for the closed loop
+USABLE_LIMIT_SHARE = 0.97  # share of the velocity and acceleration limits that a reference may use
+LEG_VELOCITY_SHARE = 0.92  # the same share of the legs' velocity limits: feedback needs the rest
+MAX_LEG_EXTENSION = 0.985  # share of its length that a leg may extend to: at full length it can no longer push
 
 
 @dataclass(frozen=True)
 class Limits:
-    """lower, upper, velocity, acceleration (nv,) of y; infinite for the base."""
+    """Limits lower, upper, velocity and acceleration (nv,) of the coordinates y; infinite for the base."""
 
     lower: Array
     upper: Array
@@ -33,28 +31,28 @@ class Limits:
     def of(robot: Robot) -> "Limits":
         rest = robot.rest[7:]
         base = np.full(6, np.inf)
-        lower = np.minimum(robot.lower + ROOM, rest - ROOM)
-        upper = np.maximum(robot.upper - ROOM, rest + ROOM)
+        lower = np.minimum(robot.lower + RANGE_MARGIN, rest - RANGE_MARGIN)
+        upper = np.maximum(robot.upper - RANGE_MARGIN, rest + RANGE_MARGIN)
         _keep_knees_bent(robot, lower, upper)
-        share = np.full(robot.na, SHARE)
-        share[list(robot.groups["legs"])] = LEGS
+        share = np.full(robot.na, USABLE_LIMIT_SHARE)
+        share[list(robot.groups["legs"])] = LEG_VELOCITY_SHARE
         return Limits(
             np.concatenate([-base, lower]),
             np.concatenate([base, upper]),
             np.concatenate([base, share * robot.velocity]),
-            np.concatenate([base, SHARE * robot.acceleration]),
+            np.concatenate([base, USABLE_LIMIT_SHARE * robot.acceleration]),
         )
 
 
 def _keep_knees_bent(robot: Robot, lower: Array, upper: Array) -> None:
-    """Bound the joint that sets each leg's length, found by trying, where the leg gets nearly straight."""
-    chains, rest = Chains(robot), robot.rest[7:]
+    """Bound the joint that sets each leg's length where the leg gets nearly straight; trials find the joint."""
+    chains, rest = JointTree(robot), robot.rest[7:]
 
     def extension(side: str, joint: int, angles: Array) -> Array:
         y = np.tile(from_configuration(robot.rest[None]), (len(angles), 1))
         y[:, 6 + joint] = angles
         kinematics = Kinematics(chains, y)
-        hip, knee, ankle = (kinematics.frame(robot.point(f"{side}_{p}"))[1] for p in ("hip", "knee", "ankle"))
+        hip, knee, ankle = (kinematics.frame_pose(robot.point(f"{side}_{p}"))[1] for p in ("hip", "knee", "ankle"))
         reach, thigh, shank = (np.linalg.norm(b - a, axis=1) for a, b in ((hip, ankle), (hip, knee), (knee, ankle)))
         return reach / (thigh + shank)
 
@@ -64,6 +62,6 @@ def _keep_knees_bent(robot: Robot, lower: Array, upper: Array) -> None:
         knee = joints[int(np.argmax(bends))]
         for bound in (lower, upper):
             angles = np.linspace(rest[knee], bound[knee], 200)
-            bent = extension(side, knee, angles) <= STRAIGHT
+            bent = extension(side, knee, angles) <= MAX_LEG_EXTENSION
             if not bent.all():
                 bound[knee] = angles[max(1, int(bent.argmin())) - 1]

@@ -1,4 +1,4 @@
-"""Bounded least squares on key bodies, Ramos (20)-(28), along a clip: knot by knot, then as one limited programme."""
+"""Bounded least squares on key bodies, Ramos (20)-(28): knot by knot, then as one limited programme over the clip."""
 
 import numpy as np
 import quadprog
@@ -10,16 +10,16 @@ from sot.motion.body.spline import LimitedFit, Spline
 
 Array = NDArray[np.float64]
 
-DAMPING = 1e-2  # of a Gauss-Newton step, in the units of squared residuals
-STEPS = 10  # most Gauss-Newton steps at one knot
-SMALL = 0.05  # rad or m, a step that ends them: they converge quadratically, and the fit goes on from there
-ROUNDS = 8  # most changes of the joints held at their ends, in one step
-LARGEST = 0.5  # rad or m, of a coordinate in one step
-JERK = 500.0  # rad/s³ (m/s³), the jerk that costs as much as an error one is ready to accept
+GAUSS_NEWTON_DAMPING = 1e-2  # of a Gauss-Newton step, in the units of squared residuals
+MAX_GAUSS_NEWTON_STEPS = 10  # most Gauss-Newton steps at one knot
+CONVERGED_STEP = 0.05  # rad or m, a step below this ends the iteration, which converges quadratically
+MAX_ACTIVE_SET_ROUNDS = 8  # most changes of the active bounds in one step
+MAX_STEP = 0.5  # rad or m, largest change of a coordinate in one step
+ACCEPTED_JERK = 500.0  # rad/s³ (m/s³), the jerk that costs as much as an acceptable error
 
 
-def solve(part: Part, knots: Indices, y: Array, limits: Limits) -> tuple[Array, Array]:
-    """Minimise a part's residuals at some knots within the joint range, each by itself from its row of y (n, nv).
+def solve_knots(part: Part, knots: Indices, y: Array, limits: Limits) -> tuple[Array, Array]:
+    """Minimise a part's residuals within the joint range at each of some knots, from its row of y (n, nv).
 
     Returns:
         The part's coordinates (n, s), and the costs ‖e‖² (n,) before the last step.
@@ -28,17 +28,17 @@ def solve(part: Part, knots: Indices, y: Array, limits: Limits) -> tuple[Array, 
     lower, upper = limits.lower[columns], limits.upper[columns]
     y, cost = y.copy(), np.empty(len(y))
     left = np.arange(len(y))  # rows that still move
-    for _ in range(STEPS):
+    for _ in range(MAX_GAUSS_NEWTON_STEPS):
         e, J = part.evaluate(knots[left], y[left])
         Jt = J.transpose(0, 2, 1)
-        g, H = (Jt @ e[..., None])[..., 0], Jt @ J + DAMPING * np.eye(len(columns))
+        g, H = (Jt @ e[..., None])[..., 0], Jt @ J + GAUSS_NEWTON_DAMPING * np.eye(len(columns))
         x = y[left[:, None], columns]
         step = _bounded_step(H, g, lower - x, upper - x)
         largest = np.abs(step).max(axis=1)
-        step *= np.minimum(1.0, LARGEST / np.maximum(largest, LARGEST))[:, None]
+        step *= np.minimum(1.0, MAX_STEP / np.maximum(largest, MAX_STEP))[:, None]
         y[left[:, None], columns] = x + step
         cost[left] = np.sum(e**2, axis=1)
-        left = left[largest >= SMALL]
+        left = left[largest >= CONVERGED_STEP]
         if not len(left):
             break
     return y[:, columns], cost
@@ -54,7 +54,7 @@ def _bounded_step(H: Array, g: Array, lower: Array, upper: Array) -> Array:
     x = np.linalg.solve(H, -g[..., None])[..., 0]
     low, high = x < lower, x > upper
     left = np.flatnonzero((low | high).any(axis=1))
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ACTIVE_SET_ROUNDS):
         if not len(left):
             break
         below, above, own = low[left], high[left], H[left]
@@ -79,8 +79,8 @@ def _bounded_step(H: Array, g: Array, lower: Array, upper: Array) -> Array:
 class PartFit:
     """Fits a part over a whole clip under range, velocity and acceleration limits."""
 
-    def __init__(self, columns: Indices, length: int, period: float, limits: Limits, resting: bool = True):
-        """resting: at the end of its knots, see `LimitedFit`."""
+    def __init__(self, columns: Indices, length: int, period: float, limits: Limits, rest_at_end: bool = True):
+        """rest_at_end: whether it ends at rest, see `LimitedFit`."""
         self._columns = columns
         self._fit = LimitedFit(
             length,
@@ -89,29 +89,33 @@ class PartFit:
             limits.upper[columns],
             limits.velocity[columns],
             limits.acceleration[columns],
-            smoothness=np.full(len(columns), JERK),
-            damping=DAMPING,
-            resting=resting,
+            smoothness=np.full(len(columns), ACCEPTED_JERK),
+            damping=GAUSS_NEWTON_DAMPING,
+            rest_at_end=rest_at_end,
         )
 
-    def improve(
+    def refine(
         self,
         part: Part,
         spline: Spline,
         others: Array,
         steps: int,
-        bends: tuple[Array, Array] | None = None,
-        first: int = 0,
+        acceleration_residuals: tuple[Array, Array] | None = None,
+        first_knot: int = 0,
     ) -> Spline:
         """Gauss-Newton steps from a spline of the part's columns, the other coordinates being those of (T, nv).
 
-        bends: residuals (T, r) and Jacobians (T, r, nv) with respect to the coordinates' second derivatives.
-        first: the part's knot with which they all begin.
+        acceleration_residuals: residuals (T, r) and Jacobians (T, r, nv) for the coordinates' second derivatives.
+        first_knot: the part's knot with which they all begin.
         """
-        bends = None if bends is None else (bends[0], bends[1][:, :, self._columns])
-        y, knots = others.copy(), first + np.arange(len(others))
+        acceleration_residuals = (
+            None
+            if acceleration_residuals is None
+            else (acceleration_residuals[0], acceleration_residuals[1][:, :, self._columns])
+        )
+        y, knots = others.copy(), first_knot + np.arange(len(others))
         for _ in range(steps):
             y[:, self._columns] = spline.knots
             e, J = part.evaluate(knots, y)
-            spline, _ = self._fit.step(spline, J, e, bends)
+            spline, _ = self._fit.step(spline, J, e, acceleration_residuals)
         return spline

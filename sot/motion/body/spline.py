@@ -17,10 +17,10 @@ from solvers.banded import BandedQP, BandedSolution
 
 Array = NDArray[np.float64]
 
-AT_KNOT = np.array([1.0, 4.0, 1.0]) / 6.0  # a knot's value from its three control points
-CURVE = np.array([1.0, -2.0, 1.0])  # its second derivative, times the period squared
-JERK = np.array([-1.0, 3.0, -3.0, 1.0])
-HELD = 1e11  # weight that holds the spline at rest at both ends, above all that is asked of it
+VALUE_STENCIL = np.array([1.0, 4.0, 1.0]) / 6.0  # a knot's value from its three control points
+ACCELERATION_STENCIL = np.array([1.0, -2.0, 1.0])  # second derivative at a knot, times the period squared
+JERK_STENCIL = np.array([-1.0, 3.0, -3.0, 1.0])  # third derivative, times the period cubed
+HELD_END_WEIGHT = 1e11  # weight that holds both ends of the spline, above all residuals
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Spline:
     def knots(self) -> Array:
         """Values at the knots (T, s)."""
         c = self.control
-        return AT_KNOT[0] * c[:-2] + AT_KNOT[1] * c[1:-1] + AT_KNOT[2] * c[2:]
+        return VALUE_STENCIL[0] * c[:-2] + VALUE_STENCIL[1] * c[1:-1] + VALUE_STENCIL[2] * c[2:]
 
     @property
     def velocities(self) -> Array:
@@ -66,7 +66,7 @@ class Spline:
         """The spline that passes through values (T, s), at rest at both ends."""
         n = len(values)
         bands = np.zeros((3, n + 2))
-        bands[0, 2:], bands[1, 1:-1], bands[2, :-2] = AT_KNOT[2], AT_KNOT[1], AT_KNOT[0]
+        bands[0, 2:], bands[1, 1:-1], bands[2, :-2] = VALUE_STENCIL[2], VALUE_STENCIL[1], VALUE_STENCIL[0]
         bands[1, [0, -1]] = 1.0
         bands[0, 1] = bands[2, -2] = 0.0
         # the first and last rows ask for c_0 = q_0: with the knot's own row, velocity stays near zero there
@@ -92,7 +92,7 @@ class LimitedFit:
         acceleration: Array,
         smoothness: Array,
         damping: float,
-        resting: bool = True,
+        rest_at_end: bool = True,
     ):
         """
         Args:
@@ -101,9 +101,9 @@ class LimitedFit:
             lower, upper, velocity, acceleration: (s,) limits, infinite where there is none.
             smoothness: (s,) standard deviation expected of the jerk; its inverse square is the weight w.
             damping: weight d of a step.
-            resting: at the end; if not, the last three control points stay.
+            rest_at_end: whether it ends at rest; if not, the last three control points stay.
         """
-        self.period, self.damping, self._resting = period, damping, resting
+        self.period, self.damping, self._rest_at_end = period, damping, rest_at_end
         self._size = size = len(lower)
         self._count = count = length + 2
         self._jerk_weight = 1.0 / smoothness**2 / period**6
@@ -112,7 +112,9 @@ class LimitedFit:
         identity = sp.eye_array(n)
         rate = sp.diags_array([-np.ones(n), np.ones(n)], offsets=[0, size], shape=(n - size, n))
         curve = sp.diags_array(
-            [value * np.ones(n) for value in CURVE], offsets=list(size * order[:3]), shape=(n - 2 * size, n)
+            [value * np.ones(n) for value in ACCELERATION_STENCIL],
+            offsets=list(size * order[:3]),
+            shape=(n - 2 * size, n),
         )
         A = sp.vstack([identity, rate, curve], format="csr")
         top = np.concatenate(
@@ -126,22 +128,22 @@ class LimitedFit:
         self._qp = BandedQP(A, bottom, top, band=3 * size)  # jerk reaches that far, and only within a coordinate
 
     def step(
-        self, spline: Spline, J: Array, e: Array, bends: tuple[Array, Array] | None = None
+        self, spline: Spline, J: Array, e: Array, acceleration_residuals: tuple[Array, Array] | None = None
     ) -> tuple[Spline, BandedSolution]:
         """The next spline from residuals e (T, r) and their Jacobians J (T, r, s) at the knots of this one.
 
-        bends: residuals and Jacobians with respect to the second derivatives at the knots, if there are any.
+        acceleration_residuals: residuals and Jacobians for the second derivatives at the knots, if there are any.
         """
-        normal, gradient = _normal(e, J)
+        normal, gradient = _normal_equations(e, J)
         normal[:, np.arange(self._size), np.arange(self._size)] += self.damping
-        parts = [(AT_KNOT, normal, gradient)]
-        if bends is not None:
-            parts.append((CURVE / self.period**2, *_normal(*bends)))
+        parts = [(VALUE_STENCIL, normal, gradient)]
+        if acceleration_residuals is not None:
+            parts.append((ACCELERATION_STENCIL / self.period**2, *_normal_equations(*acceleration_residuals)))
         H, g = self._assemble(spline.control, parts)
-        solution = self._qp.solve(H, g, around=spline.control.ravel())
+        solution = self._qp.solve(H, g, expansion_point=spline.control.ravel())
         control = solution.x.reshape(self._count, self._size)
         control[:3] = spline.control[:3]
-        control[-3:] = control[-3] if self._resting else spline.control[-3:]
+        control[-3:] = control[-3] if self._rest_at_end else spline.control[-3:]
         return Spline(control, self.period), solution
 
     def _assemble(self, control: Array, parts: Sequence[tuple[Array, Array, Array]]) -> tuple[Array, Array]:
@@ -163,32 +165,32 @@ class LimitedFit:
             H[:, column[stored], offset] = block.reshape(count, -1)[:, stored]
         for apart in range(4):
             for i in range(4 - apart):
-                H[i : i + count - 3, :, apart * size] += JERK[i] * JERK[i + apart] * self._jerk_weight
+                H[i : i + count - 3, :, apart * size] += JERK_STENCIL[i] * JERK_STENCIL[i + apart] * self._jerk_weight
         for stencil, _, gradient in parts:
             for i in range(3):
                 g[i : i + length] += stencil[i] * gradient
         for i in range(4):
-            g[i : i + count - 3] += JERK[i] * self._jerk_weight * jerk
+            g[i : i + count - 3] += JERK_STENCIL[i] * self._jerk_weight * jerk
         self._hold_ends(H, g, control)
         return H.reshape(count * size, -1), g.ravel()
 
     def _hold_ends(self, H: Array, g: Array, control: Array) -> None:
-        """The first three control points keep their value, the last three as well, or are equal to one another."""
+        """Hold the first three control points; hold the last three as well, or make them equal to one another."""
         size = self._size
-        H[:3, :, 0] += HELD
-        if not self._resting:
-            H[-3:, :, 0] += HELD
+        H[:3, :, 0] += HELD_END_WEIGHT
+        if not self._rest_at_end:
+            H[-3:, :, 0] += HELD_END_WEIGHT
             return
         for first, second in ((-3, -2), (-2, -1)):
             difference = control[second] - control[first]
-            g[first] -= HELD * difference
-            g[second] += HELD * difference
-            H[first, :, 0] += HELD
-            H[second, :, 0] += HELD
-            H[first, :, size] -= HELD
+            g[first] -= HELD_END_WEIGHT * difference
+            g[second] += HELD_END_WEIGHT * difference
+            H[first, :, 0] += HELD_END_WEIGHT
+            H[second, :, 0] += HELD_END_WEIGHT
+            H[first, :, size] -= HELD_END_WEIGHT
 
 
-def _normal(e: Array, J: Array) -> tuple[Array, Array]:
+def _normal_equations(e: Array, J: Array) -> tuple[Array, Array]:
     """Normal matrices (T, s, s) and gradients (T, s) of residuals (T, r) with Jacobians (T, r, s)."""
     Jt = J.transpose(0, 2, 1)
     return np.matmul(Jt, J), np.matmul(Jt, e[..., None])[..., 0]

@@ -1,4 +1,4 @@
-"""What the robot's body is asked to do at every knot: a human's directions and frames, led in from the rest posture."""
+"""Targets of the robot's body at every knot: a human's directions and frames, eased in from the rest posture."""
 
 from dataclasses import dataclass
 
@@ -7,14 +7,14 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from sot.motion.feet.stance import LEAD, Build
+from sot.motion.feet.stance import LEAD_IN_TIME, Build
 from sot.motion.human.human import SEGMENTS, SIDES, Human
 from sot.robots.robot import Robot
 from sot.smooth import minimum_jerk
 
 Array = NDArray[np.float64]
 
-UPPER = ("trunk", "head", *(f"{side}_{part}" for side in SIDES for part in ("upper_arm", "forearm")))
+UPPER_BODY_SEGMENTS = ("trunk", "head", *(f"{side}_{part}" for side in SIDES for part in ("upper_arm", "forearm")))
 
 
 @dataclass(frozen=True)
@@ -39,20 +39,20 @@ class Targets:
         return len(self.hips)
 
 
-def targets(human: Human, robot: Robot, build: Build, facing: Array) -> Targets:
-    """Targets from a human that stands over the robot's feet, on the motion's time line, LEAD at its start.
+def targets_of_human(human: Human, robot: Robot, build: Build, facing: Array) -> Targets:
+    """Targets from a human that stands over the robot's feet, on the motion's time line, eased in within LEAD_IN_TIME.
 
     facing: (T,) heading of the feet, from which the chest is turned [rad].
     """
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
-    lead = minimum_jerk(np.arange(human.count) / human.rate / LEAD)[:, None]
+    lead = minimum_jerk(np.arange(human.count) / human.rate / LEAD_IN_TIME)[:, None]
 
     def at_rest(point: str) -> Array:
         return data.oMf[robot.point(point)].translation
 
     directions = {}
-    for segment in UPPER:
+    for segment in UPPER_BODY_SEGMENTS:
         near, far = SEGMENTS[segment]
         rest = at_rest(far) - at_rest(near)
         mixed = (1.0 - lead) * rest / np.linalg.norm(rest) + lead * human.segment_direction(segment)
@@ -62,14 +62,14 @@ def targets(human: Human, robot: Robot, build: Build, facing: Array) -> Targets:
     human_breadth = np.median(np.linalg.norm(human.points["left_shoulder"] - human.points["right_shoulder"], axis=1))
     swing = min(1.0, (human_breadth / human.arm) / (build.breadth / build.arm))
     frames = {}
-    for body, rotation in (human.frames | {"chest": _untwisted(human.frames["chest"], swing, facing)}).items():
+    for body, rotation in (human.frames | {"chest": _with_share_of_yaw(human.frames["chest"], swing, facing)}).items():
         turn = Rotation.from_matrix(rotation).as_rotvec()
         frames[body] = Rotation.from_rotvec(lead * turn).as_matrix()
     return Targets(hips, frames, directions)
 
 
 def key_points(wanted: Targets, robot: Robot) -> dict[str, Array]:
-    """Where neck, top of the head, elbows and wrists are when every target is met: point -> (T, 3) from the waist [m].
+    """Positions of neck, top of the head, elbows and wrists if every target is met: point -> (T, 3) from the waist [m].
 
     This is the human in the robot's size, limb by limb: each segment has the robot's length and the human's direction,
     and shoulders and head sit on the chest as the robot's do at rest.
@@ -94,7 +94,7 @@ def key_points(wanted: Targets, robot: Robot) -> dict[str, Array]:
     return points
 
 
-def _untwisted(rotations: Array, share: float, facing: Array) -> Array:
+def _with_share_of_yaw(rotations: Array, share: float, facing: Array) -> Array:
     """Orientations (T, 3, 3) with a share of their turn from a heading (T,): Z(share · yaw) in place of Z(yaw)."""
     yaw = np.unwrap(np.arctan2(rotations[:, 1, 0], rotations[:, 0, 0]) - facing)
     yaw -= 2.0 * np.pi * np.round(np.median(yaw) / (2.0 * np.pi))

@@ -1,4 +1,4 @@
-"""Which foot stands where, and when; the polygon that they support."""
+"""Contact phases: which foot stands where, and when; and the support polygon of a phase."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,11 +15,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Phase:
-    """A stretch of time in which the same feet stand at the same place.
+    """A contact phase: a stretch of time in which the same feet stand at the same places.
 
     Attributes:
         start, end: in motion time [s].
-        feet: foot -> pose of its frame, the sole flat on the floor; a foot that is in the air, or slides, is absent.
+        feet: standing foot -> pose of its frame, the sole flat on the floor.
         sliding: feet that slide on the floor.
     """
 
@@ -29,20 +29,20 @@ class Phase:
     sliding: tuple[str, ...] = ()
 
 
-def planted(robot: Robot, duration: float) -> tuple[Phase, ...]:
-    """One phase in which every foot stays where the rest posture puts it."""
+def planted_phases(robot: Robot, duration: float) -> tuple[Phase, ...]:
+    """The one contact phase of a motion whose feet stay where the rest posture puts them."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
     feet = {foot: data.oMf[robot.point(foot)].copy() for foot in robot.feet}
     return (Phase(0.0, duration, feet),)
 
 
-def support(robot: Robot, phase: Phase) -> Polygon:
-    """The convex hull of the soles that stand in a phase."""
+def support_polygon(robot: Robot, phase: Phase) -> Polygon:
+    """The convex hull of the soles of the feet that stand in a phase."""
     corners = np.vstack([[pose.act(corner)[:2] for corner in robot.sole(foot)] for foot, pose in phase.feet.items()])
     return Polygon.hull(corners)
 
 
-def phase_at(phases: Sequence[Phase], times: np.ndarray) -> np.ndarray:
-    """Index (T,) of the phase at each time; the last one from its start on."""
+def phase_indices(phases: Sequence[Phase], times: np.ndarray) -> np.ndarray:
+    """Index (T,) of the phase at each time (T,) [s]."""
     return np.clip(np.searchsorted([phase.start for phase in phases], times, side="right") - 1, 0, len(phases) - 1)

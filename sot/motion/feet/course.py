@@ -1,4 +1,4 @@
-"""What a dance asks of a robot's body, over time: the human to look like, and the way of the feet."""
+"""The course of a dance: the human to look like and the paths of the feet, over time."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sot.motion.feet.contacts import Phase, planted
-from sot.motion.feet.footholds import Reach
+from sot.motion.feet.contacts import Phase, planted_phases
+from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Step
-from sot.motion.feet.slides import Slide, slid_paths, slid_phases
+from sot.motion.feet.slides import Slide, paths_with_slides, phases_with_slides
 from sot.motion.feet.stance import Build
-from sot.motion.feet.swing import FootPath, foot_paths, phases_of, standing
-from sot.motion.feet.travel import Travel, slowed_travel, travel
+from sot.motion.feet.swing import FootPath, contact_phases, foot_paths, standing_paths
+from sot.motion.feet.travel import Travel, plan_travel, travel_at_clock
 from sot.motion.human.human import Human
 from sot.robots.robot import Robot
 
@@ -38,35 +38,35 @@ class Course:
     travel: Travel | None = None
 
 
-def stay(human: Human, robot: Robot) -> Course:
-    """Both feet stay where the rest posture puts them, for a human over them (see `stance.over_feet`)."""
-    phases = planted(robot, human.duration)
-    return Course(human, phases, standing(phases[0], human.count), human.times)
+def standing_course(human: Human, robot: Robot) -> Course:
+    """The course of feet that stay where the rest posture puts them, for a human over them (`human_over_feet`)."""
+    phases = planted_phases(robot, human.duration)
+    return Course(human, phases, standing_paths(phases[0], human.count), human.times)
 
 
-def slid(course: Course, robot: Robot, slides: Sequence[Slide]) -> Course:
-    """The same course, whose feet stay, with some slides in it."""
-    phases = slid_phases(course.phases, slides, robot)
-    return replace(course, phases=phases, feet=slid_paths(course.feet, slides, robot, course.human.times))
+def with_slides(course: Course, robot: Robot, slides: Sequence[Slide]) -> Course:
+    """A course of standing feet with some slides in it."""
+    phases = phases_with_slides(course.phases, slides, robot)
+    return replace(course, phases=phases, feet=paths_with_slides(course.feet, slides, robot, course.human.times))
 
 
-def go(human: Human, robot: Robot, build: Build, contacts: Sequence[Step] | None) -> Course:
-    """The feet step where and when the human's do.
+def stepping_course(human: Human, robot: Robot, build: Build, contacts: Sequence[Step] | None) -> Course:
+    """The course of feet that step where and when the human's do.
 
     contacts: the steps to make, in the clip's time, instead of those found.
     """
-    return _along(travel(human, build, Reach.of(robot), contacts), robot)
+    return _course_along(plan_travel(human, build, LegReach.of(robot), contacts), robot)
 
 
-def slowed_down(course: Course, robot: Robot, clock: Array) -> Course:
-    """A course that steps, at the times (T,) that a clock shows at its frames, later than its own."""
+def with_clock(course: Course, robot: Robot, clock: Array) -> Course:
+    """A stepping course on a slower clock, which shows the times (T,) at the course's frames [s]."""
     if course.travel is None:
         raise ValueError("feet that stay have no steps to slow down")
-    return _along(slowed_travel(course.travel, clock), robot)
+    return _course_along(travel_at_clock(course.travel, clock), robot)
 
 
-def _along(going: Travel, robot: Robot) -> Course:
-    human, reach = going.human, Reach.of(robot)
-    phases = phases_of(robot, going.stands, going.steps, human.duration)
+def _course_along(going: Travel, robot: Robot) -> Course:
+    human, reach = going.human, LegReach.of(robot)
+    phases = contact_phases(robot, going.stands, going.steps, human.duration)
     feet = foot_paths(robot, going.stands, going.steps, going.lifts, reach, human.times)
     return Course(human, phases, feet, going.clock, going)

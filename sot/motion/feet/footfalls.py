@@ -1,4 +1,4 @@
-"""Contact phases seen from one foot: when and where it stands, one stance after the other."""
+"""The footfalls of one foot: when and where it stands, one stance after the other."""
 
 from bisect import bisect_right
 from collections.abc import Sequence
@@ -42,19 +42,19 @@ class Footfalls:
                 stances[-1] = Stance(stances[-1].start, phase.end, pose)
             else:
                 stances.append(Stance(phase.start, phase.end, pose))
-        self._take(stances)
+        self._set_stances(stances)
 
-    def _take(self, stances: Sequence[Stance]) -> None:
+    def _set_stances(self, stances: Sequence[Stance]) -> None:
         self.stances = tuple(stances)
         self._starts = [stance.start for stance in stances]
 
-    def interrupted(self, lift: float, land: float, pose: pin.SE3) -> "Footfalls":
+    def with_step(self, lift: float, land: float, pose: pin.SE3) -> "Footfalls":
         """With the stance at `lift` in two: between, until `land`, the foot is in the air, and then at another pose."""
-        at = self.begun(lift) - 1
+        at = self.count_begun(lift) - 1
         stance = self.stances[at]
         parts = replace(stance, end=lift), Stance(land, max(stance.end, land), pose)
         changed = copy(self)
-        changed._take((*self.stances[:at], *parts, *self.stances[at + 1 :]))
+        changed._set_stances((*self.stances[:at], *parts, *self.stances[at + 1 :]))
         return changed
 
     def __len__(self) -> int:
@@ -63,21 +63,21 @@ class Footfalls:
     def __getitem__(self, index: int) -> Stance:
         return self.stances[index]
 
-    def begun(self, t: float) -> int:
+    def count_begun(self, t: float) -> int:
         """How many stances have begun by a time [s]."""
         return bisect_right(self._starts, t + 1e-9)
 
-    def around(self, t: float) -> tuple[Stance | None, Stance | None]:
+    def stances_around(self, t: float) -> tuple[Stance | None, Stance | None]:
         """The stances before and after the swing that a time [s] is in or follows, none where there is none."""
-        index = self.begun(t)
+        index = self.count_begun(t)
         swings = index < len(self) and (not index or t >= self.stances[index - 1].end - 1e-9)
         after = index if swings else index - 1
         return (self.stances[after - 1] if after > 0 else None), (self.stances[after] if after >= 0 else None)
 
-    def nearest(self, t: float) -> Stance | None:
+    def nearest_stance(self, t: float) -> Stance | None:
         """The stance at a time [s], or the one nearest in time to it; none if the foot never stands."""
         if not self.stances:
             return None
-        index = self.begun(t)
+        index = self.count_begun(t)
         before, after = self.stances[max(index - 1, 0)], self.stances[min(index, len(self) - 1)]
         return after if after.start - t < t - before.end else before

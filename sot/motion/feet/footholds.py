@@ -1,7 +1,8 @@
-"""Where the robot's feet stand: the dancer's places, changed by the least that its legs need."""
+"""The robot's footholds: the dancer's, changed by the least that the robot's legs need."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
@@ -9,53 +10,60 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from solvers.banded import sparse_qp
-from sot.motion.feet.footwork import Stand, Step
+from sot.motion.feet.footwork import Foothold, Step
+from sot.motion.feet.support import ZMP_INSET
 from sot.motion.human.human import SIDES
-from sot.proximity import NEIGHBOUR_DISTANCE as NEXT
+from sot.robots.leg_range import EDGES, HEIGHTS, MAX_EXTENSION, directions, flat_foot_distances, normals, support_values
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-LOWERED = 0.90  # of a stretched leg's length, the lowest hips that a stride may ask for
-EXTENDED = 0.97  # of its length, how far a stride may stretch a leg
-CLEARANCE = 0.02  # m between the soles
-ROOM = 0.8  # of the range in which a foot can turn against the pelvis, for both feet at once
-HURRY = 0.5  # mean speed of a swinging leg's joints over their limit: a swing starts and ends at rest
-SPINNING = 0.75  # mean speed of a turning foot over its hip's limit: the pelvis turns as well
-SHORTEST = 0.25  # of the dancer's path in the robot's size, least that a piece of it is scaled to
-OFF = 0.13  # m that a foothold may be off its place
-DEARER, DEAREST = 4.0, 64.0  # what a foothold's distance gets dearer by where it is farther off, and up to
-LEFT = 0.05  # price where that does not help
-EDGES = 12  # of the polygon inside the circle of strides
-MOVED, TURNED = 0.01, 0.05  # m and rad, changes that one is ready to accept
-EXACT = 1e-6  # tolerance of the programmes
-NOTHING = 1e-12
+MAX_SHIFT = 0.1  # leg lengths, from a foot to the body that it carries alone, where a step begins and ends
+SOLE_CLEARANCE = 0.02  # m between the soles
+TOE_OUT_SHARE = 0.8  # of the range of both hips' yaw that the feet may use
+SWING_SPEED_SHARE = 0.5  # of the joints' speed limit, in the mean of a swing, which starts and ends at rest
+TURN_SPEED_SHARE = 0.75  # of the hip's speed limit, in the mean of a turn: the pelvis turns as well
+MIN_PATH_SCALE = 0.25  # of the dancer's path in the robot's size: the shortest that a piece is scaled to
+MAX_FOOTHOLD_OFFSET = 0.13  # m, from the dancer's to the robot's: farther, its price changes
+FOOTHOLD_PRICE_FACTOR = 4.0  # by which the price of a foothold that is too far off rises at a time
+MAX_FOOTHOLD_PRICE = 64.0  # to which it rises
+GIVEN_UP_FOOTHOLD_PRICE = 0.05  # of a foothold that stays too far off at MAX_FOOTHOLD_PRICE
+UNIT_COST_MOVE, UNIT_COST_TURN = 0.01, 0.05  # m and rad, that cost one unit
+QP_TOLERANCE = 1e-6  # of the programmes' multipliers and residuals
+ROUNDING_ERROR = 1e-12  # m: less is taken for zero
 
 
 @dataclass(frozen=True)
-class Reach:
-    """What a robot's legs can do with its feet flat.
+class LegReach:
+    """What a robot's legs reach with flat feet.
 
     Attributes:
-        leg: its length, stretched [m].
-        hips: distance of the legs' roots [m].
-        stride: farthest of one ankle from the other beyond that distance [m].
-        turn: least and most that the left foot may be turned out from the right one, together [rad]; toes are turned in
-            no further than until knees meet.
-        speed, turning: mean of a foot in a step [m/s, rad/s].
+        leg_length: of the stretched leg, hip to ankle [m].
+        hip_width: distance between the hips [m].
+        max_stride: farthest that one ankle may be from where it is hip_width beside the other, were no joint's range
+            met [m].
+        standing, carrying: foot -> (2 EDGES,) how far its ankle may be from below its hip, along `leg_range.normals`
+            seen from the pelvis, in a stride and with hips as low as need be [m].
+        toe_out_range: least and greatest angle from the right foot's heading to the left one's [rad]; toes are turned
+            in no further than until knees meet.
+        swing_speed, turn_speed: greatest mean speed of a foot in a step [m/s, rad/s].
+        carried_beside: how far beside a foot's ankle, toward the other foot, it can carry the body alone [m].
         soles: foot -> (nc, 2) corners about the point below the ankle [m].
     """
 
-    leg: float
-    hips: float
-    stride: float
-    turn: tuple[float, float]
-    speed: float
-    turning: float
+    leg_length: float
+    hip_width: float
+    max_stride: float
+    standing: Mapping[str, Array]
+    carrying: Mapping[str, Array]
+    carried_beside: float
+    toe_out_range: tuple[float, float]
+    swing_speed: float
+    turn_speed: float
     soles: Mapping[str, Array]
 
     @staticmethod
-    def of(robot: Robot) -> "Reach":
+    def of(robot: Robot) -> "LegReach":
         data = robot.model.createData()
         pin.computeJointJacobians(robot.model, data, robot.rest)
         pin.updateFramePlacements(robot.model, data)
@@ -82,50 +90,58 @@ class Reach:
         for foot, side in zip(robot.feet, SIDES, strict=True):
             pose = data.oMf[robot.point(foot)]
             soles[foot] = np.array([(pose.act(corner) - place(f"{side}_ankle"))[:2] for corner in robot.sole(foot)])
-        reach = Reach(
-            leg=leg,
-            hips=float(abs(place("left_hip")[1] - place("right_hip")[1])),
-            stride=float(2.0 * leg * np.sqrt(EXTENDED**2 - LOWERED**2)),
-            turn=(ROOM * sum(lower), ROOM * sum(upper)),
-            speed=HURRY * float(np.median(rates)) * leg,
-            turning=SPINNING * min(float(robot.velocity[yaw(side)]) for side in SIDES),
+        distances = {foot: flat_foot_distances(robot, side) for foot, side in zip(robot.feet, SIDES, strict=True)}
+        left, right = soles.values()
+        reach = LegReach(
+            leg_length=leg,
+            hip_width=float(abs(place("left_hip")[1] - place("right_hip")[1])),
+            max_stride=float(2.0 * leg * np.sqrt(MAX_EXTENSION**2 - HEIGHTS[-1] ** 2)),
+            standing={foot: support_values(rows[-1]) for foot, rows in distances.items()},
+            carrying={foot: support_values(rows.max(axis=0)) for foot, rows in distances.items()},
+            carried_beside=max(0.0, min(-left[:, 1].min(), right[:, 1].max()) - ZMP_INSET[1]),
+            toe_out_range=(TOE_OUT_SHARE * sum(lower), TOE_OUT_SHARE * sum(upper)),
+            swing_speed=SWING_SPEED_SHARE * float(np.median(rates)) * leg,
+            turn_speed=TURN_SPEED_SHARE * min(float(robot.velocity[yaw(side)]) for side in SIDES),
             soles=soles,
         )
         knees = float(abs(place("left_knee")[1] - place("right_knee")[1]))
-        return replace(reach, turn=(max(reach.turn[0], -_turned_in(reach, knees - _legs_apart(robot))), reach.turn[1]))
+        return replace(
+            reach,
+            toe_out_range=(
+                max(reach.toe_out_range[0], -_max_toe_in(reach, knees - _leg_distance_at_rest(robot))),
+                reach.toe_out_range[1],
+            ),
+        )
 
 
-def _turned_in(reach: Reach, thick: float) -> float:
-    """How far toes can be turned in, both feet together, until knees meet that are so thick [rad].
+def _max_toe_in(reach: LegReach, thick: float) -> float:
+    """How far both feet together can be turned in until the knees, so thick, meet [rad].
 
     Feet are as near as soles allow, hips as high as they can be over them: the lower, the farther knees stand out.
     """
-    ahead = 0.5 * reach.leg * float(np.sqrt(1.0 - EXTENDED**2))
+    ahead = 0.5 * reach.leg_length * float(np.sqrt(1.0 - MAX_EXTENSION**2))
     angles = np.arange(0.0, 0.25 * np.pi, np.deg2rad(1.0))
-    wide = [max(separation((-angle, angle), reach, np.array([0.0, 1.0])), reach.hips) for angle in angles]
-    meet = 0.5 * (reach.hips + np.array(wide)) - 2.0 * ahead * np.sin(angles) < thick
+    wide = [
+        max(min_ankle_separation((-angle, angle), reach, np.array([0.0, 1.0])), reach.hip_width) for angle in angles
+    ]
+    meet = 0.5 * (reach.hip_width + np.array(wide)) - 2.0 * ahead * np.sin(angles) < thick
     return 2.0 * float(angles[meet.argmax()] if meet.any() else angles[-1])
 
 
-def _legs_apart(robot: Robot) -> float:
-    """Distance of one leg from the other at rest, without feet and what is next to each other by design [m]; infinite
-    if there are no shapes."""
+def _leg_distance_at_rest(robot: Robot) -> float:
+    """The distance between the legs at rest [m], without the feet; infinite without shapes."""
     feet = {robot.model.frames[robot.point(foot)].parentJoint for foot in robot.feet}
     left, right = ({2 + joint for joint in robot.groups[f"{side}_leg"]} - feet for side in SIDES)
-    shapes = list(enumerate(robot.shapes.geometryObjects))
-    geometry = robot.shapes.copy()
-    geometry.removeAllCollisionPairs()
-    for first in [k for k, shape in shapes if shape.parentJoint in left]:
-        for second in [k for k, shape in shapes if shape.parentJoint in right]:
-            geometry.addCollisionPair(pin.CollisionPair(first, second))
-    results = geometry.createData()
-    pin.computeDistances(robot.model, robot.model.createData(), geometry, results, robot.rest)
-    distances = [result.min_distance for result in results.distanceResults]
-    return min((apart for apart in distances if apart >= NEXT), default=np.inf)
+    apart = np.inf
+    for pair, distance in zip(robot.shapes.collisionPairs, robot.rest_distances, strict=True):
+        first, second = (robot.shapes.geometryObjects[k].parentJoint for k in (pair.first, pair.second))
+        if (first in left and second in right) or (first in right and second in left):
+            apart = min(apart, float(distance))
+    return apart
 
 
-def together(steps: Sequence[Step]) -> Iterator[tuple[int, int]]:
-    """Which stand of the left foot and of the right one are on the floor together, before and after each step."""
+def standing_pairs(steps: Sequence[Step]) -> Iterator[tuple[int, int]]:
+    """The left and the right foothold, by number, that are on the floor together before and after each step."""
     left = right = 0
     yield left, right
     for step in steps:
@@ -133,17 +149,19 @@ def together(steps: Sequence[Step]) -> Iterator[tuple[int, int]]:
         yield left, right
 
 
-def headings(wanted: Mapping[str, Sequence[Stand]], steps: Sequence[Step], reach: Reach) -> dict[str, Array]:
-    """Headings of the stands (n,) a foot, nearest to the wanted ones within what hips can turn and how fast."""
-    index = _Index(wanted)
+def reachable_headings(
+    wanted: Mapping[str, Sequence[Foothold]], steps: Sequence[Step], reach: LegReach
+) -> dict[str, Array]:
+    """The headings of the footholds, (n,) a foot, nearest to the wanted ones within the hips' range and speed."""
+    index = _FootholdIndex(wanted)
     pairs, least, most = [], [], []
-    for left, right in together(steps):
+    for left, right in standing_pairs(steps):
         pairs.append((index.number("left_foot", left), index.number("right_foot", right)))
-        least.append(reach.turn[0])
-        most.append(reach.turn[1])
+        least.append(reach.toe_out_range[0])
+        most.append(reach.toe_out_range[1])
     for before, after, step in index.moves(steps):
         pairs.append((index.number(step.foot, after), index.number(step.foot, before)))
-        most.append(reach.turning * (step.land - step.lift))
+        most.append(reach.turn_speed * (step.land - step.lift))
         least.append(-most[-1])
     target = index.gather({foot: np.array([stand.heading for stand in stands]) for foot, stands in wanted.items()})
     count = len(pairs)
@@ -151,90 +169,132 @@ def headings(wanted: Mapping[str, Sequence[Stand]], steps: Sequence[Step], reach
         (np.tile([1.0, -1.0], count), (np.repeat(np.arange(count), 2), np.ravel(pairs))), shape=(count, index.count)
     )
     now = differences @ target
-    change = sparse_qp(sp.eye_array(index.count) / TURNED**2, differences, least - now, most - now, EXACT)
+    change = sparse_qp(
+        sp.eye_array(index.count) / UNIT_COST_TURN**2, differences, least - now, most - now, QP_TOLERANCE
+    )
     return index.split(target + change.x)
 
 
-def places(
-    wanted: Mapping[str, Sequence[Stand]],
+def reachable_footholds(
+    wanted: Mapping[str, Sequence[Foothold]],
     turned: Mapping[str, Array],
     steps: Sequence[Step],
-    reach: Reach,
+    reach: LegReach,
     carried: Mapping[str, Array],
     stiffness: Array,
-) -> tuple[dict[str, list[Stand]], Array]:
-    """The stands that the legs reach from one another, without crossing or touching, nearest to the wanted ones along
-    a path that is scaled by as little as that needs.
+    body: Array,
+) -> tuple[dict[str, list[Foothold]], Array]:
+    """The footholds that the legs reach from one another, without crossing or touching, nearest to the wanted ones
+    along a path that is scaled by as little as that needs.
 
-    A convex programme: each pair of stands that are on the floor together keeps, in the axes between their headings,
+    A convex programme: each pair of footholds that are on the floor together keeps, in the axes between their headings,
     its left foot to the left by what both soles need, and no farther than a stride. With C, by which the scales s of
     the pieces of the path carry the wanted places w along, it minimises over places p and scales s
 
         Σ v ‖p − w − C (s − 1)‖² + (s − 1)ᵀ K (s − 1).
 
     Legs that cross want two feet where each other's is: rather than that both miss their place by half of that, one
-    after the other of those that do by more than OFF is given up, v = LEFT instead of 1, until none is left.
+    after the other of those that do by more than MAX_FOOTHOLD_OFFSET is given up, v = GIVEN_UP_FOOTHOLD_PRICE
+    instead of 1, until none is left.
 
     Args:
-        wanted: stands of both feet along the path as it is.
+        wanted: footholds of both feet along the path as it is.
         turned: their headings.
         steps: in order of time.
         reach: of the robot.
         carried: foot -> (n, 2, K), C [m].
         stiffness: (K, K) of the scales [m²].
+        body: (steps, 2, 2) its place when each foot lifts and when it lands [m].
 
     Returns:
-        The stands, and the scales (K,), SHORTEST to 1.
+        The footholds, and the scales (K,), MIN_PATH_SCALE to 1.
     """
-    index = _Index(wanted)
-    rows, least = _reachable(index, turned, steps, reach)
+    index = _FootholdIndex(wanted)
+    shifts = _body_shifts(body, wanted, turned, steps, reach)
+    rows, least = _reach_rows(index, turned, steps, reach, shifts)
     target = index.gather({foot: np.array([(stand.x, stand.y) for stand in wanted[foot]]) for foot in wanted}).ravel()
     C = index.gather(carried).reshape(len(target), -1)
     # In the changes, p − w − C (s − 1) and s − 1, each limit and each price is about a few neighbours in time.
     spots, count = len(target), C.shape[1]
     along = rows @ C
-    along[np.abs(along) < NOTHING] = 0.0
+    along[np.abs(along) < ROUNDING_ERROR] = 0.0
     limits = sp.block_array([[rows, sp.csr_array(along)], [None, sp.eye_array(count)]], format="csr")
-    lower = np.concatenate([least - rows @ target, np.full(count, SHORTEST - 1.0)])
-    upper = np.concatenate([np.full(len(least), np.inf), np.full(count, NOTHING)])
+    lower = np.concatenate([least - rows @ target, np.full(count, MIN_PATH_SCALE - 1.0)])
+    upper = np.concatenate([np.full(len(least), np.inf), np.full(count, ROUNDING_ERROR)])
     value = np.ones(index.count)
     while True:
-        H = sp.block_diag([sp.diags_array(np.repeat(value, 2)), stiffness], format="csr") / MOVED**2
-        change, scale = np.split(sparse_qp(H, limits, lower, upper, EXACT).x, [spots])
+        H = sp.block_diag([sp.diags_array(np.repeat(value, 2)), stiffness], format="csr") / UNIT_COST_MOVE**2
+        change, scale = np.split(sparse_qp(H, limits, lower, upper, QP_TOLERANCE).x, [spots])
         off = np.linalg.norm(change.reshape(-1, 2), axis=1)
-        far = (off > OFF) & (value > LEFT)
+        far = (off > MAX_FOOTHOLD_OFFSET) & (value > GIVEN_UP_FOOTHOLD_PRICE)
         if not far.any():
             break
-        if value[far].max() < DEAREST:
-            value[far] *= DEARER
+        if value[far].max() < MAX_FOOTHOLD_PRICE:
+            value[far] *= FOOTHOLD_PRICE_FACTOR
         else:
-            value[np.flatnonzero(far)[(off * (value >= DEAREST))[far].argmax()]] = LEFT
+            value[np.flatnonzero(far)[(off * (value >= MAX_FOOTHOLD_PRICE))[far].argmax()]] = GIVEN_UP_FOOTHOLD_PRICE
     found = index.split((target + C @ scale + change).reshape(-1, 2))
     return {
-        foot: [Stand(float(x), float(y), float(yaw)) for (x, y), yaw in zip(found[foot], turned[foot], strict=True)]
+        foot: [Foothold(float(x), float(y), float(yaw)) for (x, y), yaw in zip(found[foot], turned[foot], strict=True)]
         for foot in wanted
-    }, np.clip(1.0 + scale, SHORTEST, 1.0)
+    }, np.clip(1.0 + scale, MIN_PATH_SCALE, 1.0)
 
 
-def _reachable(
-    index: "_Index", turned: Mapping[str, Array], steps: Sequence[Step], reach: Reach
+def _body_shifts(
+    body: Array,
+    wanted: Mapping[str, Sequence[Foothold]],
+    turned: Mapping[str, Array],
+    steps: Sequence[Step],
+    reach: LegReach,
+) -> Array:
+    """How far a body is from the standing foot toward the other one where steps begin and end, (steps, 2, 2) [m].
+
+    Ahead of the foot, half of the way to the other one at most. Beside it, MAX_SHIFT at most: from farther, a robot
+    falls faster than it comes back.
+    """
+    shifts = np.empty((len(steps), 2, 2))
+    for k, (pairs, step) in enumerate(zip(pairwise(standing_pairs(steps)), steps, strict=True)):
+        for end, (left, right) in enumerate(pairs):
+            stands = wanted["left_foot"][left], wanted["right_foot"][right]
+            axes = _axes(turned["left_foot"][left], turned["right_foot"][right])
+            there, here = ((stand.x, stand.y) for stand in (stands if step.foot == "left_foot" else stands[::-1]))
+            off, between = axes @ (body[k, end] - here), axes @ np.subtract(there, here)
+            most = np.array([0.5 * abs(between[0]), MAX_SHIFT * reach.leg_length])
+            shifts[k, end] = np.sign(between) * np.clip(np.sign(between) * off, 0.0, most)
+    return shifts
+
+
+def _axes(left: float, right: float) -> Array:
+    """The axes ahead and to the left (2, 2) of a body over two feet of some headings [rad]."""
+    middle = 0.5 * (left + right)
+    return np.array([[np.cos(middle), np.sin(middle)], [-np.sin(middle), np.cos(middle)]])
+
+
+def _reach_rows(
+    index: "_FootholdIndex", turned: Mapping[str, Array], steps: Sequence[Step], reach: LegReach, shifts: Array
 ) -> tuple[sp.csr_array, Array]:
-    """Rows (m, 2n) over all places, and what each is to be at least (m,), for pairs of stands and for steps."""
-    parts: list[tuple[int, int, Array, Array]] = []  # two stands, ways from the second one, least along each
-    circle = 2.0 * np.pi * np.arange(EDGES) / EDGES
-    for left, right in together(steps):
+    """The constraints `rows @ places >= least` for footholds that stand together and for steps: (m, 2n) and (m,)."""
+    parts: list[tuple[int, int, Array, Array]] = []  # two footholds, ways from the second one, least along each
+    for k, (left, right) in enumerate(standing_pairs(steps)):
         yaws = turned["left_foot"][left], turned["right_foot"][right]
-        middle = 0.5 * (yaws[0] + yaws[1])
-        across = np.array([-np.sin(middle), np.cos(middle)])
-        angles = middle + circle + np.pi / EDGES
-        ways = np.column_stack([np.cos(angles), np.sin(angles)])
+        axes = _axes(*yaws)
+        across, ways = axes[1], normals() @ axes
         pair = index.number("left_foot", left), index.number("right_foot", right)
-        far = -reach.stride * np.cos(np.pi / EDGES) - reach.hips * ways @ across
-        parts.append((*pair, across[None], np.array([separation(yaws, reach, across)])))
-        parts.append((*pair, -ways, far))
-    ways = np.column_stack([np.cos(circle), np.sin(circle)])
+        apart = min_ankle_separation(yaws, reach, across)
+        parts.append((*pair, across[None], np.array([apart])))
+        stride = reach.standing["left_foot"] + np.roll(reach.standing["right_foot"], EDGES)
+        far = np.maximum(stride + reach.hip_width * ways @ across, apart * ways @ across)
+        parts.append((*pair, -ways, -far))
+        for number, end in ((k - 1, 1), (k, 0)):
+            if 0 <= number < len(steps):
+                foot = steps[number].foot
+                aside, two = (across, pair) if foot == "left_foot" else (-across, pair[::-1])
+                body = (0.5 * reach.hip_width + reach.carried_beside) * aside + shifts[number, end] @ axes
+                far = reach.carrying[foot] + ways @ body
+                parts.append((*two, -ways, -np.maximum(far, apart * ways @ aside)))
+    ways = directions()
     for before, after, step in index.moves(steps):
-        far = np.full(EDGES, -reach.speed * (step.land - step.lift))
+        far = np.full(EDGES, -reach.swing_speed * (step.land - step.lift))
         parts.append((index.number(step.foot, before), index.number(step.foot, after), ways, far))
     least = np.concatenate([np.empty(0), *(far for *_, far in parts)])
     values = np.vstack([np.empty((0, 4)), *(np.hstack([ways, -ways]) for *_, ways, _ in parts)])
@@ -247,20 +307,20 @@ def _reachable(
     return sp.csr_array((values.ravel(), columns.ravel(), ends), shape=(len(least), 2 * index.count)), least
 
 
-def separation(yaws: tuple[float, float], reach: Reach, across: Array) -> float:
-    """Least distance of the ankles along a direction from right to left (2,) that keeps the soles apart [m]."""
+def min_ankle_separation(yaws: tuple[float, float], reach: LegReach, across: Array) -> float:
+    """The least distance of the ankles along `across` (2,), from right to left, that keeps the soles apart [m]."""
     extents = []
     for foot, yaw, way in zip(("left_foot", "right_foot"), yaws, (-across, across), strict=True):
         cosine, sine = np.cos(yaw), np.sin(yaw)
         corners = reach.soles[foot] @ np.array([[cosine, sine], [-sine, cosine]])
         extents.append(float((corners @ way).max()))
-    return sum(extents) + CLEARANCE
+    return sum(extents) + SOLE_CLEARANCE
 
 
-class _Index:
-    """Numbers the stands of both feet in one vector."""
+class _FootholdIndex:
+    """The numbering of both feet's footholds in one vector."""
 
-    def __init__(self, stands: Mapping[str, Sequence[Stand]]):
+    def __init__(self, stands: Mapping[str, Sequence[Foothold]]):
         self._first: dict[str, int] = {}
         self.count = 0
         self._counts = {foot: len(own) for foot, own in stands.items()}
@@ -272,7 +332,7 @@ class _Index:
         return self._first[foot] + stand
 
     def moves(self, steps: Sequence[Step]) -> Iterator[tuple[int, int, Step]]:
-        """The stands that each step leaves and reaches."""
+        """The numbers of the footholds that each step leaves and reaches, and the step."""
         now = dict.fromkeys(self._counts, 0)
         for step in steps:
             now[step.foot] += 1

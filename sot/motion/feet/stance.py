@@ -1,4 +1,4 @@
-"""A human put where the robot stands: in its size, over its feet, on the motion's time line."""
+"""A human in the robot's size, moved over the robot's feet and onto the motion's time line."""
 
 import itertools
 from collections.abc import Sequence
@@ -14,16 +14,16 @@ from sot.smooth import low_passed
 
 Array = NDArray[np.float64]
 
-DRIFT_HZ = 0.3  # slower than this, where the feet stand and face is a drift to take out
-STANDING = 10.0  # percentile of the lower ankle's height that is taken for standing
-TURN = 0.9  # of the hips' range that a turned pelvis may use up
-LEAD = 1.0  # s, from rest to the first pose
-TAIL = 1.0  # s, rest in the last pose
+DRIFT_HZ = 0.3  # slower changes of where the feet stand and face are a drift, which is taken out
+STANDING_PERCENTILE = 10.0  # of the lower ankle's height: the height of a standing ankle
+PELVIS_YAW_SHARE = 0.9  # of the hips' yaw range that the pelvis may use over standing feet
+LEAD_IN_TIME = 1.0  # s, from rest to the first pose
+TAIL_TIME = 1.0  # s, rest in the last pose
 
 
 @dataclass(frozen=True)
 class Build:
-    """Sizes of a robot that a human is fitted to, from its rest posture.
+    """The sizes of a robot that a human is scaled to, from its rest posture.
 
     Attributes:
         leg, arm: lengths of both segments [m].
@@ -59,15 +59,16 @@ class Build:
             breadth=length("left_shoulder", "right_shoulder"),
             hips=data.oMf[robot.point("waist")].actInv(hips),
             ankles=np.mean([place(f"{side}_ankle") for side in SIDES], axis=0),
-            turn=min(_turn(robot, robot.groups[f"{side}_leg"]) for side in SIDES),
+            turn=min(_pelvis_yaw_range(robot, robot.groups[f"{side}_leg"]) for side in SIDES),
         )
 
 
-def over_feet(human: Human, build: Build) -> Human:
-    """The human in the robot's size, turned and moved so that its feet stay, on average, about the robot's.
+def human_over_feet(human: Human, build: Build) -> Human:
+    """The human in the robot's size, turned and moved so that its feet stay near the robot's.
 
-    Drift and turning slower than DRIFT_HZ are taken out, and what the pelvis turns beyond the robot's hips: a robot
-    with planted feet can follow none of them. Heights are above the ankles, which differ in height from robot to human.
+    Drift and turning slower than DRIFT_HZ are taken out, and the pelvis is turned into the range of the robot's hips:
+    a robot with planted feet can follow none of them. Heights are above the ankles, which differ in height
+    between robot and human.
     """
     ankles = np.mean([human.points[f"{side}_ankle"] for side in SIDES], axis=0)
     forward = np.sum([human.points[f"{side}_toe"] - human.points[f"{side}_ankle"] for side in SIDES], axis=0)
@@ -76,7 +77,7 @@ def over_feet(human: Human, build: Build) -> Human:
     twist = np.unwrap(np.angle(np.exp(1j * (pelvis - feet))))
     heading = feet + twist - np.clip(twist, -build.turn, build.turn)
     origin = low_passed(ankles[:, :2], human.rate, DRIFT_HZ)
-    height = np.percentile(np.min([human.points[f"{side}_ankle"][:, 2] for side in SIDES], axis=0), STANDING)
+    height = np.percentile(np.min([human.points[f"{side}_ankle"][:, 2] for side in SIDES], axis=0), STANDING_PERCENTILE)
 
     cosine, sine, nought = np.cos(heading), np.sin(heading), np.zeros_like(heading)
     turn = np.array([[cosine, sine, nought], [-sine, cosine, nought], [nought, nought, nought + 1.0]]).transpose(
@@ -94,11 +95,15 @@ def over_feet(human: Human, build: Build) -> Human:
     )
 
 
-def on_time_line(human: Human, rate: float) -> Human:
-    """Resampled, with the first pose held for LEAD before and the last for TAIL after."""
+def human_on_time_line(human: Human, rate: float) -> Human:
+    """The human resampled, its first pose held for LEAD_IN_TIME before and its last for TAIL_TIME after the clip."""
     human = human.resampled(rate)
     index = np.concatenate(
-        [np.zeros(round(LEAD * rate), int), np.arange(human.count), np.full(round(TAIL * rate), human.count - 1)]
+        [
+            np.zeros(round(LEAD_IN_TIME * rate), int),
+            np.arange(human.count),
+            np.full(round(TAIL_TIME * rate), human.count - 1),
+        ]
     )
     return replace(
         human,
@@ -107,11 +112,11 @@ def on_time_line(human: Human, rate: float) -> Human:
     )
 
 
-def _turn(robot: Robot, leg: Sequence[int]) -> float:
-    """Range [rad] to either side of rest of a leg's joint with the most vertical axis, at rest."""
+def _pelvis_yaw_range(robot: Robot, leg: Sequence[int]) -> float:
+    """How far a leg's yaw joint, the one whose axis is most upright, can turn to either side of rest [rad]."""
     data = robot.model.createData()
     pin.computeJointJacobians(robot.model, data, robot.rest)
     upright = [abs(data.J[5, 6 + joint]) for joint in leg]
     joint = leg[int(np.argmax(upright))]
     rest = robot.rest[7 + joint]
-    return TURN * float(min(rest - robot.lower[joint], robot.upper[joint] - rest))
+    return PELVIS_YAW_SHARE * float(min(rest - robot.lower[joint], robot.upper[joint] - rest))

@@ -1,4 +1,4 @@
-"""Where the zero moment point may be, over time: the polygons of the feet that carry."""
+"""The support polygon over time: where the zero moment point may be, over the feet that carry."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,16 +10,16 @@ from sot.motion.feet.contacts import Phase
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
 
-INSET = (0.04, 0.025)  # m along and across the feet, from the edge to the planned ZMP: what the closed loop may use
-SHARE = 0.12  # of the weight, least load of every foot that stands for good
-BESIDE_SLIDE = (0.04, 0.045)  # m, the same where a foot slides: its load, far from the other, is never quite steady
-RAMP = 0.04  # s after a foot lands, and before it lifts off, in which it does not carry
-SETTLING = 0.12  # s from a change of the feet that carry, in which one of them may carry next to nothing
+ZMP_INSET = (0.04, 0.025)  # m along and across the feet, from the edge to the planned ZMP: room for feedback
+MIN_LOAD_SHARE = 0.12  # of the weight, least load of a standing foot once the load has been transferred
+ZMP_INSET_SLIDING = (0.04, 0.045)  # m, the same while a foot slides: its load, far from the other, is never steady
+FORCE_RAMP_TIME = 0.04  # s after a foot lands, and before it lifts off, in which it is not counted on to carry
+LOAD_TRANSFER_TIME = 0.12  # s after and before a change of support in which a foot may carry next to nothing
 
 
 @dataclass(frozen=True)
 class Support:
-    """What carries from `start` on [s]: the polygon of the soles, and the `inset` of it that a plan may use."""
+    """The support from `start` on [s]: the polygon of the soles, and its `inset`, which a plan may use."""
 
     start: float
     polygon: Polygon
@@ -27,7 +27,7 @@ class Support:
 
 
 def supports(robot: Robot, phases: Sequence[Phase]) -> tuple[Support, ...]:
-    """The supports of contact phases: a foot carries from RAMP after it lands to RAMP before it lifts off."""
+    """The supports over contact phases: a foot carries from FORCE_RAMP_TIME after landing to as long before lifting."""
     changes = {phases[0].start, phases[-1].end}
     stretches = []  # foot, its pose, the time in which it carries
     for foot in robot.feet:
@@ -35,8 +35,8 @@ def supports(robot: Robot, phases: Sequence[Phase]) -> tuple[Support, ...]:
         for k, phase in enumerate(standing):
             begins = k == 0 or standing[k - 1].end < phase.start
             ends = k + 1 == len(standing) or phase.end < standing[k + 1].start
-            start = phase.start + RAMP * (begins and phase is not phases[0])
-            end = phase.end - RAMP * (ends and phase is not phases[-1])
+            start = phase.start + FORCE_RAMP_TIME * (begins and phase is not phases[0])
+            end = phase.end - FORCE_RAMP_TIME * (ends and phase is not phases[-1])
             stretches.append((foot, phase.feet[foot], start, end))
             changes |= {start} if begins else set()
             changes |= {end} if ends else set()
@@ -47,24 +47,24 @@ def supports(robot: Robot, phases: Sequence[Phase]) -> tuple[Support, ...]:
         feet = {foot: pose for foot, pose, first, last in stretches if first <= middle < last}
         sliding = next((phase.sliding for phase in phases if phase.start <= middle < phase.end), ())
         phase = Phase(start, end, feet, sliding)
-        early = start if start == times[0] else min(start + SETTLING, end)
-        late = end if end == times[-1] else max(end - SETTLING, start)
+        early = start if start == times[0] else min(start + LOAD_TRANSFER_TIME, end)
+        late = end if end == times[-1] else max(end - LOAD_TRANSFER_TIME, start)
         parts = [(start, end, 0.0)]
         if len(feet) > 1 and early < late:
-            parts = [(start, early, 0.0), (early, late, SHARE), (late, end, 0.0)]
+            parts = [(start, early, 0.0), (early, late, MIN_LOAD_SHARE), (late, end, 0.0)]
         found += [_support(robot, phase, first, share) for first, last, share in parts if last > first]
     return tuple(found)
 
 
 def _support(robot: Robot, phase: Phase, start: float, share: float) -> Support:
-    polygon = loaded(robot, phase, share)
+    polygon = loaded_polygon(robot, phase, share)
     forward = np.sum([pose.rotation[:2, 0] for pose in phase.feet.values()], axis=0)
-    inset = BESIDE_SLIDE if phase.sliding else INSET
+    inset = ZMP_INSET_SLIDING if phase.sliding else ZMP_INSET
     return Support(start, polygon, polygon.shrunk(*inset, heading=float(np.arctan2(forward[1], forward[0]))))
 
 
-def loaded(robot: Robot, phase: Phase, share: float) -> Polygon:
-    """Where the ZMP may be if every foot that stands carries at least a share of the weight.
+def loaded_polygon(robot: Robot, phase: Phase, share: float) -> Polygon:
+    """The polygon of ZMPs with which every standing foot carries at least a share of the weight.
 
     A foot that carries next to nothing slides and tilts under the least moment: standing, it should stand.
     """

@@ -1,4 +1,4 @@
-"""Time for the steps: what a dancer does too fast for the robot's feet is left out if small, and slowed down if not."""
+"""The tempo of steps: where a dancer steps too fast for the robot, small steps are left out, others slowed down."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,83 +8,90 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, label, sum_labels
 
 from sot.motion.feet.footwork import Step
-from sot.motion.feet.timetable import SHIFT, timetable
+from sot.motion.feet.timetable import WEIGHT_SHIFT_TIME, retimed_steps
 
 Array = NDArray[np.float64]
 
-LATE = 0.3  # s, that a step may be off the dancer's time
-AROUND = 0.4  # s before and after a step that is too hasty: what is slowed down for it
-PACE = 1.08  # by which one round slows that down
-SLOWEST = 1.5  # times slower than the dancer, at most
-SMOOTH = 0.25  # s, of the change of speed
-ROUNDS = 40
+MAX_STEP_DELAY = 0.3  # s between the middle of a robot's step and that of the dancer's
+SLOWED_HALF_WIDTH = 0.4  # s before and after a step that is too fast: the time that is slowed down
+SLOWDOWN_FACTOR = 1.08  # by which one iteration slows that down
+MAX_SLOWNESS = 1.5  # times slower than the dancer
+SLOWNESS_SMOOTHING_TIME = 0.25  # s, standard deviation of the filter of the slowness
+MAX_ITERATIONS = 40
 
 
 @dataclass(frozen=True)
-class Move:
-    """A step of the dancer and its length [m], the least time that the robot needs for it [s], and whether it may be
-    left out."""
+class AskedStep:
+    """A step of the dancer that the robot is asked to make.
+
+    Attributes:
+        step: when the dancer makes it.
+        length: how far the foot moves [m].
+        min_time: that the robot needs in the air [s].
+        omissible: whether it may be left out.
+    """
 
     step: Step
     length: float
-    least: float
-    small: bool
+    min_time: float
+    omissible: bool
 
 
 @dataclass(frozen=True)
 class Tempo:
-    """The moves that are made, when the robot makes them, and `clock` (T,), the robot's time at the dancer's frames."""
+    """The dancer's steps that are made, the robot's steps, and its time at the dancer's frames, `clock` (T,) [s]."""
 
-    moves: tuple[Move, ...]
+    moves: tuple[AskedStep, ...]
     steps: tuple[Step, ...]
     clock: Array
 
 
-def tempo(moves: Sequence[Move], times: Array) -> Tempo:
-    """A smooth time map, slower than the dancer only where steps would otherwise be off their time.
+def step_tempo(moves: Sequence[AskedStep], times: Array) -> Tempo:
+    """The robot's steps and clock, slower than the dancer only where steps would otherwise be off their time.
 
     Args:
         moves: in order of their middles.
         times: (T,) of the dancer's frames, uniform, from zero [s].
     """
     kept, dt, slow = list(moves), times[1] - times[0], np.ones(len(times))
-    for _ in range(ROUNDS):
-        clock = clock_of(slow, dt)
-        wanted = [at_clock(move.step, clock, 1.0 / dt) for move in kept]
-        timed = timetable(wanted, [move.least for move in kept])
+    for _ in range(MAX_ITERATIONS):
+        clock = clock_from_slowness(slow, dt)
+        wanted = [step_at_clock(move.step, clock, 1.0 / dt) for move in kept]
+        timed = retimed_steps(wanted, [move.min_time for move in kept])
         off = np.array(
             [abs(a.lift + a.land - b.lift - b.land) / 2.0 for a, b in zip(timed, wanted, strict=True)], dtype=float
         )
-        if not len(off) or off.max() <= LATE:
+        if not len(off) or off.max() <= MAX_STEP_DELAY:
             break
-        leave = _least_worth(kept, int(off.argmax()))
+        leave = _shortest_omissible(kept, int(off.argmax()))
         if leave is not None:
             del kept[leave]
             continue
-        late = [0.5 * (move.step.lift + move.step.land) for move, by in zip(kept, off, strict=True) if by > LATE]
-        slow = slowed(slow, times, late, PACE, SLOWEST)
+        late = [
+            0.5 * (move.step.lift + move.step.land) for move, by in zip(kept, off, strict=True) if by > MAX_STEP_DELAY
+        ]
+        slow = slowness_raised(slow, times, late, SLOWDOWN_FACTOR, MAX_SLOWNESS)
     if timed:
         clock[-1] = max(
-            clock[-1], dt * round((timed[-1].land + SHIFT) / dt)
+            clock[-1], dt * round((timed[-1].land + WEIGHT_SHIFT_TIME) / dt)
         )  # the last pose is held as long as it takes
     return Tempo(tuple(kept), timed, clock)
 
 
-def slowed(slow: Array, times: Array, about: Sequence[float], factor: float, most: float | Array) -> Array:
-    """A slowness (T,) at times (T,) that is by a factor greater about some times, but not beyond `most`, one
-    for all or (T,)."""
+def slowness_raised(slow: Array, times: Array, about: Sequence[float], factor: float, most: float | Array) -> Array:
+    """A slowness (T,) at times (T,) raised by a factor near the times `about`, `most` (a number or (T,)) at most."""
     hasty = np.zeros(len(times), bool)
     for middle in about:
-        hasty |= np.abs(times - middle) < AROUND
+        hasty |= np.abs(times - middle) < SLOWED_HALF_WIDTH
     return np.where(hasty, np.maximum(slow, np.minimum(factor * slow, most)), slow)
 
 
-def clock_of(slow: Array, dt: float) -> Array:
-    """Time (T,) that passes at a slowness (T,), made smooth.
+def clock_from_slowness(slow: Array, dt: float) -> Array:
+    """The clock (T,) of a slowness (T,): its integral over frames of `dt`, the slowness made smooth [s].
 
     Wherever it is above one, whole frames are added: what lies before and after has its old frames, only later.
     """
-    lost = gaussian_filter1d(slow - 1.0, SMOOTH / dt, mode="nearest")
+    lost = gaussian_filter1d(slow - 1.0, SLOWNESS_SMOOTHING_TIME / dt, mode="nearest")
     lost = 0.5 * (lost[1:] + lost[:-1])
     places, count = label(lost > 0.0)
     frames = sum_labels(lost, places, np.arange(1, count + 1))
@@ -92,16 +99,18 @@ def clock_of(slow: Array, dt: float) -> Array:
     return dt * (np.arange(len(slow)) + np.concatenate([[0.0], np.cumsum(lost)]))
 
 
-def at_clock(step: Step, clock: Array, rate: float) -> Step:
-    """A step at the times (T,) that a clock shows at frames of a rate [Hz]."""
+def step_at_clock(step: Step, clock: Array, rate: float) -> Step:
+    """A step of the dancer at the robot's times, which a clock (T,) shows at frames of a rate [Hz]."""
     lift, land = np.interp([step.lift, step.land], np.arange(len(clock)) / rate, clock)
     return Step(step.foot, float(lift), float(land))
 
 
-def _least_worth(moves: Sequence[Move], worst: int) -> int | None:
-    """The shortest of the small moves about the one that is most off its time."""
+def _shortest_omissible(moves: Sequence[AskedStep], worst: int) -> int | None:
+    """The omissible step that takes the least time, of those near the `worst`; None if there is none."""
     middle = moves[worst].step.lift + moves[worst].step.land
     near = [
-        k for k, move in enumerate(moves) if move.small and abs(move.step.lift + move.step.land - middle) < 4.0 * AROUND
+        k
+        for k, move in enumerate(moves)
+        if move.omissible and abs(move.step.lift + move.step.land - middle) < 4.0 * SLOWED_HALF_WIDTH
     ]
     return min(near, key=lambda k: moves[k].step.land - moves[k].step.lift, default=None)

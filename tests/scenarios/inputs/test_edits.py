@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scenarios import replay
-from scenarios.replay import REPORT, TIMELINE, Replay, dance
+from scenarios.replay import REPORT_FILE, TIMELINE_FILE, Replay, dance
 from sim.reporting.figures import Points
 from sot.motion.trajectory import Motion
 
@@ -45,8 +45,8 @@ def test_what_is_asked_for_happens_and_is_told(clip, tmp_path):
     figures = replay.replay(request(clip, edits=tmp_path / "edits.toml"), tmp_path / "out", lambda what, share: None)
     assert not figures["fell"]
     assert [line.split(":")[0] for line in figures["edits"]] == ["edit 1", "edit 2"]
-    assert json.loads((tmp_path / "out" / REPORT).read_text())["edits"] == figures["edits"]
-    picture = (tmp_path / "out" / TIMELINE).read_text()
+    assert json.loads((tmp_path / "out" / REPORT_FILE).read_text())["edits"] == figures["edits"]
+    picture = (tmp_path / "out" / TIMELINE_FILE).read_text()
     assert "right_hand edited: edit 1" in picture and "balance: Balance" in picture
 
 

@@ -5,7 +5,7 @@ import pytest
 from scenarios import cli
 from scenarios.kimoh2013 import imitation
 from scenarios.replay import Replay
-from scenarios.studies import SCENARIOS, own_solver, run_scenario
+from scenarios.studies import SCENARIOS, default_solver, run_scenario
 
 
 @pytest.mark.slow
@@ -33,4 +33,4 @@ def test_is_listed_and_meant_for_task_corrections(capsys):
     assert cli.main(["list", "scenarios"]) == cli.DONE
     listed = capsys.readouterr().out
     assert all(name in listed for name in SCENARIOS)
-    assert own_solver("imitation") == "iktc" and own_solver("sliding") == own_solver("none") == "cascade"
+    assert default_solver("imitation") == "iktc" and default_solver("sliding") == default_solver("none") == "cascade"

@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from scenarios.kimoh2013.imitation import narrow_joints
-from scenarios.kimoh2013.kinematic import assemble, integrate
+from scenarios.kimoh2013.imitation import narrowed_joints
+from scenarios.kimoh2013.kinematic import assemble_levels, follow_tasks
 from solvers import Cascade, TaskCorrection
 from sot.control.pose import Pose
 from sot.control.tick import Tick
@@ -53,7 +53,7 @@ def robot():
 
 def test_has_as_many_rows_as_the_robot_has_freedoms(robot):
     tick = Tick(robot).update(0.0, robot.rest, np.zeros(robot.nv))
-    levels = assemble(tick, [JointBounds(robot)], table_1(robot))
+    levels = assemble_levels(tick, [JointBounds(robot)], table_1(robot))
     assert [len(level.b) for level in levels] == [0, 12, 2, 3, 1, 18]
     assert len(levels[0].lower) == robot.na
 
@@ -63,7 +63,7 @@ def test_cascade_and_corrections_agree_on_every_tick_where_no_bound_is_active(ro
     solvers, table, limits, compared = (TaskCorrection(), Cascade()), table_1(robot), [JointBounds(robot)], 0
     for _ in range(40):
         tick = Tick(robot).update(0.0, *standing_state(robot, rng, speed=0.2))
-        levels = assemble(tick, limits, table)
+        levels = assemble_levels(tick, limits, table)
         mine, other = (solver.solve(levels) for solver in solvers)
         if not other.levels[0].active.any():
             np.testing.assert_allclose(mine.x, other.x, atol=1e-6)
@@ -73,17 +73,17 @@ def test_cascade_and_corrections_agree_on_every_tick_where_no_bound_is_active(ro
 
 @pytest.mark.parametrize("solver", [TaskCorrection, Cascade])
 def test_follows_without_drift_and_keeps_what_is_above_a_narrowed_knee(robot, solver):
-    free = integrate(robot, robot.rest, [JointBounds(robot)], table_1(robot, 0.03), solver(), 0.005, 1.2)
+    free = follow_tasks(robot, robot.rest, [JointBounds(robot)], table_1(robot, 0.03), solver(), 0.005, 1.2)
     assert free.slack[:, 1:].max() < 1e-6 and not free.qps.any()
     np.testing.assert_allclose(free.q[-1, 2] - robot.rest[2], -0.03, atol=1e-4)
 
-    knee = narrow_joints(robot)[0]
+    knee = narrowed_joints(robot)[0]
     limit = robot.rest[7 + knee] + 0.5 * (free.q[-1, 7 + knee] - robot.rest[7 + knee])
     upper = robot.upper.copy()
     upper[knee] = limit
 
     limits = [JointBounds(replace(robot, upper=upper), range_margin=0.0)]
-    course = integrate(robot, robot.rest, limits, table_1(robot, 0.03), solver(), 0.005, 1.2)
+    course = follow_tasks(robot, robot.rest, limits, table_1(robot, 0.03), solver(), 0.005, 1.2)
     assert course.q[:, 7 + knee].max() < limit + 1e-6
     assert course.slack[:, 1:3].max() < 1e-5  # feet and centre of mass
     assert course.slack[:, 4:].max() > 0.1
@@ -94,4 +94,4 @@ def test_follows_without_drift_and_keeps_what_is_above_a_narrowed_knee(robot, so
 @pytest.mark.parametrize("name", robot_names())
 def test_finds_knee_and_hip_roll(name):
     robot = Robot.load(name)
-    assert [robot.joints[joint] for joint in narrow_joints(robot)] == ["LLEG3", "LLEG1"]
+    assert [robot.joints[joint] for joint in narrowed_joints(robot)] == ["LLEG3", "LLEG1"]

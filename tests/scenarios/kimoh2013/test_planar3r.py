@@ -8,7 +8,7 @@ import pytest
 from scenarios import cli
 from scenarios.kimoh2013 import planar3r
 from scenarios.kimoh2013 import planar_arm as arm
-from scenarios.kimoh2013.rivals import Clamped, LevelByLevel
+from scenarios.kimoh2013.rivals import ClampedCascade, LevelByLevel
 from solvers import Cascade, TaskCorrection
 
 PERIOD = 0.001
@@ -16,9 +16,10 @@ PERIOD = 0.001
 
 @pytest.fixture(scope="module")
 def tracks():
-    solvers = {"cascade": Cascade, "a QP a level": LevelByLevel, "iktc": TaskCorrection, "clamped": Clamped}
+    solvers = {"cascade": Cascade, "a QP a level": LevelByLevel, "iktc": TaskCorrection, "clamped": ClampedCascade}
     return {
-        name: planar3r.follow(solver(), planar3r.viable(planar3r.BRAKE), PERIOD) for name, solver in solvers.items()
+        name: planar3r.follow_tasks(solver(), planar3r.viable_bounds(planar3r.BRAKING_SHARE), PERIOD)
+        for name, solver in solvers.items()
     }
 
 
@@ -30,19 +31,21 @@ def states(count=20):
 def test_jacobian_and_drift_are_the_tasks_derivatives():
     step = 1e-6
     for q, v in states():
-        seen, after, before = arm.observe(q, v), arm.observe(q + step * v, v), arm.observe(q - step * v, v)
+        seen, after, before = arm.task_state(q, v), arm.task_state(q + step * v, v), arm.task_state(q - step * v, v)
         np.testing.assert_allclose(seen.jacobian @ v, (after.value - before.value) / (2 * step), atol=1e-7)
         np.testing.assert_allclose(seen.drift, (after.jacobian - before.jacobian) @ v / (2 * step), atol=1e-6)
-        tip = arm.links(q[None])[0, -1]
+        tip = arm.link_ends(q[None])[0, -1]
         np.testing.assert_allclose(seen.value[:2], tip[::-1], atol=1e-12)
 
 
 def test_what_is_desired_starts_where_the_arm_does_and_its_rates_are_its_derivatives():
-    np.testing.assert_allclose(arm.desired(0.0)[0], arm.observe(arm.START, np.zeros(3)).value, atol=1e-12)
+    np.testing.assert_allclose(
+        arm.desired_tasks(0.0)[0], arm.task_state(arm.START_ANGLES, np.zeros(3)).value, atol=1e-12
+    )
     step = 1e-6
     for t in (0.1, 0.5, 0.9):
-        _, rate, acceleration = arm.desired(t)
-        after, before = arm.desired(t + step), arm.desired(t - step)
+        _, rate, acceleration = arm.desired_tasks(t)
+        after, before = arm.desired_tasks(t + step), arm.desired_tasks(t - step)
         np.testing.assert_allclose(rate, (after[0] - before[0]) / (2 * step), atol=1e-8)
         np.testing.assert_allclose(acceleration, (after[1] - before[1]) / (2 * step), atol=1e-8)
 
@@ -50,7 +53,7 @@ def test_what_is_desired_starts_where_the_arm_does_and_its_rates_are_its_derivat
 @pytest.mark.parametrize("method", ["cascade", "a QP a level", "iktc", "clamped"])
 def test_no_limit_is_exceeded(tracks, method):
     track = tracks[method]
-    assert track.furthest < 1e-9
+    assert track.max_beyond_range < 1e-9
     assert np.all(np.abs(track.v) <= arm.VELOCITY + 1e-7)
     assert np.all(np.abs(track.a) <= arm.ACCELERATION + 1e-5)
     if method != "clamped":
@@ -77,20 +80,20 @@ def test_iktc_and_cascade_agree_where_no_bound_is_active_and_where_the_last_task
 
 def test_a_joint_that_brakes_with_all_it_may_leaves_the_others_too_little():
     """With the brake of Kim (14) no method keeps the tip's height: what it takes of q_2 is beyond its limit."""
-    bounds = partial(planar3r.viable, 1.0)
-    tracks = [planar3r.follow(solver(), bounds(), PERIOD) for solver in (Cascade, LevelByLevel, TaskCorrection)]
+    bounds = partial(planar3r.viable_bounds, 1.0)
+    tracks = [planar3r.follow_tasks(solver(), bounds(), PERIOD) for solver in (Cascade, LevelByLevel, TaskCorrection)]
     for track in tracks:
         assert 0.01 < np.abs(track.error[:, 0]).max() < 0.1
-        assert track.furthest < 1e-9
+        assert track.max_beyond_range < 1e-9
         k = int(np.argmax(track.a[:, 0] > 0.9 * arm.ACCELERATION[0]))
-        J, h = arm.wanted(track.time[k], track.q[k], track.v[k])
+        J, h = arm.task_rows(track.time[k], track.q[k], track.v[k])
         needed = np.linalg.solve(J[:2, 1:], h[:2] - J[:2, 0] * track.a[k, 0])
         assert needed[0] < -1.3 * arm.ACCELERATION[1]
 
 
 def test_bounds_as_printed_break_a_limit():
-    track = planar3r.follow(TaskCorrection(), planar3r.as_printed(), PERIOD)
-    assert track.furthest > 1e-5 and np.abs(track.a / arm.ACCELERATION).max() > 1.2
+    track = planar3r.follow_tasks(TaskCorrection(), planar3r.printed_bounds_with_fallback(), PERIOD)
+    assert track.max_beyond_range > 1e-5 and np.abs(track.a / arm.ACCELERATION).max() > 1.2
 
 
 def test_runs_from_the_command_line(tmp_path, capsys):

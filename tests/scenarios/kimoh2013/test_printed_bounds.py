@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from scenarios.kimoh2013.printed_bounds import PrintedBounds, measure
+from scenarios.kimoh2013.printed_bounds import PrintedBounds, compare_forms
 
 
 @pytest.mark.parametrize("period", [0.001, 0.005])
 def test_as_printed_leaves_nothing_or_leaves_the_range_and_the_viable_form_does_not(period):
-    figures = measure(period, joints=200)
+    figures = compare_forms(period, joints=200)
     printed, viable = figures["as printed"], figures["viable"]
     assert printed["driven"] > 0.9 and printed["random"] > 0.5
     assert printed["left"] > 0.9 and printed["beyond_rad"] > 0.001

@@ -10,8 +10,8 @@ import pytest
 from scenarios import cli
 from scenarios.inputs.clips import find_clip
 from scenarios.ramos2011 import ramos
-from scenarios.ramos2011.ramos_edits import amplitude, merged, swing, without
-from scenarios.ramos2011.ramos_figures import geometric_figures, needed_torque
+from scenarios.ramos2011.ramos_edits import merged_spans, oscillating_part, oscillation_amplitude, spans_without_slides
+from scenarios.ramos2011.ramos_figures import geometric_figures, required_torque
 from scenarios.ramos2011.ramos_pictures import PAPER_HZ, PAPER_SPANS, swinging_knee
 from scenarios.replay import Replay
 from scenarios.studies import run_scenario
@@ -24,9 +24,9 @@ from tests.sim.runs import still_motion
 
 def test_a_short_clip_is_danced_whole_and_what_is_asked_for_is_danced():
     human = recognise(read(find_clip("groove")))
-    assert ramos.part(human, 0.0, None) == (0.0, human.duration)
-    assert ramos.part(human, 2.0, None) == (2.0, human.duration - 2.0)
-    assert ramos.part(human, 0.0, 5.0) == (0.0, 5.0)
+    assert ramos.clip_part(human, 0.0, None) == (0.0, human.duration)
+    assert ramos.clip_part(human, 2.0, None) == (2.0, human.duration - 2.0)
+    assert ramos.clip_part(human, 0.0, 5.0) == (0.0, 5.0)
 
 
 def test_of_a_long_clip_the_part_is_danced_in_which_the_knees_swing_most():
@@ -41,8 +41,8 @@ def test_of_a_long_clip_the_part_is_danced_in_which_the_knees_swing_most():
     points["right_hip"] = np.column_stack([knee[:, :2], hip[:, 2]])
     frames = {name: np.tile(frame[:1], (count, 1, 1)) for name, frame in human.frames.items()}
     long = replace(human, points=points, frames=frames)
-    start, duration = ramos.part(long, 0.0, None)
-    assert duration == ramos.SECONDS
+    start, duration = ramos.clip_part(long, 0.0, None)
+    assert duration == ramos.MAX_DURATION
     assert start <= 55.0 and start + duration >= 65.0
 
 
@@ -50,19 +50,19 @@ def test_the_amplitude_is_that_of_the_swing_whatever_else_moves():
     times = np.arange(0.0, 20.0, 0.01)
     inside = (times > 5.0) & (times < 15.0)
     angle = 0.5 * np.sin(2.0 * np.pi * 0.2 * times) + np.where(inside, 0.1 * np.sin(2.0 * np.pi * 2.0 * times), 0.0)
-    assert amplitude(times, angle, Oscillation(6.0, 14.0, 2.0, 0.1, 0.0)) == pytest.approx(0.1, rel=0.03)
-    assert np.abs(swing(angle, 100.0, 2.0)[(times > 17.0) & (times < 19.0)]).max() < 0.01
+    assert oscillation_amplitude(times, angle, Oscillation(6.0, 14.0, 2.0, 0.1, 0.0)) == pytest.approx(0.1, rel=0.03)
+    assert np.abs(oscillating_part(angle, 100.0, 2.0)[(times > 17.0) & (times < 19.0)]).max() < 0.01
 
 
 def test_spans_are_widened_and_those_that_are_near_are_one():
     planned = SimpleNamespace(motion=SimpleNamespace(duration=6.1))
-    assert merged([(5.0, 6.0), (1.0, 2.0), (2.5, 3.0)], planned) == [(0.7, 3.3), (4.7, 6.1)]
-    assert merged([], planned) == []
+    assert merged_spans([(5.0, 6.0), (1.0, 2.0), (2.5, 3.0)], planned) == [(0.7, 3.3), (4.7, 6.1)]
+    assert merged_spans([], planned) == []
 
 
 def test_nothing_else_is_edited_while_a_foot_slides():
-    assert without([(1.0, 9.0), (3.0, 4.0)], [(4.0, 6.0)]) == [(1.0, 3.5), (6.5, 9.0)]
-    assert without([(1.0, 2.0)], []) == [(1.0, 2.0)]
+    assert spans_without_slides([(1.0, 9.0), (3.0, 4.0)], [(4.0, 6.0)]) == [(1.0, 3.5), (6.5, 9.0)]
+    assert spans_without_slides([(1.0, 2.0)], []) == [(1.0, 2.0)]
 
 
 def test_the_made_up_knee_swings_where_and_as_fast_as_the_paper_s():
@@ -90,12 +90,12 @@ def test_torques_and_the_feet_s_wrenches_are_all_that_moves_the_robot():
     q = pin.integrate(robot.model, robot.rest, 0.1 * rng.standard_normal(robot.nv))
     tick.update(0.0, q, 0.3 * rng.standard_normal(robot.nv))
     acceleration = rng.standard_normal(robot.nv)
-    left = tick.M @ acceleration + tick.h - np.append(np.zeros(6), needed_torque(tick, acceleration))
+    left = tick.M @ acceleration + tick.h - np.append(np.zeros(6), required_torque(tick, acceleration))
     J = np.vstack([tick.frame(foot).jacobian for foot in robot.feet])
     wrenches, *_ = np.linalg.lstsq(J.T, left, rcond=None)
     np.testing.assert_allclose(J.T @ wrenches, left, atol=1e-6)
     tick.update(0.0, robot.rest, np.zeros(robot.nv))
-    forces = tick.h - np.append(np.zeros(6), needed_torque(tick, np.zeros(robot.nv)))
+    forces = tick.h - np.append(np.zeros(6), required_torque(tick, np.zeros(robot.nv)))
     assert forces[2] == pytest.approx(robot.mass * GRAVITY, rel=1e-6)
 
 

@@ -11,8 +11,8 @@ from rerun.chunk import Chunk, RrdReader
 from sim.log import FOOT_OFF, RunInfo, RunLog
 from sim.push import Push
 from sim.recording.bodies import body_poses
-from sim.recording.panels import FRAME_RATE, dcm, divergent
-from sim.recording.recorder import record
+from sim.recording.panels import FRAME_RATE, divergent_component, measured_and_planned_dcm
+from sim.recording.recorder import write_recording
 from sim.recording.shapes import read_shapes
 from sot.errors import InputError
 from sot.motion.plan import PLAN_RATE, Plan
@@ -45,7 +45,7 @@ def slowed(plan: Plan) -> Plan:
 def chunks(log: RunLog, tmp_path_factory: pytest.TempPathFactory) -> list[Chunk]:
     folder = tmp_path_factory.mktemp("run")
     motion = still_motion(ROBOT, SECONDS)
-    record(folder / "run.rrd", log, INFO, motion, slowed(same_plan(motion)))
+    write_recording(folder / "run.rrd", log, INFO, motion, slowed(same_plan(motion)))
     assert [path.name for path in folder.iterdir()] == ["run.rrd"]
     return RrdReader(folder / "run.rrd").stream().to_chunks()
 
@@ -113,7 +113,7 @@ def test_a_push_is_shown_while_it_acts(chunks):
 
 def test_measured_and_planned_divergent_components_agree_in_a_perfect_run():
     motion = still_motion(ROBOT, SECONDS)
-    measured, planned = dcm(perfect_log(motion).trimmed(), motion)
+    measured, planned = measured_and_planned_dcm(perfect_log(motion).trimmed(), motion)
     np.testing.assert_allclose(measured, planned, atol=1e-9)
     np.testing.assert_allclose(planned, motion.com[:-1, :2], atol=1e-9)
 
@@ -122,7 +122,10 @@ def test_the_divergent_component_runs_away_at_the_rate_of_the_pendulum():
     com, velocity, height, step = np.array([[0.1, 0.0, 0.8]]), np.array([[0.2, -0.1, 0.0]]), np.array([0.8]), 1e-6
     omega = np.sqrt(9.81 / 0.8)
     faster = velocity + step * omega**2 * com * [1.0, 1.0, 0.0]  # the ZMP at the origin
-    before, after = divergent(com, velocity, height), divergent(com + step * velocity, faster, height)
+    before, after = (
+        divergent_component(com, velocity, height),
+        divergent_component(com + step * velocity, faster, height),
+    )
     np.testing.assert_allclose((after - before) / step, omega * before, rtol=1e-4)
 
 
@@ -162,7 +165,7 @@ def test_a_fallen_run_without_a_human_is_recorded_too(tmp_path: Path):
     log = perfect_log(motion)
     log.ticks = 3
     fallen = RunInfo("made-up", "hrp2", "cascade", "planted", 200.0, fell_at_s=0.01, reason="the waist sank")
-    record(tmp_path / "run.rrd", log, fallen, motion, None)
+    write_recording(tmp_path / "run.rrd", log, fallen, motion, None)
     entities = {chunk.entity_path for chunk in RrdReader(tmp_path / "run.rrd").stream().to_chunks()}
     assert "/world/robot" in entities
     assert not any(entity.startswith("/world/human") for entity in entities)

@@ -15,7 +15,7 @@ from sim.reference import Reference, hot_reference_us
 from sim.reporting import figures
 from sim.reporting.report import print_table, run_report, table_rows, write_json
 from solvers.rows import Status
-from sot.motion.feet.flight import Flight, remark
+from sot.motion.feet.flight import Flight, flight_remark
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from tests.sim.runs import PERIOD, perfect_log, same_plan, still_motion
@@ -68,6 +68,7 @@ def test_has_the_agreed_keys(motion, log):
             "contacts",
         ),
         *("limits", "slide", "slides", "solver", "torque_rms_nm", "torque_saturated", "power_w", "reference_us"),
+        *("command", "seed", "revision"),
     }
     assert set(made["tick_us"]) == {"p50", "p99", "max", "model", "assemble", "solve"}
     assert set(made["tracking"]) == {"mpjpe_mm", "joint_rms_rad", "com_rms_m", "hand_rms_m", "head_rms_rad"}
@@ -89,7 +90,9 @@ def test_says_what_became_of_leaps(motion, log):
     assert made["flights"] == {"count": 2, "longest_s": 0.5}
     (said,) = made["remarks"]
     assert "leaps 2 times" in said and "up to 0.50 s" in said and "its feet stay on the floor" in said
-    assert "leaps once" in remark([Flight(1.0, 1.5)], stepping=True) and "it steps" in remark([Flight(0, 1)], True)
+    assert "leaps once" in flight_remark([Flight(1.0, 1.5)], stepping=True) and "it steps" in flight_remark(
+        [Flight(0, 1)], True
+    )
     assert run_report(log, INFO, 0.5, motion, None)["remarks"] == []
 
 

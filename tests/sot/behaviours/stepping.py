@@ -4,8 +4,8 @@ import numpy as np
 import pinocchio as pin
 
 from sot.motion.balance.feet_led import feet_led
-from sot.motion.feet.contacts import Phase, planted
-from sot.motion.feet.swing import FootPath, standing
+from sot.motion.feet.contacts import Phase, planted_phases
+from sot.motion.feet.swing import FootPath, standing_paths
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 
@@ -28,7 +28,7 @@ def stepping_motion(robot: Robot, stride: float = 0.05, height: float = 0.04, ra
     """
     phases = _phases(robot, stride)
     times = np.arange(round(phases[-1].end / PERIOD) + 1) * PERIOD
-    paths = standing(phases[0], len(times))
+    paths = standing_paths(phases[0], len(times))
     for swing, after in zip(phases[1::2], phases[2::2], strict=True):
         foot = next(foot for foot in robot.feet if foot not in swing.feet)
         _step(paths[foot], np.clip((times - swing.start) / SWING, 0.0, 1.0), after.feet[foot], height)
@@ -36,7 +36,7 @@ def stepping_motion(robot: Robot, stride: float = 0.05, height: float = 0.04, ra
 
 
 def _phases(robot: Robot, stride: float) -> tuple[Phase, ...]:
-    here = dict(planted(robot, 0.0)[0].feet)
+    here = dict(planted_phases(robot, 0.0)[0].feet)
     phases, end = [Phase(0.0, FIRST, dict(here))], FIRST
     for foot in reversed(robot.feet):
         phases.append(Phase(end, end + SWING, {name: pose for name, pose in here.items() if name != foot}))

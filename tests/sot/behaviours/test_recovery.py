@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from sot.behaviours.recovery import Recovery
+from sot.behaviours.recovery import RecoverySchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.control.tick import GRAVITY, Tick
-from sot.motion.feet.footholds import CLEARANCE, Reach
+from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
 from tests.sim.runs import still_motion
@@ -40,7 +40,7 @@ def moving(robot, stack, velocity, t: float = 0.0) -> Tick:
 
 def reacts(robot, motion, velocity, left: float = 0.5) -> tuple[Stack, list[str]]:
     """What happens to a stack of a robot that moves, and stands with that share of its weight on its left foot."""
-    recovery, stack = Recovery(robot, motion), standing(robot)
+    recovery, stack = RecoverySchedule(robot, motion), standing(robot)
     loads = dict(zip(robot.feet, robot.mass * GRAVITY * np.array([left, 1.0 - left]), strict=True))
     done = recovery.apply(0.0, stack, loads)
     recovery.observe(moving(robot, stack, velocity))
@@ -67,7 +67,7 @@ def test_a_step_leaves_what_diverges_inside_the_new_support(robot, motion, headi
     soles = {
         name: (tick.frame(name).position + robot.sole(name) @ tick.frame(name).rotation.T)[:, :2] for name in robot.feet
     }
-    moved = way.place - tick.frame(foot).position[:2]
+    moved = way.landing_place - tick.frame(foot).position[:2]
     assert moved @ velocity > 0.0
     rate = np.sqrt(GRAVITY / tick.com[2])
     xi = tick.com[:2] + tick.com_velocity[:2] / rate
@@ -86,33 +86,36 @@ def test_the_foot_that_steps_is_one_that_the_other_lets_go(robot, motion):
 
 
 def test_legs_neither_cross_nor_reach_too_far(robot, motion):
-    reach, steps = Reach.of(robot), 0
+    reach, steps = LegReach.of(robot), 0
     width = robot.sole("right_foot")[:, 1].max() - robot.sole("left_foot")[:, 1].min()  # of the inner halves
     for heading in np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False):
         for speed in (0.6, 0.9):
             stack, _ = reacts(robot, motion, speed * np.array([np.cos(heading), np.sin(heading)]))
             for foot, way in ways(stack).items():
                 beside, side = ("right_foot", 1.0) if foot == "left_foot" else ("left_foot", -1.0)
-                off = way.place - moving(robot, stack, (0.0, 0.0)).frame(beside).position[:2]
-                assert side * off[1] > width + CLEARANCE - 1e-6
-                assert np.linalg.norm(off - (0.0, side * max(reach.hips, width + CLEARANCE))) < reach.stride + 1e-6
+                off = way.landing_place - moving(robot, stack, (0.0, 0.0)).frame(beside).position[:2]
+                assert side * off[1] > width + SOLE_CLEARANCE - 1e-6
+                assert (
+                    np.linalg.norm(off - (0.0, side * max(reach.hip_width, width + SOLE_CLEARANCE)))
+                    < reach.max_stride + 1e-6
+                )
                 steps += 1
     assert steps > 10
 
 
 def test_the_place_follows_until_shortly_before_the_foot_lands(robot, motion):
-    recovery, stack = Recovery(robot, motion), standing(robot)
+    recovery, stack = RecoverySchedule(robot, motion), standing(robot)
     loads = dict.fromkeys(robot.feet, 0.5 * robot.mass * GRAVITY)
     recovery.apply(0.0, stack, loads)
     recovery.observe(moving(robot, stack, (0.6, 0.0)))
     recovery.apply(PERIOD, stack, loads)
     ((foot, way),) = ways(stack).items()
-    first = way.place[0]
+    first = way.landing_place[0]
     recovery.observe(moving(robot, stack, (0.75, 0.0), t=0.1))
-    assert way.place[0] > first + 0.02
-    second = way.place[0]
+    assert way.landing_place[0] > first + 0.02
+    second = way.landing_place[0]
     recovery.observe(moving(robot, stack, (0.9, 0.0), t=way.land - 0.05))
-    assert way.place[0] == second
+    assert way.landing_place[0] == second
     for t in np.arange(2 * PERIOD, way.land + 0.2, PERIOD):
         recovery.apply(t, stack, loads if stack.contact(foot).mode == "fixed" else loads | {foot: 0.0})
     assert stack.contact(foot).mode == "fixed" and not ways(stack)

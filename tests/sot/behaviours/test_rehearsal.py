@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from solvers import Cascade
-from sot.behaviours.rehearsal import KNOT_RATE, rebalanced, rehearsed
+from sot.behaviours.rehearsal import KNOT_RATE, rebalance, rehearse
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.control.tick import GRAVITY
 from sot.errors import InputError
-from sot.motion.feet.contacts import support
+from sot.motion.feet.contacts import support_polygon
 from sot.motion.feet.support import supports
 from sot.robots.robot import Robot
 from tasks import Balance, LeastForces, Posture
@@ -54,7 +54,7 @@ def swinging(still, frequency, angle):
 
 
 def test_at_rest_nothing_happens(still):
-    made = rehearsed(still, stack(still), Cascade())
+    made = rehearse(still, stack(still), Cascade())
     assert len(made.com) == round(SECONDS * KNOT_RATE) + 1
     np.testing.assert_allclose(made.com, still.com[: len(made.com)], atol=1e-6)
     np.testing.assert_allclose(made.rate, 0.0, atol=1e-4)
@@ -65,7 +65,7 @@ def test_a_posture_that_lags_swings_as_the_filter_that_it_is(still):
     frequency = 2.0 * 5.0 / (2.0 * np.pi)
     motion = swinging(still, frequency, 0.2)
     exact, lagging = (
-        rehearsed(motion, stack(motion, **gains), Cascade()) for gains in ({}, {"kp": 25.0, "feedforward": False})
+        rehearse(motion, stack(motion, **gains), Cascade()) for gains in ({}, {"kp": 25.0, "feedforward": False})
     )
     middle = slice(round(0.4 * SECONDS * KNOT_RATE), round(0.8 * SECONDS * KNOT_RATE))
     left = lagging.momentum[middle, 4].std() / exact.momentum[middle, 4].std()
@@ -75,18 +75,18 @@ def test_a_posture_that_lags_swings_as_the_filter_that_it_is(still):
 def test_what_no_floor_gives_is_done_all_the_same(still):
     """Arms so fast that the floor would have to push from outside the soles: done, and told."""
     motion = swinging(still, 2.5, 0.9)
-    made = rehearsed(motion, stack(motion, kp=400.0), Cascade())
-    soles = support(motion.robot, motion.phases[0])
+    made = rehearse(motion, stack(motion, kp=400.0), Cascade())
+    soles = support_polygon(motion.robot, motion.phases[0])
     assert soles.margin(made.zmp()).min() < -0.02
 
 
 def test_the_balance_then_suits_what_the_stack_makes_of_it(still):
     """z = c − h c̈ + offset of the new centre of mass with the rehearsed momentum: as told, and where it should be."""
     motion = swinging(still, 2.0, 0.5)
-    made = rehearsed(motion, stack(motion), Cascade())
+    made = rehearse(motion, stack(motion), Cascade())
     (where,) = supports(motion.robot, motion.phases)
     assert where.inset.margin(made.zmp()).min() < -0.005  # with the centre of mass where it was
-    new = rebalanced(motion, made)
+    new = rebalance(motion, made)
     np.testing.assert_array_equal(new.q, motion.q)
     rows = np.round(np.arange(len(made.com)) / KNOT_RATE * motion.rate).astype(int)
     rows = rows[10:-10]
@@ -100,4 +100,4 @@ def test_the_balance_then_suits_what_the_stack_makes_of_it(still):
 
 def test_a_stack_that_runs_away_is_told(still):
     with pytest.raises(InputError, match="beyond all bounds"):
-        rehearsed(swinging(still, 2.0, 0.1), stack(still, kp=1e6), Cascade())
+        rehearse(swinging(still, 2.0, 0.1), stack(still, kp=1e6), Cascade())

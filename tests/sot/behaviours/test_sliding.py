@@ -2,19 +2,19 @@
 
 import pytest
 
-from sot.behaviours.sliding import Sliding
+from sot.behaviours.sliding import SlidingSchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
-from sot.motion.feet.contacts import planted
-from sot.motion.feet.slides import Slide, slid_phases
+from sot.motion.feet.contacts import planted_phases
+from sot.motion.feet.slides import Slide, phases_with_slides
 from sot.robots.robot import Robot, robot_names
 
 
 @pytest.mark.parametrize("name", robot_names())
 def test_contacts_slide_and_stand_again_with_the_phases(name):
     robot = Robot.load(name)
-    phases = slid_phases(planted(robot, 20.0), [Slide("left_foot", 3.0, 8.0, (0.05, 0.0, 0.0))], robot)
-    stack, schedule = Stack([Contact(foot, robot.sole(foot)) for foot in robot.feet], [], {}), Sliding(phases)
+    phases = phases_with_slides(planted_phases(robot, 20.0), [Slide("left_foot", 3.0, 8.0, (0.05, 0.0, 0.0))], robot)
+    stack, schedule = Stack([Contact(foot, robot.sole(foot)) for foot in robot.feet], [], {}), SlidingSchedule(phases)
     seen = []
     for t in (1.0, 2.99, 3.0, 7.99, 8.0, 8.1):
         schedule.apply(t, stack)

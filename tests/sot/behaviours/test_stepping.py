@@ -2,10 +2,10 @@
 
 import pytest
 
-from sot.behaviours.stepping import LATEST, Stepping
+from sot.behaviours.stepping import MAX_LANDING_DELAY, SteppingSchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
-from sot.motion.feet.contacts import Phase, planted
+from sot.motion.feet.contacts import Phase, planted_phases
 from sot.robots.robot import Robot
 
 LEFT, RIGHT = "left_foot", "right_foot"
@@ -24,11 +24,11 @@ def stack(robot: Robot) -> Stack:
 
 
 @pytest.fixture
-def stepping(robot: Robot) -> Stepping:
+def stepping(robot: Robot) -> SteppingSchedule:
     """The right foot is in the air between LIFT and LAND."""
-    both = planted(robot, 0.0)[0].feet
+    both = planted_phases(robot, 0.0)[0].feet
     alone = {LEFT: both[LEFT]}
-    return Stepping(robot, [Phase(0.0, LIFT, both), Phase(LIFT, LAND, alone), Phase(LAND, 2.0, both)])
+    return SteppingSchedule(robot, [Phase(0.0, LIFT, both), Phase(LIFT, LAND, alone), Phase(LAND, 2.0, both)])
 
 
 def modes(stepping, stack, loads=None, until=2.0):
@@ -77,7 +77,7 @@ def test_a_foot_looks_for_the_floor_a_little_longer(robot, stepping, stack):
 
 def test_but_not_for_ever(robot, stepping, stack):
     changes, _ = modes(stepping, stack, lambda t: carried(robot, 1.0, 0.0))
-    assert changes[1] == (pytest.approx(LAND + LATEST, abs=PERIOD), f"{RIGHT} fixed")
+    assert changes[1] == (pytest.approx(LAND + MAX_LANDING_DELAY, abs=PERIOD), f"{RIGHT} fixed")
 
 
 def test_no_foot_is_released_before_the_other_carries(robot, stepping, stack):
@@ -93,20 +93,20 @@ def test_a_step_for_which_it_is_too_late_is_left_out(robot, stepping, stack):
 
 
 def test_planted_feet_stay(robot, stack):
-    changes, ramp = modes(Stepping(robot, planted(robot, 2.0)), stack)
+    changes, ramp = modes(SteppingSchedule(robot, planted_phases(robot, 2.0)), stack)
     assert changes == []
     assert set(ramp.values()) == {1.0}
 
 
 def test_a_step_that_was_not_planned(robot, stack):
-    stepping = Stepping(robot, planted(robot, 2.0))
-    assert (stepping.begun(RIGHT), stepping.due(RIGHT)) == (1, 0)
+    stepping = SteppingSchedule(robot, planted_phases(robot, 2.0))
+    assert (stepping.stances_begun(RIGHT), stepping.stances_to_come(RIGHT)) == (1, 0)
     stepping.apply(0.2, stack)
-    stepping.interrupt(RIGHT, LIFT, LAND)
-    assert (stepping.begun(RIGHT), stepping.due(RIGHT), stepping.due(LEFT)) == (1, 1, 0)
+    stepping.add_step(RIGHT, LIFT, LAND)
+    assert (stepping.stances_begun(RIGHT), stepping.stances_to_come(RIGHT), stepping.stances_to_come(LEFT)) == (1, 1, 0)
     changes, _ = modes(stepping, stack)
     assert changes == [(LIFT, f"{RIGHT} off"), (LAND, f"{RIGHT} fixed")]
-    assert (stepping.begun(RIGHT), stepping.due(RIGHT)) == (2, 0)
+    assert (stepping.stances_begun(RIGHT), stepping.stances_to_come(RIGHT)) == (2, 0)
 
 
 def test_who_carries(robot, stepping, stack):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sot.behaviours.stride import INTO, Stride, lowered, raised
+from sot.behaviours.stride import LANDING_DEPTH, Stride, lowered_pose, raised_pose
 from sot.control.pose import Pose
 
 START, TO, OTHER = np.array([0.1, 0.2, 0.001]), np.array([0.4, 0.25]), np.array([0.3, 0.4])
@@ -14,14 +14,14 @@ STEP = 1e-5
 @pytest.fixture
 def way() -> Stride:
     stride = Stride(START, np.eye(3), LIFT, LAND, HEIGHT)
-    stride.lead(LIFT, TO)
+    stride.redirect(LIFT, TO)
     return stride
 
 
 def test_it_leaves_and_lands_at_rest(way):
     before, after = way(LIFT), way(LAND)
     np.testing.assert_allclose(before.position, START, atol=1e-12)
-    np.testing.assert_allclose(after.position, (*TO, -INTO), atol=1e-12)
+    np.testing.assert_allclose(after.position, (*TO, -LANDING_DEPTH), atol=1e-12)
     for pose in (before, after):
         np.testing.assert_allclose(pose.velocity, 0.0, atol=1e-9)
         np.testing.assert_allclose(pose.acceleration[:2], 0.0, atol=1e-9)
@@ -29,7 +29,7 @@ def test_it_leaves_and_lands_at_rest(way):
 
 
 def test_velocity_and_acceleration_are_derivatives(way):
-    way.lead(0.6, OTHER)
+    way.redirect(0.6, OTHER)
     for t in np.linspace(LIFT + 0.11, LAND - 0.01, 9):
         before, now, after = way(t - STEP), way(t), way(t + STEP)
         np.testing.assert_allclose(now.velocity[:3], (after.position - before.position) / (2 * STEP), atol=1e-6)
@@ -38,19 +38,19 @@ def test_velocity_and_acceleration_are_derivatives(way):
 
 def test_led_elsewhere_it_goes_on_without_a_kick_and_lands_there(way):
     before = way(0.62)
-    way.lead(0.62, OTHER)
+    way.redirect(0.62, OTHER)
     for old, new in zip(before, way(0.62), strict=True):
         np.testing.assert_allclose(new, old, atol=1e-9)
     np.testing.assert_allclose(way(LAND).position[:2], OTHER, atol=1e-12)
-    way.lead(LAND + 0.1, TO)  # too late
+    way.redirect(LAND + 0.1, TO)  # too late
     np.testing.assert_allclose(way(LAND).position[:2], OTHER, atol=1e-12)
 
 
 def test_a_late_foot_is_lowered(way):
-    assert lowered(way(0.7), -0.1).position[2] == way(0.7).position[2]
+    assert lowered_pose(way(0.7), -0.1).position[2] == way(0.7).position[2]
     depths = np.array([-way(LAND + late).position[2] for late in np.arange(0.0, 0.1, STEP * 100)])
     speeds = [way(LAND + late).velocity[2] for late in np.arange(0.0, 0.1, STEP * 100)]
-    assert np.all(np.diff(depths) >= 0.0) and depths[-1] > INTO + 0.005
+    assert np.all(np.diff(depths) >= 0.0) and depths[-1] > LANDING_DEPTH + 0.005
     np.testing.assert_allclose(np.gradient(depths, STEP * 100)[1:-1], np.negative(speeds)[1:-1], atol=2e-3)
 
 
@@ -58,7 +58,7 @@ def test_raised_it_ends_higher_and_says_how_fast():
     floor = Pose(np.zeros(3), np.eye(3), np.zeros(6), np.zeros(6))
 
     def at(t: float) -> Pose:
-        return raised(floor, 0.01, t, 0.4)
+        return raised_pose(floor, 0.01, t, 0.4)
 
     assert at(-1.0).position[2] == 0.0
     assert at(0.4).position[2] == at(1.0).position[2] == pytest.approx(0.01)

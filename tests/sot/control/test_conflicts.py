@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solvers import Cascade, Status
-from solvers.conflict import explain
+from solvers.conflict import find_conflict
 from sot.control.controller import Controller
 from sot.control.dynamics import Dynamics
 from sot.control.task import Task
@@ -56,9 +56,9 @@ def test_the_planted_cause_is_named_in_fifty_ticks_of_fifty():
         tick.contacts = stack.contacts
         tick.update(0.0, *standing_state(robot, rng))
         levels = Dynamics(robot).assemble(tick, stack.contacts, stack.hard, stack.levels)
-        conflict = explain(levels)
+        conflict = find_conflict(levels)
         assert {"Planted", against} <= conflict.owners
-        assert any(row.change for row in conflict.rows)
+        assert any(row.bound_change for row in conflict.rows)
 
 
 def test_rows_are_told_by_joint_axis_and_unit():
@@ -67,7 +67,7 @@ def test_rows_are_told_by_joint_axis_and_unit():
     stack.hard.append(Planted(on_joint(robot.joints.index("RARM0")), 3000.0, 0))
     tick.contacts = stack.contacts
     tick.update(0.0, robot.rest, np.zeros(robot.nv))
-    conflict = explain(Dynamics(robot).assemble(tick, stack.contacts, stack.hard, stack.levels))
+    conflict = find_conflict(Dynamics(robot).assemble(tick, stack.contacts, stack.hard, stack.levels))
     assert str(conflict).startswith("JointBounds: RARM0 upper +") and "rad/s²" in str(conflict)
 
 
@@ -78,7 +78,7 @@ def test_a_controller_goes_on_and_tells_why_now_and_then():
     controller = Controller(robot, stack, Cascade())
     commands = [controller(0.001 * k, robot.rest, np.zeros(robot.nv)) for k in range(3)]
     assert all(command.status == Status.RELAXED for command in commands)
-    assert "Planted" in explain([commands[0].unsolved]).owners  # ticks later: it is a copy
+    assert "Planted" in find_conflict([commands[0].unsolved]).owners  # ticks later: it is a copy
     assert commands[1].unsolved is None and commands[2].unsolved is None
     assert controller(1.2, robot.rest, np.zeros(robot.nv)).unsolved is not None
 

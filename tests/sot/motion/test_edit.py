@@ -6,7 +6,7 @@ import pytest
 
 from sot.control.pose import Pose
 from sot.errors import InputError
-from sot.motion.edit import Change, Edit, edited_joints, edited_point
+from sot.motion.edit import Edit, SampledOffset, edited_joint_reference, edited_point_reference
 from sot.robots.robot import Robot
 from tests.sim.runs import still_motion
 
@@ -23,7 +23,7 @@ def values(change, times):
 
 
 def test_a_constant_comes_and_goes_smoothly(motion):
-    change = Change.of(Edit("right_hand", "z", by=0.1, start=1.0, end=3.0, ease=0.5), motion)
+    change = SampledOffset.of(Edit("right_hand", "z", by=0.1, start=1.0, end=3.0, ease=0.5), motion)
     times = np.arange(0.5, 3.5, STEP)
     x = values(change, times)
     assert np.all(x[(times < 1.0) | (times > 3.0)] == 0.0)
@@ -35,7 +35,7 @@ def test_a_constant_comes_and_goes_smoothly(motion):
 def test_way_points_are_met_and_left_at_rest(motion):
     points = [(1.0, 0.1), (1.4, -0.05), (2.0, 0.2)]
     edit = Edit("left_hand", "x", through=points, ease=0.4)
-    change = Change.of(edit, motion)
+    change = SampledOffset.of(edit, motion)
     np.testing.assert_allclose(edit.span, (0.6, 2.4))
     np.testing.assert_allclose(values(change, [t for t, _ in points]), [x for _, x in points], atol=1e-6)
     for end in (0.6 + STEP, 2.4 - STEP):
@@ -54,7 +54,7 @@ def test_way_points_are_met_and_left_at_rest(motion):
     ids=["constant", "function", "way-points", "target"],
 )
 def test_rates_are_derivatives(motion, edit):
-    change = Change.of(edit, motion)
+    change = SampledOffset.of(edit, motion)
     for t in np.linspace(0.8, 3.2, 41):
         before, now, after = change(t - STEP), change(t), change(t + STEP)
         np.testing.assert_allclose((after.value - before.value) / (2 * STEP), now.rate, atol=3e-3)
@@ -64,7 +64,7 @@ def test_rates_are_derivatives(motion, edit):
 def test_a_target_is_reached_whatever_the_reference_does(motion):
     target = np.array([0.4, -0.3, 1.2])
     edit = Edit("right_hand", target=tuple(target), start=1.0, end=3.0, ease=0.5)
-    path = edited_point(motion.pose("right_hand"), [(edit.rows, Change.of(edit, motion))])
+    path = edited_point_reference(motion.pose("right_hand"), [(edit.rows, SampledOffset.of(edit, motion))])
     np.testing.assert_allclose(path(2.0).position, target, atol=1e-9)
     np.testing.assert_array_equal(path(0.5).position, motion.pose("right_hand")(0.5).position)
     np.testing.assert_array_equal(path(2.0).rotation, motion.pose("right_hand")(2.0).rotation)
@@ -83,7 +83,7 @@ def test_an_edited_pose_is_consistent_in_all_axes(motion):
         Edit("head", axis, by=lambda t, k=k: 0.2 * np.sin((4.0 + k) * t), start=0.5, end=3.5)
         for k, axis in enumerate(("x", "y", "z", "roll", "pitch", "yaw"))
     ]
-    path = edited_point(swaying, [(edit.rows, Change.of(edit, motion)) for edit in edits])
+    path = edited_point_reference(swaying, [(edit.rows, SampledOffset.of(edit, motion)) for edit in edits])
     for t in np.linspace(0.6, 3.4, 30):
         before, now, after = path(t - STEP), path(t), path(t + STEP)
         turn = pin.log3(after.rotation @ before.rotation.T) / (2 * STEP)
@@ -95,8 +95,8 @@ def test_an_edited_pose_is_consistent_in_all_axes(motion):
 
 def test_only_the_edited_joint_moves(motion):
     robot = motion.robot
-    change = Change.of(Edit("RARM3", by=-0.5, start=1.0, end=3.0), motion)
-    wanted = edited_joints(robot, motion.joints, {"RARM3": [change]})(2.0)
+    change = SampledOffset.of(Edit("RARM3", by=-0.5, start=1.0, end=3.0), motion)
+    wanted = edited_joint_reference(robot, motion.joints, {"RARM3": [change]})(2.0)
     off = wanted[0] - motion.joints(2.0)[0]
     joint = robot.joints.index("RARM3")
     assert off[joint] == pytest.approx(-0.5)
@@ -120,7 +120,7 @@ WRONG = {
 @pytest.mark.parametrize(("given", "said"), WRONG.values(), ids=WRONG.keys())
 def test_what_makes_no_sense_says_so(given, said):
     with pytest.raises(InputError, match=said) as info:
-        Edit(**given, place="mine.toml: edit 3")
+        Edit(**given, source="mine.toml: edit 3")
     assert str(info.value).startswith("mine.toml: edit 3: ")
 
 
@@ -135,6 +135,6 @@ def test_what_the_robot_or_the_motion_has_not_is_named(motion):
         with pytest.raises(InputError, match=said):
             edit.check(motion.robot, motion.duration)
     with pytest.raises(InputError, match="finite"):
-        Change.of(Edit("head", "z", by=lambda t: np.nan, start=1.0, end=2.0), motion)
+        SampledOffset.of(Edit("head", "z", by=lambda t: np.nan, start=1.0, end=2.0), motion)
     with pytest.raises(InputError, match="no number"):
-        Change.of(Edit("head", "z", by=lambda t: "up", start=1.0, end=2.0), motion)
+        SampledOffset.of(Edit("head", "z", by=lambda t: "up", start=1.0, end=2.0), motion)

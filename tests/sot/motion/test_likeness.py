@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sot.motion.likeness import hand_path_ratio, segment_angles, segment_deg
+from sot.motion.likeness import hand_path_ratio, mean_segment_angle_deg, segment_angles
 from tests.sot.motion.human.humans import RATE, dancer
 
 
@@ -20,7 +20,7 @@ def test_a_body_is_like_itself_in_any_size_place_and_heading(human):
         name: place + np.array([3.0, 1.0, 0.2])
         for name, place in moved(human, Rotation.from_euler("z", 2.0), 0.7).items()
     }
-    assert segment_deg(human, other) == pytest.approx(0.0, abs=1e-5)
+    assert mean_segment_angle_deg(human, other) == pytest.approx(0.0, abs=1e-5)
     assert hand_path_ratio(human, other, RATE) == pytest.approx(1.0)
 
 
@@ -31,14 +31,16 @@ def test_angle_of_a_bent_forearm(human):
     angles = segment_angles(human, other)
     assert 0.1 < angles["left_forearm"].max() <= 0.3 + 1e-9
     assert max(angle.max() for name, angle in angles.items() if name != "left_forearm") < 1e-7
-    assert segment_deg(human, other, upper=True) == pytest.approx(np.degrees(angles["left_forearm"].mean()) / 6)
-    assert segment_deg(human, other) == pytest.approx(np.degrees(angles["left_forearm"].mean()) / 10)
+    assert mean_segment_angle_deg(human, other, upper_body_only=True) == pytest.approx(
+        np.degrees(angles["left_forearm"].mean()) / 6
+    )
+    assert mean_segment_angle_deg(human, other) == pytest.approx(np.degrees(angles["left_forearm"].mean()) / 10)
 
 
 def test_legs_do_not_count_above_the_waist(human):
     other = human | {"left_knee": human["left_knee"] + np.array([0.1, 0.0, 0.0])}
-    assert segment_deg(human, other, upper=True) == pytest.approx(0.0, abs=1e-6)
-    assert segment_deg(human, other) > 1.0
+    assert mean_segment_angle_deg(human, other, upper_body_only=True) == pytest.approx(0.0, abs=1e-6)
+    assert mean_segment_angle_deg(human, other) > 1.0
 
 
 def test_calmed_down_hands_travel_less(human):

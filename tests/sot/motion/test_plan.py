@@ -6,9 +6,9 @@ import pytest
 
 from sot.errors import InputError
 from sot.motion import Human, Plan, plan, read, recognise
-from sot.motion.feet.contacts import Phase, support
-from sot.motion.likeness import hand_path_ratio, segment_deg
-from sot.motion.plan import CALMING, PLAN_RATE, calmed
+from sot.motion.feet.contacts import Phase, support_polygon
+from sot.motion.likeness import hand_path_ratio, mean_segment_angle_deg
+from sot.motion.plan import BOUNCE_FADE_TIME, PLAN_RATE, hips_without_bounce_in_slides
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer
 
@@ -58,7 +58,7 @@ def assert_feasible(motion, zmp_margin):
         track, pose = motion.track(foot), motion.phases[0].feet[foot]
         assert np.abs(track.position - pose.translation).max() < 5e-4
         assert np.abs(track.rotation - pose.rotation).max() < 2e-3
-    assert support(robot, motion.phases[0]).margin(motion.zmp).min() > zmp_margin
+    assert support_polygon(robot, motion.phases[0]).margin(motion.zmp).min() > zmp_margin
 
 
 def test_motion_is_feasible(planned):
@@ -86,7 +86,7 @@ def test_starts_from_the_rest_posture_and_ends_at_rest(planned):
 def test_robot_looks_like_the_human(planned):
     human = dancer()
     theirs, ours = points_of(planned, human)
-    assert segment_deg(theirs, ours, upper=True) < 5.0
+    assert mean_segment_angle_deg(theirs, ours, upper_body_only=True) < 5.0
     assert 0.8 < hand_path_ratio(theirs, ours, planned.motion.rate) < 1.2
 
 
@@ -100,7 +100,7 @@ def test_too_fast_a_human_costs_likeness_but_no_limit(robot):
     planned = plan(human, robot, rate=500.0)
     assert_feasible(planned.motion, zmp_margin=0.0)
     assert np.abs(planned.motion.v[:, 6:] / robot.velocity).max() > 0.9
-    assert segment_deg(*points_of(planned, human), upper=True) < 25.0
+    assert mean_segment_angle_deg(*points_of(planned, human), upper_body_only=True) < 25.0
 
 
 def test_unknown_feet(robot):
@@ -114,7 +114,7 @@ def test_a_slide_is_put_in_with_the_zmp_in_the_other_foot():
     (phase,) = (phase for phase in motion.phases if phase.sliding)
     (foot,), (standing,) = phase.sliding, phase.feet
     rows = (motion.times >= phase.start) & (motion.times <= phase.end)
-    assert support(robot, phase).margin(motion.zmp[rows]).min() > 0.035
+    assert support_polygon(robot, phase).margin(motion.zmp[rows]).min() > 0.035
     gone = motion.track(foot).position - motion.phases[0].feet[foot].translation
     assert np.abs(gone[motion.times < phase.start]).max() < 5e-4
     assert np.abs(gone[motion.times > phase.end] - [0.015, 0.0, 0.0]).max() < 5e-4
@@ -127,8 +127,8 @@ def test_the_hips_keep_their_bounce_but_for_while_a_foot_slides():
     hips = np.column_stack([np.zeros(600), 0.1 * times, 0.8 + 0.02 * np.sin(2.0 * np.pi * 2.0 * times)])
     feet = {"left_foot": pin.SE3.Identity()}
     phases = (Phase(0.0, 4.0, feet), Phase(4.0, 8.0, feet, ("right_foot",)), Phase(8.0, 12.0, feet))
-    calm = calmed(hips, phases)
-    away = (times < 4.0 - CALMING) | (times > 8.0 + CALMING)
+    calm = hips_without_bounce_in_slides(hips, phases)
+    away = (times < 4.0 - BOUNCE_FADE_TIME) | (times > 8.0 + BOUNCE_FADE_TIME)
     np.testing.assert_array_equal(calm[away], hips[away])
     np.testing.assert_array_equal(calm[:, :2], hips[:, :2])
     assert np.abs(calm[(times > 4.0) & (times < 8.0), 2] - 0.8).max() < 0.002
@@ -148,5 +148,5 @@ def test_punch():
     planned = plan(human, Robot.load("hrp2"), rate=500.0)
     assert_feasible(planned.motion, zmp_margin=0.02)
     theirs, ours = points_of(planned, human)
-    assert segment_deg(theirs, ours, upper=True) < 8.0
+    assert mean_segment_angle_deg(theirs, ours, upper_body_only=True) < 8.0
     assert 0.8 < hand_path_ratio(theirs, ours, 500.0) < 1.2

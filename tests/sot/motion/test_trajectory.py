@@ -5,8 +5,8 @@ import pytest
 from sot.errors import InputError
 from sot.motion.body.coordinates import from_configuration
 from sot.motion.body.spline import Spline
-from sot.motion.feet.contacts import planted, support
-from sot.motion.plan import sampled
+from sot.motion.feet.contacts import planted_phases, support_polygon
+from sot.motion.plan import sampled_motion
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 
@@ -21,7 +21,7 @@ def motion():
     y = from_configuration(robot.rest[None]) + 0.2 * np.sin(np.outer(t, np.linspace(2.0, 6.0, robot.nv))) * window
     control = Spline.through(y, 0.02).control
     control[:3], control[-3:] = y[0], y[-1]
-    return sampled(robot, Spline(control, 0.02), planted(robot, t[-1]), RATE)
+    return sampled_motion(robot, Spline(control, 0.02), planted_phases(robot, t[-1]), RATE)
 
 
 def test_velocity_and_acceleration_are_derivatives(motion):
@@ -127,7 +127,7 @@ def test_standing_is_at_rest_with_its_centre_of_mass_over_its_feet():
     np.testing.assert_array_equal(motion.q, np.tile(robot.rest, (101, 1)))
     com = pin.centerOfMass(robot.model, robot.model.createData(), robot.rest)
     np.testing.assert_allclose(motion.com, np.tile(com, (101, 1)))
-    assert support(robot, motion.phases[0]).margin(motion.zmp[:1])[0] > 0.05
+    assert support_polygon(robot, motion.phases[0]).margin(motion.zmp[:1])[0] > 0.05
     for foot in robot.feet:
         np.testing.assert_allclose(motion.feet[foot](0.2), motion.pose(foot)(0.2).position)
 

@@ -123,8 +123,8 @@ BAD_FILES = {
     "'rest.RLEG2' must be a number": ("RLEG2 = -0.453786", 'RLEG2 = "bent"'),
     "'groups.chest' names 'CHEST7', which is no joint": ('"CHEST0", "CHEST1"', '"CHEST0", "CHEST7"'),
     "'groups.head' is missing": ('head = ["HEAD0", "HEAD1"]', ""),
-    "'limits.acceleration' is missing": ("acceleration = 60", ""),
-    "'limits.acceleration' of joint 'CHEST0' is 0.0": ("acceleration = 60", "acceleration = 0"),
+    "[limits] lacks 'acceleration' of all joints: one number": ("acceleration = 60", ""),
+    "[limits] are not positive: 'acceleration' of all joints": ("acceleration = 60", "acceleration = 0"),
     "'soles.left_foot' needs three corners": (", [0.13, -0.056, 0], [-0.1, -0.056, 0], [-0.1, 0.075, 0]", ""),
     "the frame 'LLEG4_LINK' is on another link": ("left_foot = [[0.13, 0.075, 0]", 'left_foot = ["LLEG4_LINK"'),
 }

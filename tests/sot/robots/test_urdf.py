@@ -7,7 +7,8 @@ import pytest
 
 from sim.convert import state_to_mujoco
 from sot.errors import InputError
-from sot.robots.urdf import Urdf
+from sot.robots.reading import read_model
+from sot.robots.solid import COLLISION_GROUP
 
 CORNERS = np.array([(x, y, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
 FACES = "3 0 1 3\n3 0 3 2\n3 4 6 7\n3 4 7 5\n3 0 4 5\n3 0 5 1\n3 2 3 7\n3 2 7 6\n3 0 2 6\n3 0 6 4\n3 1 5 7\n3 1 7 3\n"
@@ -61,17 +62,17 @@ def toy(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def urdf(toy):
-    return Urdf.read(toy, {"knuckle": 0.4})
+    return read_model(toy, {"knuckle": 0.4})
 
 
 @pytest.fixture(scope="module")
 def model(urdf):
-    return mujoco.MjModel.from_xml_string(urdf.mjcf("toy", pin.neutral(urdf.model)))
+    return urdf.compiled
 
 
 def test_a_locked_joint_becomes_part_of_its_body(toy, urdf):
     assert list(urdf.model.names)[2:] == ["shoulder", "roll", "wrist"]
-    free = Urdf.read(toy, {}).model
+    free = read_model(toy).model
     assert pin.computeTotalMass(urdf.model) == pytest.approx(pin.computeTotalMass(free))
     q, q_free = pin.neutral(urdf.model), pin.neutral(free)
     q_free[-1] = 0.4
@@ -109,42 +110,55 @@ def test_both_libraries_mean_the_same_robot(urdf, model):
 
 
 def test_meshes_become_primitives_about_them(model):
-    """A long one a capsule, a flat one a box, both as large as the mesh at its scale; a housing none at all."""
-    shapes = [g for g in range(model.ngeom) if model.geom_group[g] == 3]
+    """Boxes as large as the meshes at their scales; a housing none at all."""
+    shapes = [g for g in range(model.ngeom) if model.geom_group[g] == COLLISION_GROUP]
     assert {model.body(body).name for body in model.geom_bodyid[shapes]} == {"base", "arm", "hand"}
-    trunk, arm = model.geom("root_joint_meshes").id, model.geom("roll_meshes").id
+    trunk, arm = model.geom("base_meshes").id, model.geom("arm_meshes").id
     assert model.geom_type[trunk] == mujoco.mjtGeom.mjGEOM_BOX
-    assert model.geom_type[arm] == mujoco.mjtGeom.mjGEOM_CAPSULE
+    assert model.geom_type[arm] == mujoco.mjtGeom.mjGEOM_BOX
     np.testing.assert_allclose(2 * model.geom_size[trunk], [0.1, 0.3, 0.4], atol=1e-6)
-    radius, half = model.geom_size[arm, :2]
-    assert radius == pytest.approx(0.045, abs=1e-6) and radius + half == pytest.approx(0.2, abs=1e-6)
+    np.testing.assert_allclose(2 * model.geom_size[arm], [0.1, 0.08, 0.4], atol=1e-6)
     centre = pin.SE3(pin.rpy.rpyToMatrix(0.0, 0.2, 0.0), np.array([0.0, 0.0, 0.1])).act(np.array([0.05, 0.04, 0.2]))
     np.testing.assert_allclose(model.geom_pos[arm], centre, atol=1e-6)
 
 
-def test_neighbours_do_not_collide_and_others_do(urdf, model):
-    """The hand's way to the trunk has a length between; the arm's, around its housing, has none."""
-    excluded = {(int(pair) >> 16, int(pair) & 0xFFFF) for pair in model.exclude_signature}
-    names = {tuple(sorted(model.body(body).name for body in pair)) for pair in excluded}
-    assert ("arm", "base") in names and ("arm", "hand") in names
-    assert ("base", "hand") not in names
-
-
-def test_a_foot_collides_with_its_sole(urdf):
-    wrist = urdf.model.getJointId("wrist")
-    sole = np.array([[0.1, 0.05, -0.2], [0.1, -0.05, -0.2], [-0.05, -0.05, -0.2], [-0.05, 0.05, -0.2]])
-    text = urdf.with_soles({wrist: sole}).mjcf("toy", pin.neutral(urdf.model))
-    model = mujoco.MjModel.from_xml_string(text)
-    (hand,) = (g for g in range(model.ngeom) if model.geom_bodyid[g] == model.body("hand").id)
-    low, high = model.geom_pos[hand] - model.geom_size[hand], model.geom_pos[hand] + model.geom_size[hand]
-    np.testing.assert_allclose(low, [-0.05, -0.05, -0.2])
-    np.testing.assert_allclose(high[:2], [0.1, 0.05])
-
-
 def test_what_cannot_be_read_is_refused_in_one_line(toy, tmp_path):
     with pytest.raises(InputError, match="no joint 'thumb' to lock"):
-        Urdf.read(toy, {"thumb": 0.0})
+        read_model(toy, {"thumb": 0.0})
     alone = tmp_path / "toy.urdf"
     alone.write_text(TOY)
     with pytest.raises(InputError, match=r"toy.urdf: Pinocchio cannot read it: .*cube.off"):
-        Urdf.read(alone, {})
+        read_model(alone)
+
+
+def test_a_follower_is_held_where_its_leader_at_rest_has_it(toy, tmp_path):
+    """And a joint that goes round is one without a range."""
+    mimic = '<mimic joint="wrist" multiplier="-2" offset="0.3"/></joint></robot>'
+    text = TOY.replace("</joint></robot>", mimic).replace("package://toy/meshes", str(toy.parent.parent / "meshes"))
+    path = tmp_path / "toy.urdf"
+    path.write_text(text.replace('<joint name="wrist" type="revolute">', '<joint name="wrist" type="continuous">'))
+    reading = read_model(path, {"wrist": 0.1})
+    assert "they are held where their leaders at rest have them: knuckle" in reading.remarks[0]
+    expected = read_model(path, {"wrist": 0.1, "knuckle": 0.1})
+    np.testing.assert_allclose(reading.compiled.body_inertia, expected.compiled.body_inertia, atol=1e-12)
+    (wrist,) = (hinge for hinge in read_model(path).tree.hinges if hinge.name == "wrist")
+    assert (wrist.lower, wrist.upper) == (-np.inf, np.inf)
+
+
+def test_a_link_that_moves_without_mass_is_named(toy, tmp_path):
+    path = tmp_path / "toy.urdf"
+    ghost = '<link name="finger"/>' + joint("knuckle", "hand", "finger", "0 0 0.1")
+    path.write_text(
+        TOY[: TOY.index('<link name="finger"')].replace("package://toy", str(toy.parent.parent)) + ghost + "</robot>"
+    )
+    with pytest.raises(InputError, match=r"link 'finger' moves and has no mass.*\[locked\]"):
+        read_model(path)
+
+
+def test_a_sliding_joint_is_named_with_its_remedy(toy, tmp_path):
+    path = tmp_path / "toy.urdf"
+    text = TOY.replace("package://toy", str(toy.parent.parent))
+    path.write_text(text.replace('<joint name="knuckle" type="revolute">', '<joint name="knuckle" type="prismatic">'))
+    with pytest.raises(InputError, match=r"joint 'knuckle' slides: .*\[locked\]"):
+        read_model(path)
+    assert [hinge.name for hinge in read_model(path, {"knuckle": 0.01}).tree.hinges] == ["shoulder", "roll", "wrist"]

@@ -4,10 +4,10 @@ import pytest
 from scipy.optimize import linprog
 
 from sot.motion.balance.centroidal import Centroidal, momentum_maps
-from sot.motion.balance.grip import FRICTION, TURNED, USED, Grip, yaw_moments
+from sot.motion.balance.grip import MOMENT_WEIGHT, RELIED_FRICTION, USED_FRICTION_SHARE, Grip, yaw_moment_range
 from sot.motion.body.coordinates import from_configuration, to_pinocchio
 from sot.motion.body.spline import Spline
-from sot.motion.feet.contacts import Phase, planted
+from sot.motion.feet.contacts import Phase, planted_phases
 from sot.robots.robot import Robot
 
 PERIOD = 0.02
@@ -44,12 +44,12 @@ def test_momentum_is_its_map_times_the_rates_of_the_coordinates(robot):
 def test_yaw_moments_are_what_forces_at_the_corners_can_give(seed):
     rng = np.random.default_rng(seed)
     normal = 500.0
-    force = np.array([*(0.4 * FRICTION * normal * rng.uniform(-1, 1, 2)), normal])
+    force = np.array([*(0.4 * RELIED_FRICTION * normal * rng.uniform(-1, 1, 2)), normal])
     place = 0.7 * HALF * rng.uniform(-1, 1, 2)
     moment = np.array([place[1] * normal, -place[0] * normal, 0.0])
     corners = np.array([(x, y, 0.0) for x in (HALF[0], -HALF[0]) for y in (HALF[1], -HALF[1])])
     wrench = np.vstack([np.tile(np.eye(3), 4), np.hstack([pin.skew(corner) for corner in corners])])
-    pyramid = np.kron(np.eye(4), [[s * (a == 0), s * (a == 1), -FRICTION] for a in (0, 1) for s in (1, -1)])
+    pyramid = np.kron(np.eye(4), [[s * (a == 0), s * (a == 1), -RELIED_FRICTION] for a in (0, 1) for s in (1, -1)])
     ends = [
         linprog(
             sign * wrench[5],
@@ -61,12 +61,12 @@ def test_yaw_moments_are_what_forces_at_the_corners_can_give(seed):
         ).fun
         for sign in (1.0, -1.0)
     ]
-    least, most = yaw_moments(force[None], moment[None], HALF)
+    least, most = yaw_moment_range(force[None], moment[None], HALF)
     np.testing.assert_allclose([least[0], -most[0]], ends, atol=1e-6)
 
 
 def test_what_a_foot_cannot_hold_is_told_with_the_accelerations_that_change_it(robot, twist):
-    (both,) = planted(robot, 1.2)
+    (both,) = planted_phases(robot, 1.2)
     alone = Phase(0.0, 1.2, {"left_foot": both.feet["left_foot"]})
     times = PERIOD * np.arange(60)
     y, state = twist.knots, centroidal(robot, twist)
@@ -83,5 +83,5 @@ def test_what_a_foot_cannot_hold_is_told_with_the_accelerations_that_change_it(r
     accelerations[k] -= J * errors[k, 0] / (J @ J)
     mended = Centroidal.along(robot, *to_pinocchio(y, twist.velocities, accelerations))
     before, after = (s.rate[k, 5] for s in (state, mended))
-    assert TURNED * (before - after) == pytest.approx(errors[k, 0], rel=1e-6)
-    assert USED < 1.0
+    assert MOMENT_WEIGHT * (before - after) == pytest.approx(errors[k, 0], rel=1e-6)
+    assert USED_FRICTION_SHARE < 1.0

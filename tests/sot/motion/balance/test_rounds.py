@@ -2,17 +2,17 @@ import numpy as np
 import pytest
 
 from sot.motion.balance.centroidal import Centroidal
-from sot.motion.balance.rounds import AROUND, Rounds, _parts
+from sot.motion.balance.rounds import WINDOW_OVERLAP_S, BalanceRounds, _windows
 from sot.motion.body.coordinates import to_pinocchio
 from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
-from sot.motion.body.targets import targets
+from sot.motion.body.targets import targets_of_human
 from sot.motion.body.whole_body import retarget
-from sot.motion.feet.course import go
-from sot.motion.feet.stance import Build, on_time_line
+from sot.motion.feet.course import stepping_course
+from sot.motion.feet.stance import Build, human_on_time_line
 from sot.motion.feet.support import supports
-from sot.motion.feet.swing import facing
-from sot.motion.plan import PLAN_RATE, played, stretched
+from sot.motion.feet.swing import feet_heading
+from sot.motion.plan import PLAN_RATE, body_at_clock, slowed_knots
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import walker
 
@@ -26,12 +26,12 @@ class Walk:
     def __init__(self):
         self.robot = Robot.load("hrp2")
         build, limits = Build.of(self.robot), Limits.of(self.robot)
-        course = go(on_time_line(walker(), PLAN_RATE), self.robot, build, None)
-        wanted = targets(course.human, self.robot, build, facing(course.feet))
+        course = stepping_course(human_on_time_line(walker(), PLAN_RATE), self.robot, build, None)
+        wanted = targets_of_human(course.human, self.robot, build, feet_heading(course.feet))
         self.given = self.robot, build, wanted, course.feet, course.phases, limits
         self.supports, self.feet = supports(self.robot, course.phases), course.feet
-        rounds = Rounds(*self.given, retarget(self.robot, build, wanted, course.feet, limits, PERIOD))
-        self.hasty, self.whole = rounds.everywhere(rough=True), rounds.whole
+        rounds = BalanceRounds(*self.given, retarget(self.robot, build, wanted, course.feet, limits, PERIOD))
+        self.hasty, self.whole = rounds.balance_all(rough=True), rounds.body_motion
 
     def outside(self, whole: Spline) -> float:
         """How far the ZMP leaves what supports it [m], negative if it never does."""
@@ -62,11 +62,11 @@ def test_what_has_changed_is_balanced_anew_and_the_rest_stays(walk):
     assert walk.outside(disturbed) > 0.02
     changed = np.zeros(len(disturbed.knots), bool)
     changed[DISTURBED] = True
-    rounds = Rounds(*walk.given, disturbed)
-    assert not len(rounds.about(changed))
-    assert walk.outside(rounds.whole) < 0.0
-    moved = np.flatnonzero(np.abs(rounds.whole.control - disturbed.control).max(axis=1) > 0.0)
-    around = round(AROUND / PERIOD)
+    rounds = BalanceRounds(*walk.given, disturbed)
+    assert not len(rounds.balance_about(changed))
+    assert walk.outside(rounds.body_motion) < 0.0
+    moved = np.flatnonzero(np.abs(rounds.body_motion.control - disturbed.control).max(axis=1) > 0.0)
+    around = round(WINDOW_OVERLAP_S / PERIOD)
     assert moved.min() >= DISTURBED.start - around + 3  # of control points: where a part begins it stays, to the
     assert moved.max() < DISTURBED.stop + around - 1  # acceleration
 
@@ -74,15 +74,15 @@ def test_what_has_changed_is_balanced_anew_and_the_rest_stays(walk):
 def test_parts_that_meet_are_one():
     flags = np.zeros(100, bool)
     flags[[3, 30, 38, 70]] = True
-    assert _parts(flags, 5) == [slice(0, 9), slice(25, 44), slice(65, 76)]
-    assert _parts(np.zeros(100, bool), 5) == []
+    assert _windows(flags, 5) == [slice(0, 9), slice(25, 44), slice(65, 76)]
+    assert _windows(np.zeros(100, bool), 5) == []
 
 
 def test_a_clock_tells_what_it_slows_down():
     slow = np.ones(100)
     slow[40:50] = 2.0
     clock = PERIOD * np.concatenate([[0.0], np.cumsum(slow[1:])])
-    flags = stretched(clock, PERIOD)
+    flags = slowed_knots(clock, PERIOD)
     assert len(flags) == 110
     np.testing.assert_array_equal(np.flatnonzero(flags)[[0, -1]], [39, 59])
 
@@ -91,6 +91,6 @@ def test_a_body_played_slower_in_between_is_the_same_before_and_after(walk):
     slow = np.ones(len(walk.whole.knots))
     slow[200:220] = 2.0
     clock = PERIOD * np.concatenate([[0.0], np.cumsum(slow[1:])])
-    later = played(walk.whole, clock)
+    later = body_at_clock(walk.whole, clock)
     np.testing.assert_allclose(later.knots[:199], walk.whole.knots[:199], atol=1e-12)
     np.testing.assert_allclose(later.knots[240:], walk.whole.knots[220:], atol=1e-12)

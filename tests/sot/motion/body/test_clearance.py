@@ -4,13 +4,13 @@ import pinocchio as pin
 import pytest
 
 from sim.world import World
-from sot.motion.body.clearance import ROOM, Clearance, ClearArm, ClearBody
+from sot.motion.body.clearance import MIN_CLEARANCE, Clearance, ClearArm, ClearBody
 from sot.motion.body.coordinates import from_configuration, to_configuration
 from sot.motion.body.limits import Limits
 from sot.motion.body.parts import Arm, Body
-from sot.motion.body.retarget import solve
-from sot.motion.body.targets import targets
-from sot.motion.feet.stance import Build, on_time_line, over_feet
+from sot.motion.body.retarget import solve_knots
+from sot.motion.body.targets import targets_of_human
+from sot.motion.feet.stance import Build, human_on_time_line, human_over_feet
 from sot.motion.feet.swing import FootPath
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer
@@ -28,8 +28,8 @@ def robot():
 def arms(robot):
     """A right arm whose forearm is to point into the thigh: as it would, and kept clear."""
     build = Build.of(robot)
-    human = on_time_line(over_feet(dancer(1.0), build), 50.0)
-    wanted = targets(human, robot, build, np.zeros(human.count))
+    human = human_on_time_line(human_over_feet(dancer(1.0), build), 50.0)
+    wanted = targets_of_human(human, robot, build, np.zeros(human.count))
     down, inward = np.array([0.0, 0.1, -1.0]), np.array([0.2, 0.6, -1.0])
     wanted.directions["right_upper_arm"][:] = down / np.linalg.norm(down)
     wanted.directions["right_forearm"][:] = inward / np.linalg.norm(inward)
@@ -49,8 +49,8 @@ def bodies(robot):
     """Low hips over feet with their toes turned in, where knees meet: as a body would, and kept clear, with its legs'
     clearance."""
     build = Build.of(robot)
-    human = on_time_line(over_feet(dancer(1.0), build), 50.0)
-    wanted = targets(human, robot, build, np.zeros(human.count))
+    human = human_on_time_line(human_over_feet(dancer(1.0), build), 50.0)
+    wanted = targets_of_human(human, robot, build, np.zeros(human.count))
     wanted.hips[:, 2] -= 0.02
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
@@ -58,7 +58,9 @@ def bodies(robot):
     for foot, inward in zip(robot.feet, (-0.3, 0.3), strict=True):
         pose = data.oMf[robot.point(foot)]
         turned = pin.utils.rotate("z", inward) @ pose.rotation
-        feet[foot] = FootPath(np.tile(pose.translation, (human.count, 1)), np.tile(turned, (human.count, 1, 1)))
+        feet[foot] = FootPath(
+            np.tile(pose.translation, (human.count, 1)), np.tile(turned, (human.count, 1, 1)), np.zeros(human.count)
+        )
     legs = Clearance.of_legs(robot, human.count)
     return Body(robot, build, wanted, feet), ClearBody(robot, build, wanted, feet, legs), legs
 
@@ -75,7 +77,7 @@ def test_distances_are_those_of_the_physics(robot, postures):
     for k, q in enumerate(to_configuration(postures)):
         world.reset(q)
         apart = [min(mujoco.mj_geomDistance(model, world.data, g, o, 10.0, None) for o in others) for g in own.values()]
-        np.testing.assert_allclose(missing[k], np.maximum(ROOM - np.array(apart), 0.0), atol=1e-4)
+        np.testing.assert_allclose(missing[k], np.maximum(MIN_CLEARANCE - np.array(apart), 0.0), atol=1e-4)
     assert np.count_nonzero(missing) > 10
 
 
@@ -113,10 +115,10 @@ def test_an_arm_that_points_into_the_body_stays_outside(robot, arms):
     knot, least = np.array([60]), []
     for arm in arms:
         y = from_configuration(robot.rest[None])
-        y[:, arm.columns], _ = solve(arm, knot, y, Limits.of(robot))
+        y[:, arm.columns], _ = solve_knots(arm, knot, y, Limits.of(robot))
         missing, _ = Clearance.of_arm(robot, "right", 61).evaluate(knot, y, arm.columns)
-        least.append(ROOM - missing.max())
-    assert least[0] < 0.0 < 0.75 * ROOM < least[1]
+        least.append(MIN_CLEARANCE - missing.max())
+    assert least[0] < 0.0 < 0.75 * MIN_CLEARANCE < least[1]
 
 
 def test_knees_over_toes_that_are_turned_in_stay_apart(robot, bodies):
@@ -124,10 +126,10 @@ def test_knees_over_toes_that_are_turned_in_stay_apart(robot, bodies):
     *both, legs = bodies
     for body in both:
         y = from_configuration(robot.rest[None])
-        y[:, body.columns], _ = solve(body, knot, y, Limits.of(robot))
+        y[:, body.columns], _ = solve_knots(body, knot, y, Limits.of(robot))
         missing, _ = legs.evaluate(knot, y, body.columns)
-        least.append(ROOM - missing.max())
-    assert least[0] < 0.0 < 0.75 * ROOM < least[1]
+        least.append(MIN_CLEARANCE - missing.max())
+    assert least[0] < 0.0 < 0.75 * MIN_CLEARANCE < least[1]
 
 
 def test_neighbours_at_rest_do_not_push(robot):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from sot.motion.body.limb import reaching
+from sot.motion.body.limb import refit_limb
 from sot.motion.body.limits import Limits
-from sot.motion.edit import Change, Edit, edited_point
+from sot.motion.edit import Edit, SampledOffset, edited_point_reference
 from sot.robots.robot import Robot
 from tests.sim.runs import still_motion
 
@@ -19,9 +19,9 @@ def motion():
 
 def raised(motion, edit):
     """The hand's way as an edit wants it, and the motion whose arm takes it there."""
-    path = edited_point(motion.pose("right_hand"), [(edit.rows, Change.of(edit, motion))])
+    path = edited_point_reference(motion.pose("right_hand"), [(edit.rows, SampledOffset.of(edit, motion))])
     arm = [motion.robot.joints[k] for k in motion.robot.groups["right_arm"]]
-    return path, reaching(motion, arm, "right_hand", [(row, *edit.span) for row in edit.rows], path)
+    return path, refit_limb(motion, arm, "right_hand", [(row, *edit.span) for row in edit.rows], path)
 
 
 @pytest.mark.parametrize("axis", ["x", "z", "yaw"])

@@ -5,16 +5,16 @@ import pinocchio as pin
 import pytest
 import quadprog
 
-from sot.motion.body.branches import choose
+from sot.motion.body.branches import choose_arm_path
 from sot.motion.body.coordinates import from_configuration, to_configuration
-from sot.motion.body.limits import STRAIGHT, Limits
+from sot.motion.body.limits import MAX_LEG_EXTENSION, Limits
 from sot.motion.body.parts import Arm, Body, Head
-from sot.motion.body.retarget import PartFit, _bounded_step, solve
+from sot.motion.body.retarget import PartFit, _bounded_step, solve_knots
 from sot.motion.body.spline import Spline
-from sot.motion.body.targets import targets
-from sot.motion.feet.contacts import planted
-from sot.motion.feet.stance import Build, on_time_line, over_feet
-from sot.motion.feet.swing import standing
+from sot.motion.body.targets import targets_of_human
+from sot.motion.feet.contacts import planted_phases
+from sot.motion.feet.stance import Build, human_on_time_line, human_over_feet
+from sot.motion.feet.swing import standing_paths
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer
 
@@ -30,8 +30,8 @@ def robot():
 @pytest.fixture(scope="module")
 def wanted(robot):
     build = Build.of(robot)
-    human = on_time_line(over_feet(dancer(), build), 1.0 / PERIOD)
-    return targets(human, robot, build, np.zeros(human.count))
+    human = human_on_time_line(human_over_feet(dancer(), build), 1.0 / PERIOD)
+    return targets_of_human(human, robot, build, np.zeros(human.count))
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def rest(robot, wanted):
 
 
 def make(name, robot, wanted):
-    feet = standing(planted(robot, 1.0)[0], wanted.length)
+    feet = standing_paths(planted_phases(robot, 1.0)[0], wanted.length)
     build = Build.of(robot)
     if name == "arm":
         return Arm(robot, "left", wanted)
@@ -78,7 +78,7 @@ def test_solution_points_the_arm(robot, wanted, rest):
     arm = make("arm", robot, wanted)
     limits = Limits.of(robot)
     y = rest[100:101].copy()
-    y[:, arm.columns], _ = solve(arm, np.array([100]), y, limits)
+    y[:, arm.columns], _ = solve_knots(arm, np.array([100]), y, limits)
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, to_configuration(y)[0])
     shoulder, elbow, wrist = (data.oMf[robot.point(f"left_{p}")].translation for p in ("shoulder", "elbow", "wrist"))
@@ -90,8 +90,8 @@ def test_solution_points_the_arm(robot, wanted, rest):
 def test_body_solved_has_its_feet_on_the_floor(robot, wanted, rest):
     limits, body = Limits.of(robot), make("body", robot, wanted)
     path = rest.copy()
-    path[:, body.columns], _ = solve(body, np.arange(wanted.length), rest, limits)
-    data, phase = robot.model.createData(), planted(robot, 1.0)[0]
+    path[:, body.columns], _ = solve_knots(body, np.arange(wanted.length), rest, limits)
+    data, phase = robot.model.createData(), planted_phases(robot, 1.0)[0]
     assert np.all(path >= limits.lower) and np.all(path <= limits.upper)
     for q in to_configuration(path[::10]):
         pin.framesForwardKinematics(robot.model, data, q)
@@ -120,10 +120,10 @@ def test_bounded_steps_are_those_of_a_quadratic_programme(stiff):
 def test_a_wrong_branch_is_left_for_the_best_path(robot, wanted, rest):
     """From the rest posture, the chosen path of an arm is nowhere far from what is asked."""
     arm, limits = make("arm", robot, wanted), Limits.of(robot)
-    path = choose(arm, rest, limits, PERIOD)
+    path = choose_arm_path(arm, rest, limits, PERIOD)
     np.testing.assert_array_equal(path[0], rest[0])
     fit = PartFit(arm.columns, wanted.length, PERIOD, limits)
-    spline = fit.improve(arm, Spline.through(path[:, arm.columns], PERIOD), path, 3)
+    spline = fit.refine(arm, Spline.through(path[:, arm.columns], PERIOD), path, 3)
     assert np.all(np.abs(spline.velocities) <= limits.velocity[arm.columns] + 1e-6)
     y = rest.copy()
     y[:, arm.columns] = spline.knots
@@ -142,4 +142,4 @@ def test_limits_stay_inside_the_robots_and_keep_knees_bent(robot):
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, q)
     hip, ankle = (data.oMf[robot.point(f"left_{p}")].translation for p in ("hip", "ankle"))
-    assert np.linalg.norm(ankle - hip) / Build.of(robot).leg == pytest.approx(STRAIGHT, abs=2e-3)
+    assert np.linalg.norm(ankle - hip) / Build.of(robot).leg == pytest.approx(MAX_LEG_EXTENSION, abs=2e-3)

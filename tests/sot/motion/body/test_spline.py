@@ -81,6 +81,6 @@ def test_what_is_asked_of_second_derivatives_is_met():
     limit = np.ones(1)
     fit = LimitedFit(200, PERIOD, -10.0 * limit, 10.0 * limit, 10.0 * limit, 100.0 * limit, 1e4 * limit, 1e-9)
     nothing, J = np.zeros((200, 1)), np.ones((200, 1, 1))
-    bent, solution = fit.step(still, 1e-6 * J, nothing, bends=(still.accelerations - wanted, J))
+    bent, solution = fit.step(still, 1e-6 * J, nothing, acceleration_residuals=(still.accelerations - wanted, J))
     assert solution.solved
     np.testing.assert_allclose(bent.accelerations[5:-5], wanted[5:-5], atol=0.02)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sot.motion.feet.flight import flights
-from sot.motion.feet.stance import on_time_line
+from sot.motion.feet.flight import find_flights
+from sot.motion.feet.stance import human_on_time_line
 from sot.motion.human.human import Human
 from tests.sot.motion.human.humans import dancer, walker
 
@@ -20,7 +20,7 @@ def leaping(*flown: tuple[float, float]) -> Human:
 
 
 def test_leaps_are_flights():
-    found = flights(on_time_line(leaping((1.0, 1.5), (2.5, 2.8)), 50.0))
+    found = find_flights(human_on_time_line(leaping((1.0, 1.5), (2.5, 2.8)), 50.0))
     assert [(flight.start, flight.end) for flight in found] == [
         pytest.approx((1.0, 1.5), abs=0.06),
         pytest.approx((2.5, 2.8), abs=0.06),
@@ -29,4 +29,4 @@ def test_leaps_are_flights():
 
 @pytest.mark.parametrize("human", [dancer(3.0), walker(), leaping((1.0, 1.04))], ids=["dance", "walk", "bounce"])
 def test_feet_that_stand_in_turn_are_none(human):
-    assert flights(on_time_line(human, 50.0)) == ()
+    assert find_flights(human_on_time_line(human, 50.0)) == ()

@@ -33,23 +33,23 @@ def test_phases_of_one_stance_become_one(falls):
 
 @pytest.mark.parametrize(("t", "begun"), [(-0.1, 0), (0.0, 1), (1.49, 1), (1.5, 2), (9.0, 2)])
 def test_stances_begun(falls, t, begun):
-    assert falls.begun(t) == begun
+    assert falls.count_begun(t) == begun
 
 
 @pytest.mark.parametrize(("t", "x"), [(-1.0, 0.0), (0.5, 0.0), (1.2, 0.0), (1.3, 0.3), (2.0, 0.3), (9.0, 0.3)])
 def test_the_stance_nearest_in_time(falls, t, x):
-    assert falls.nearest(t).pose.translation[0] == x
+    assert falls.nearest_stance(t).pose.translation[0] == x
 
 
 def test_a_foot_that_never_stands():
-    assert Footfalls([Phase(0.0, 1.0, {})], "right").nearest(0.5) is None
+    assert Footfalls([Phase(0.0, 1.0, {})], "right").nearest_stance(0.5) is None
 
 
 def test_a_step_in_between(falls):
-    cut = falls.interrupted(1.8, 2.1, place(0.5))
+    cut = falls.with_step(1.8, 2.1, place(0.5))
     assert [(stance.start, stance.end) for stance in cut.stances] == [(0.0, 1.0), (1.5, 1.8), (2.1, 3.0)]
     assert [stance.pose.translation[0] for stance in cut.stances] == [0.0, 0.3, 0.5]
-    assert [cut.begun(t) for t in (1.7, 2.0, 2.2)] == [2, 2, 3]
+    assert [cut.count_begun(t) for t in (1.7, 2.0, 2.2)] == [2, 2, 3]
     assert len(falls) == 2
 
 
@@ -57,4 +57,4 @@ def test_a_step_in_between(falls):
     ("t", "before", "after"), [(0.5, None, 0.0), (1.0, 0.0, 1.5), (1.4, 0.0, 1.5), (2.0, 0.0, 1.5)]
 )
 def test_the_stances_around_a_swing(falls, t, before, after):
-    assert tuple(stance and stance.start for stance in falls.around(t)) == (before, after)
+    assert tuple(stance and stance.start for stance in falls.stances_around(t)) == (before, after)

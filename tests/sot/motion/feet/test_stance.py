@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sot.motion.body.targets import targets
-from sot.motion.feet.stance import LEAD, TAIL, Build, on_time_line, over_feet
+from sot.motion.body.targets import targets_of_human
+from sot.motion.feet.stance import LEAD_IN_TIME, TAIL_TIME, Build, human_on_time_line, human_over_feet
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer
 
@@ -37,8 +37,8 @@ def test_build_is_that_of_the_robot(build):
 
 def test_place_and_heading_of_the_human_do_not_matter(build):
     human = dancer()
-    here = over_feet(human, build)
-    there = over_feet(turned(human, Rotation.from_euler("z", 2.5), [4.0, -3.0, 0.0]), build)
+    here = human_over_feet(human, build)
+    there = human_over_feet(turned(human, Rotation.from_euler("z", 2.5), [4.0, -3.0, 0.0]), build)
     for name, place in here.points.items():
         np.testing.assert_allclose(there.points[name], place, atol=1e-6)
     ankles = 0.5 * (here.points["left_ankle"] + here.points["right_ankle"])
@@ -52,22 +52,22 @@ def test_pelvis_turns_no_further_than_the_hips(build):
     wild = replace(
         human, frames={body: (spin * Rotation.from_matrix(r)).as_matrix() for body, r in human.frames.items()}
     )
-    pelvis = over_feet(wild, build).frames["pelvis"]
+    pelvis = human_over_feet(wild, build).frames["pelvis"]
     yaw = np.arctan2(pelvis[:, 1, 0], pelvis[:, 0, 0])
     assert np.abs(yaw).max() == pytest.approx(build.turn)
 
 
 def test_time_line_holds_both_ends(build):
-    human = on_time_line(over_feet(dancer(2.0), build), 50.0)
-    assert human.duration == pytest.approx(LEAD + 2.0 + TAIL, abs=0.03)
+    human = human_on_time_line(human_over_feet(dancer(2.0), build), 50.0)
+    assert human.duration == pytest.approx(LEAD_IN_TIME + 2.0 + TAIL_TIME, abs=0.03)
     waist = human.points["waist"]
-    np.testing.assert_array_equal(waist[: round(50 * LEAD)], np.tile(waist[0], (round(50 * LEAD), 1)))
-    np.testing.assert_array_equal(waist[-round(50 * TAIL) :], np.tile(waist[-1], (round(50 * TAIL), 1)))
+    np.testing.assert_array_equal(waist[: round(50 * LEAD_IN_TIME)], np.tile(waist[0], (round(50 * LEAD_IN_TIME), 1)))
+    np.testing.assert_array_equal(waist[-round(50 * TAIL_TIME) :], np.tile(waist[-1], (round(50 * TAIL_TIME), 1)))
 
 
 def test_targets_lead_from_rest_to_the_human(robot, build):
-    human = on_time_line(over_feet(dancer(), build), 50.0)
-    wanted = targets(human, robot, build, np.zeros(human.count))
+    human = human_on_time_line(human_over_feet(dancer(), build), 50.0)
+    wanted = targets_of_human(human, robot, build, np.zeros(human.count))
     for segment, directions in wanted.directions.items():
         np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1.0)
         np.testing.assert_allclose(directions[60:], human.segment_direction(segment)[60:], atol=1e-9)
@@ -78,8 +78,8 @@ def test_targets_lead_from_rest_to_the_human(robot, build):
 
 def test_broad_shoulders_turn_less(robot, build):
     """The chest heads a share of the human's way: shoulders of a breadth in arm lengths sweep as far."""
-    human = on_time_line(over_feet(dancer(), build), 50.0)
-    chest = targets(human, robot, build, np.zeros(human.count)).frames["chest"][100]
+    human = human_on_time_line(human_over_feet(dancer(), build), 50.0)
+    chest = targets_of_human(human, robot, build, np.zeros(human.count)).frames["chest"][100]
     human_chest = human.frames["chest"][100]
     share = (0.34 / 0.5) / (build.breadth / build.arm)
     yaw, human_yaw = (np.arctan2(R[1, 0], R[0, 0]) for R in (chest, human_chest))

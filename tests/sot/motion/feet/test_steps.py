@@ -9,17 +9,25 @@ import pytest
 
 from sot.errors import InputError
 from sot.motion import plan, read, recognise
-from sot.motion.body.targets import targets
-from sot.motion.feet.contacts import phase_at
-from sot.motion.feet.footholds import OFF, Reach, headings, places, separation
-from sot.motion.feet.footwork import Stand, Step
-from sot.motion.feet.path import Way
-from sot.motion.feet.stance import Build, on_time_line, over_feet
-from sot.motion.feet.support import RAMP, supports
-from sot.motion.feet.swing import BEND, _bump
-from sot.motion.feet.tempo import Move, clock_of, tempo
-from sot.motion.feet.timetable import DOUBLE, STANCE, SWING, timetable
-from sot.motion.feet.travel import slowed_travel
+from sot.motion.body.targets import targets_of_human
+from sot.motion.feet.contacts import phase_indices
+from sot.motion.feet.footholds import (
+    MAX_FOOTHOLD_OFFSET,
+    LegReach,
+    min_ankle_separation,
+    reachable_footholds,
+    reachable_headings,
+    standing_pairs,
+)
+from sot.motion.feet.footwork import Foothold, Step
+from sot.motion.feet.path import ScalablePath
+from sot.motion.feet.stance import Build, human_on_time_line, human_over_feet
+from sot.motion.feet.support import FORCE_RAMP_TIME, supports
+from sot.motion.feet.swing import HEIGHT_PROFILE_CURVATURE, _height_profile
+from sot.motion.feet.tempo import AskedStep, clock_from_slowness, step_tempo
+from sot.motion.feet.timetable import MIN_DOUBLE_SUPPORT_TIME, MIN_STANCE_TIME, MIN_SWING_TIME, retimed_steps
+from sot.motion.feet.travel import travel_at_clock
+from sot.robots.leg_range import EDGES, HEIGHTS, RANGE_MARGIN, flat_foot_distances
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer, walker
 
@@ -39,7 +47,7 @@ def walk(robot):
 def assert_can_be_stepped(motion):
     """Feet still and flat where they stand, clear of the floor and of each other between; the ZMP where feet carry."""
     robot = motion.robot
-    index = phase_at(motion.phases, motion.times)
+    index = phase_indices(motion.phases, motion.times)
     for foot in robot.feet:
         track = motion.track(foot)
         for number, phase in enumerate(motion.phases):
@@ -98,18 +106,21 @@ def test_one_foot_at_a_time():
         Step("left_foot", 3.45, 3.9),
         Step("right_foot", 5.0, 5.1),
     )
-    timed = timetable(moves, [0.0] * len(moves))
+    timed = retimed_steps(moves, [0.0] * len(moves))
     assert [step.foot for step in timed] == [step.foot for step in moves]
     for step in timed:
-        assert step.land - step.lift > SWING - 1e-9
+        assert step.land - step.lift > MIN_SWING_TIME - 1e-9
     for before, after in pairwise(timed):
-        assert after.lift - before.land > (STANCE if before.foot == after.foot else DOUBLE) - 1e-9
+        assert (
+            after.lift - before.land
+            > (MIN_STANCE_TIME if before.foot == after.foot else MIN_DOUBLE_SUPPORT_TIME) - 1e-9
+        )
     assert abs(timed[-1].lift + timed[-1].land - 10.1) < 0.05
 
 
 def test_steps_with_room_keep_their_times():
     moves = (Step("left_foot", 1.5, 2.1), Step("right_foot", 2.5, 3.2))
-    assert timetable(moves, [0.3, 0.3]) == tuple(
+    assert retimed_steps(moves, [0.3, 0.3]) == tuple(
         Step(m.foot, pytest.approx(m.lift), pytest.approx(m.land)) for m in moves
     )
 
@@ -118,7 +129,7 @@ def hurried(length, small):
     """Ten steps in the time of five, after three seconds of none and before three more, in eight seconds of 50 Hz."""
     steps = [Step(f"{'left' if k % 2 else 'right'}_foot", 3.0 + 0.2 * k, 3.18 + 0.2 * k) for k in range(10)]
     times = np.arange(401) * 0.02
-    return times, tempo([Move(step, length, 0.3, small=small) for step in steps], times)
+    return times, step_tempo([AskedStep(step, length, 0.3, omissible=small) for step in steps], times)
 
 
 def test_time_is_stretched_only_where_steps_need_it():
@@ -141,84 +152,143 @@ def still(wanted):
     return {foot: np.zeros((len(stands), 2, 1)) for foot, stands in wanted.items()}, np.eye(1)
 
 
+def between(wanted, moves):
+    """The places (steps, 2, 2) of a body over the middle between both feet, where steps begin and end."""
+    middles = [
+        0.5 * np.add(*((stand.x, stand.y) for stand in (wanted["left_foot"][left], wanted["right_foot"][right])))
+        for left, right in standing_pairs(moves)
+    ]
+    return np.array(list(pairwise(middles)))
+
+
 def test_a_path_is_scaled_where_its_strides_are_too_long(robot):
     """Two strides of 1.2 m after two of 0.2 m: the first piece of the path keeps its length, the second does not, and
     the footholds stay near their places along it."""
-    reach = Reach.of(robot)
+    reach = LegReach.of(robot)
     ahead = {"left_foot": [(0.0, 0.0), (0.2, 0.0), (0.4, 1.2)], "right_foot": [(0.0, 0.0), (0.4, 0.0), (0.4, 2.4)]}
     across = {"left_foot": 0.1, "right_foot": -0.1}
-    wanted = {foot: [Stand(a + b, across[foot], 0.0) for a, b in pieces] for foot, pieces in ahead.items()}
+    wanted = {foot: [Foothold(a + b, across[foot], 0.0) for a, b in pieces] for foot, pieces in ahead.items()}
     carried = {foot: np.array([[list(piece), [0.0, 0.0]] for piece in pieces]) for foot, pieces in ahead.items()}
     moves = [Step(f"{side}_foot", k + 1.0, k + 1.6) for k, side in enumerate(("left", "right", "left", "right"))]
-    found, scales = places(wanted, headings(wanted, moves, reach), moves, reach, carried, 0.15**2 * np.eye(2))
+    found, scales = reachable_footholds(
+        wanted,
+        reachable_headings(wanted, moves, reach),
+        moves,
+        reach,
+        carried,
+        0.15**2 * np.eye(2),
+        between(wanted, moves),
+    )
     assert scales[0] > 0.9 and scales[1] < 0.5
     for foot, pieces in ahead.items():
         for stand, piece in zip(found[foot], pieces, strict=True):
-            assert np.hypot(stand.x - scales @ piece, stand.y - across[foot]) < OFF + 1e-6
+            assert np.hypot(stand.x - scales @ piece, stand.y - across[foot]) < MAX_FOOTHOLD_OFFSET + 1e-6
 
 
 def test_of_two_feet_that_want_each_others_place_one_gets_it(robot):
-    reach = Reach.of(robot)
+    reach = LegReach.of(robot)
     wanted = {
-        "left_foot": [Stand(0.0, 0.1, 0.0), Stand(0.0, -0.2, 0.0)],
-        "right_foot": [Stand(0.0, -0.1, 0.0), Stand(0.0, 0.2, 0.0)],
+        "left_foot": [Foothold(0.0, 0.1, 0.0), Foothold(0.0, -0.2, 0.0)],
+        "right_foot": [Foothold(0.0, -0.1, 0.0), Foothold(0.0, 0.2, 0.0)],
     }
     moves = (Step("left_foot", 1.0, 1.6), Step("right_foot", 2.0, 2.6))
-    found, _ = places(wanted, headings(wanted, moves, reach), moves, reach, *still(wanted))
+    found, _ = reachable_footholds(
+        wanted, reachable_headings(wanted, moves, reach), moves, reach, *still(wanted), between(wanted, moves)
+    )
     off = sorted(abs(found[foot][1].y - wanted[foot][1].y) for foot in wanted)
     assert off[0] < 0.15 < off[1]
 
 
 def test_a_way_scaled_piece_by_piece_adds_up():
     human = walker()
-    way = Way.of(human)
+    way = ScalablePath.of(human)
     count = way.carry.shape[2]
     place = np.cumsum(np.diff(way.carry.sum(axis=2), axis=0), axis=0)
     np.testing.assert_allclose(way.shift(np.ones(count)), 0.0, atol=1e-12)
     np.testing.assert_allclose(way.shift(np.full(count, 0.5))[1:], -0.5 * place, atol=1e-12)
-    assert way.scaled(np.full(count, 0.5)) == pytest.approx(0.5)
+    assert way.length_ratio(np.full(count, 0.5)) == pytest.approx(0.5)
 
 
 def test_footholds_out_of_reach_are_moved_into_it(robot):
-    reach = Reach.of(robot)
+    reach = LegReach.of(robot)
     wanted = {
-        "left_foot": [Stand(0.0, 0.1, 0.0), Stand(1.2, 0.1, 0.0), Stand(1.2, 0.1, 2.0)],
-        "right_foot": [Stand(0.0, -0.1, 0.0), Stand(1.2, 0.2, 0.0)],
+        "left_foot": [Foothold(0.0, 0.1, 0.0), Foothold(1.2, 0.1, 0.0), Foothold(1.2, 0.1, 2.0)],
+        "right_foot": [Foothold(0.0, -0.1, 0.0), Foothold(1.2, 0.2, 0.0)],
     }
     moves = (Step("left_foot", 1.0, 1.5), Step("right_foot", 2.0, 2.5), Step("left_foot", 3.0, 3.5))
-    turned = headings(wanted, moves, reach)
-    found, _ = places(wanted, turned, moves, reach, *still(wanted))
+    turned = reachable_headings(wanted, moves, reach)
+    found, _ = reachable_footholds(wanted, turned, moves, reach, *still(wanted), between(wanted, moves))
     for left, right in ((0, 0), (1, 0), (1, 1), (2, 1)):
         a, b = found["left_foot"][left], found["right_foot"][right]
-        assert reach.turn[0] - 1e-6 < a.heading - b.heading < reach.turn[1] + 1e-6
+        assert reach.toe_out_range[0] - 1e-6 < a.heading - b.heading < reach.toe_out_range[1] + 1e-6
         middle = 0.5 * (a.heading + b.heading)
         across = np.array([-np.sin(middle), np.cos(middle)])
         way = np.array([a.x - b.x, a.y - b.y])
-        assert way @ across > separation((a.heading, b.heading), reach, across) - 1e-6
-        assert np.linalg.norm(way - reach.hips * across) < reach.stride + 1e-6
+        assert way @ across > min_ankle_separation((a.heading, b.heading), reach, across) - 1e-6
+        assert np.linalg.norm(way - reach.hip_width * across) < reach.max_stride + 1e-6
+
+
+def narrow_ankles(robot, degrees):
+    """A robot whose feet roll by no more than that to either side."""
+    lower, upper = robot.lower.copy(), robot.upper.copy()
+    for leg in ("left_leg", "right_leg"):
+        joint = robot.groups[leg][-1]
+        lower[joint], upper[joint] = -np.deg2rad(degrees), np.deg2rad(degrees)
+    return replace(robot, lower=lower, upper=upper)
+
+
+def test_a_flat_foot_stands_where_the_leg_reaches_it(robot):
+    """An ankle that rolls by 15° reaches tan 15° of the hip's height beside where it is below an upright leg."""
+    narrow, outward = narrow_ankles(robot, 15.0), 0.035  # m, from HRP-2's hips to its ankles
+    for row, height in enumerate(HEIGHTS):
+        for side, foot in (("left", 1.0), ("right", -1.0)):
+            beside = flat_foot_distances(narrow, side)[row, EDGES // 4 if foot > 0.0 else 3 * EDGES // 4]
+            most = np.tan(np.deg2rad(15.0) - RANGE_MARGIN) * height * LegReach.of(robot).leg_length + outward
+            assert 0.9 * most < beside < most + 1e-3
+            assert flat_foot_distances(robot, side)[row].max() > 1.2 * beside
+
+
+def test_feet_that_roll_little_stand_closer(robot):
+    """Before a step, the other foot has to carry the body: the less feet roll, the closer they stand."""
+    wanted = {
+        "left_foot": [Foothold(0.0, 0.22, 0.0)],
+        "right_foot": [Foothold(0.0, -0.22, 0.0), Foothold(0.1, -0.19, 0.0)],
+    }
+    moves = (Step("right_foot", 2.0, 3.4),)
+    over_left = np.tile([0.0, 0.2], (1, 2, 1))
+    apart = []
+    for degrees in (35.0, 15.0, 1.0):
+        reach = LegReach.of(narrow_ankles(robot, degrees))
+        turned = reachable_headings(wanted, moves, reach)
+        found, _ = reachable_footholds(wanted, turned, moves, reach, *still(wanted), over_left)
+        apart.append([found["left_foot"][0].y - foothold.y for foothold in found["right_foot"]])
+    assert min(apart[0]) > 0.3 and 0.2 < max(apart[1]) < 0.3
+    assert min(apart[2]) > min_ankle_separation((0.0, 0.0), reach, np.array([0.0, 1.0])) - 1e-6
 
 
 def test_toes_are_turned_in_until_knees_meet(robot):
     """With legs as they are HRP-2's hips set the limit; the thicker they are, the sooner knees do."""
-    limits = [Reach.of(robot).turn]
+    limits = [LegReach.of(robot).toe_out_range]
     for more in (0.012, 0.02):
         shapes = robot.shapes.copy()
         for shape in shapes.geometryObjects:
             if shape.name.startswith(("RLEG2", "LLEG2", "RLEG3", "LLEG3")):
                 shape.geometry = coal.Capsule(shape.geometry.radius + more, 2.0 * shape.geometry.halfLength)
-        limits.append(Reach.of(replace(robot, shapes=shapes)).turn)
+        limits.append(LegReach.of(replace(robot, shapes=shapes)).toe_out_range)
     assert limits[0][0] < limits[1][0] < limits[2][0] <= 0.0
     assert limits[0][1] == limits[1][1] == limits[2][1]
 
 
 def test_footholds_in_reach_stay(robot):
-    reach = Reach.of(robot)
+    reach = LegReach.of(robot)
     wanted = {
-        "left_foot": [Stand(0.0, 0.1, 0.0), Stand(0.2, 0.12, 0.1)],
-        "right_foot": [Stand(0.0, -0.1, 0.0)],
+        "left_foot": [Foothold(0.0, 0.1, 0.0), Foothold(0.2, 0.12, 0.1)],
+        "right_foot": [Foothold(0.0, -0.1, 0.0)],
     }
     moves = (Step("left_foot", 1.0, 1.6),)
-    found, _ = places(wanted, headings(wanted, moves, reach), moves, reach, *still(wanted))
+    found, _ = reachable_footholds(
+        wanted, reachable_headings(wanted, moves, reach), moves, reach, *still(wanted), between(wanted, moves)
+    )
     for foot, stands in wanted.items():
         for stand, own in zip(stands, found[foot], strict=True):
             assert (own.x, own.y, own.heading) == pytest.approx((stand.x, stand.y, stand.heading), abs=1e-9)
@@ -244,8 +314,8 @@ def test_a_slower_course_makes_the_same_steps_later(robot, walk):
     """Twice as slow about 3 s: places and footfalls stay, times do not, and no swing or stance gets shorter."""
     going = walk.travel
     times = going.human.times
-    clock = clock_of(1.0 + (np.abs(times - 3.0) < 0.5), 1.0 / going.human.rate)
-    slow = slowed_travel(going, clock)
+    clock = clock_from_slowness(1.0 + (np.abs(times - 3.0) < 0.5), 1.0 / going.human.rate)
+    slow = travel_at_clock(going, clock)
     assert slow.stands == going.stands and len(slow.footfalls) == len(going.footfalls)
     edges = np.array([(step.lift, step.land) for step in going.steps]).ravel()
     later = np.array([(step.lift, step.land) for step in slow.steps]).ravel()
@@ -260,14 +330,14 @@ def test_a_clock_runs_slower_by_whole_frames_and_only_where_it_should():
     times = dt * np.arange(500)
     slow = np.ones(500)
     slow[100:140], slow[300:350] = 1.3, 1.7
-    clock = clock_of(slow, dt)
+    clock = clock_from_slowness(slow, dt)
     frames = (clock - times) / dt
     assert np.all(np.diff(clock) > dt * (1.0 - 1e-9))
     for rows, least in ((times < 0.9, 0.0), ((times > 3.9) & (times < 4.9), 12.0), (times > 8.1, 12.0 + 35.0)):
         np.testing.assert_allclose(frames[rows], np.ceil(frames[rows][0] - 1e-6), atol=1e-6)
         assert least - 1e-6 <= frames[rows][0] <= least + 2.0
     assert np.diff(clock)[325] / dt == pytest.approx(1.7, abs=0.1)
-    np.testing.assert_array_equal(clock_of(np.ones(500), dt), times)
+    np.testing.assert_array_equal(clock_from_slowness(np.ones(500), dt), times)
 
 
 def test_given_contacts_are_made(robot):
@@ -292,7 +362,7 @@ def test_feet_carry_after_a_ramp(walk, robot):
     swing = next(k for k, phase in enumerate(phases) if len(phase.feet) == 1)
     carried = supports(robot, phases)
     alone = next(support for support in carried if support.polygon.vertices.shape[0] == 4 and support.start > 0.0)
-    assert alone.start == pytest.approx(phases[swing].start - RAMP)
+    assert alone.start == pytest.approx(phases[swing].start - FORCE_RAMP_TIME)
 
 
 @pytest.mark.skipif(not MOCAP.is_dir(), reason="needs ../shared/mocap")
@@ -303,21 +373,21 @@ def test_a_recorded_walk_can_be_stepped(robot):
 def test_a_dancer_that_turns_round_keeps_its_chest_over_its_feet(robot):
     """The chest's turn counts from the feet: half a turn of the whole body is none of the chest."""
     build = Build.of(robot)
-    human = on_time_line(over_feet(dancer(), build), 50.0)
+    human = human_on_time_line(human_over_feet(dancer(), build), 50.0)
     half = np.diag([-1.0, -1.0, 1.0])
     turned = replace(human, frames={body: half @ rotation for body, rotation in human.frames.items()})
-    straight = targets(human, robot, build, np.zeros(human.count)).frames["chest"][-1]
-    round_about = targets(turned, robot, build, np.full(human.count, np.pi)).frames["chest"][-1]
+    straight = targets_of_human(human, robot, build, np.zeros(human.count)).frames["chest"][-1]
+    round_about = targets_of_human(turned, robot, build, np.full(human.count, np.pi)).frames["chest"][-1]
     np.testing.assert_allclose(half @ straight, round_about, atol=1e-9)
 
 
 def test_a_foot_comes_down_more_gently_than_it_goes_up():
     share = np.linspace(0.0, 1.0, 2001)
-    height = _bump(share)
+    height = _height_profile(share)
     assert height.max() == pytest.approx(1.0, abs=1e-6)
     assert height[[0, -1]].tolist() == [0.0, 0.0]
     bend = np.diff(height, 2) / share[1] ** 2
-    assert np.abs(bend).max() == pytest.approx(BEND, rel=1e-2)
-    assert np.abs(bend[[0, -1]]).max() < 0.02 * BEND
+    assert np.abs(bend).max() == pytest.approx(HEIGHT_PROFILE_CURVATURE, rel=1e-2)
+    assert np.abs(bend[[0, -1]]).max() < 0.02 * HEIGHT_PROFILE_CURVATURE
     near = share < 0.1
     assert np.all(height[::-1][near] <= height[near]) and height[::-1][near].max() < 0.5 * height[near].max()

@@ -2,12 +2,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from sot.motion.balance.balance import plan_balance
 from sot.motion.balance.centroidal import Centroidal
+from sot.motion.balance.programme import plan_balance
 from sot.motion.body.coordinates import from_configuration, to_pinocchio
 from sot.motion.body.spline import Spline
-from sot.motion.feet.contacts import Phase, phase_at, planted, support
-from sot.motion.feet.support import INSET, Support
+from sot.motion.feet.contacts import Phase, phase_indices, planted_phases, support_polygon
+from sot.motion.feet.support import ZMP_INSET, Support
 from sot.robots.robot import Robot
 
 PERIOD = 0.02
@@ -44,12 +44,12 @@ def test_zmp_is_where_the_floor_must_push(robot, dance):
 
 def test_plan_keeps_the_zmp_inside_and_ends_at_rest_over_the_middle(robot, dance):
     motion = Centroidal.along(robot, *dance)
-    phases = planted(robot, 4.0)
-    polygon = support(robot, phases[0])
+    phases = planted_phases(robot, 4.0)
+    polygon = support_polygon(robot, phases[0])
     assert polygon.margin(motion.zmp()).min() < 0.0
-    plan = plan_balance(motion, motion.com[:, :2], [Support(0.0, polygon, polygon.shrunk(*INSET))], PERIOD)
+    plan = plan_balance(motion, motion.com[:, :2], [Support(0.0, polygon, polygon.shrunk(*ZMP_INSET))], PERIOD)
     assert plan.excursion < 1e-5
-    assert polygon.shrunk(*INSET).margin(plan.zmp).min() > -1e-5
+    assert polygon.shrunk(*ZMP_INSET).margin(plan.zmp).min() > -1e-5
     height, offset = motion.pendulum()
     np.testing.assert_allclose(plan.zmp, plan.com.knots - height[:, None] * plan.com.accelerations + offset)
     np.testing.assert_allclose(plan.com.knots[0], motion.com[0, :2], atol=1e-5)
@@ -65,17 +65,17 @@ def test_plan_leaves_the_inset_only_where_it_must(robot):
     rate = np.zeros((length, 6))
     rate[:3, 4] = 400.0
     motion = Centroidal(com, np.zeros((length, 6)), rate, robot.mass)
-    phases = planted(robot, length * PERIOD)
-    polygon = support(robot, phases[0])
-    plan = plan_balance(motion, com[:, :2], [Support(0.0, polygon, polygon.shrunk(*INSET))], PERIOD)
-    outside = polygon.shrunk(*INSET).margin(plan.zmp) < -1e-5
+    phases = planted_phases(robot, length * PERIOD)
+    polygon = support_polygon(robot, phases[0])
+    plan = plan_balance(motion, com[:, :2], [Support(0.0, polygon, polygon.shrunk(*ZMP_INSET))], PERIOD)
+    outside = polygon.shrunk(*ZMP_INSET).margin(plan.zmp) < -1e-5
     assert plan.excursion > 0.01
     assert outside[0] and not outside[10:].any()
 
 
 def test_support_of_the_soles(robot):
-    phases = planted(robot, 1.0)
-    polygon = support(robot, phases[0])
+    phases = planted_phases(robot, 1.0)
+    polygon = support_polygon(robot, phases[0])
     corners = np.vstack([[pose.act(c)[:2] for c in robot.sole(foot)] for foot, pose in phases[0].feet.items()])
     assert polygon.margin(corners).min() == pytest.approx(0.0, abs=1e-9)
     assert polygon.margin(polygon.centre[None])[0] > 0.05
@@ -85,6 +85,6 @@ def test_support_of_the_soles(robot):
 
 
 def test_phase_of_a_time(robot):
-    first = planted(robot, 1.0)[0]
+    first = planted_phases(robot, 1.0)[0]
     second = Phase(1.0, 2.0, first.feet)
-    np.testing.assert_array_equal(phase_at([first, second], np.array([-1.0, 0.5, 1.0, 3.0])), [0, 0, 1, 1])
+    np.testing.assert_array_equal(phase_indices([first, second], np.array([-1.0, 0.5, 1.0, 3.0])), [0, 0, 1, 1])

@@ -14,15 +14,15 @@ from scipy.linalg.blas import dsbmv
 
 from solvers.banded import BandedQP
 from sot.motion.balance.centroidal import Centroidal
-from sot.motion.body.spline import AT_KNOT, CURVE, JERK, Spline
+from sot.motion.body.spline import ACCELERATION_STENCIL, JERK_STENCIL, VALUE_STENCIL, Spline
 from sot.motion.feet.support import Support
 
 Array = NDArray[np.float64]
 
-COM_ERROR = 0.02  # m, a deviation from the wanted CoM that costs as much as JERK_ERROR
-JERK_ERROR = 20.0  # m/s³
-OUTSIDE = 1e5  # price of a metre that the ZMP leaves the shrunk polygon by: only if it must
-HELD = 1e12  # weight that holds the CoM at rest at both ends
+ACCEPTED_COM_ERROR = 0.02  # m, from the wanted CoM: costs as much as ACCEPTED_JERK
+ACCEPTED_JERK = 20.0  # m/s³, of the CoM
+EXCURSION_PRICE = 1e5  # 1/m, of the ZMP out of the inset: only if it must
+HELD_END_WEIGHT = 1e12  # holds the CoM at rest at both ends
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def plan_balance(
         normals, offsets = support.inset.normals, support.inset.offsets
         rows.append((np.repeat(knots, len(offsets)), np.tile(normals, (len(knots), 1)), np.tile(offsets, len(knots))))
     knot, normal, edge = (np.concatenate(part) for part in zip(*rows, strict=True))
-    stencil = AT_KNOT - height[knot, None] * CURVE / period**2
+    stencil = VALUE_STENCIL - height[knot, None] * ACCELERATION_STENCIL / period**2
     values = np.column_stack([(stencil[:, :, None] * normal[:, None]).reshape(-1, 6), -np.ones(len(knot))])
     columns = 3 * knot[:, None] + [0, 1, 3, 4, 6, 7, 5]
     zmp_rows = sp.csr_array((values.ravel(), columns.ravel(), 7 * np.arange(len(knot) + 1)), shape=(len(knot), n))
@@ -83,8 +83,8 @@ def plan_balance(
     around[1:-1, :2], around[:3, :2], around[-3:, :2] = wanted, first, last
     H, g = _objective(wanted, period)
     g += dsbmv(H.shape[1] - 1, 1.0, H.T, around.ravel(), lower=1)
-    H.reshape(-1, 3, 10)[[0, 1, 2, -3, -2, -1], :2, 0] += HELD
-    solution = BandedQP(A, lower, upper, band=H.shape[1] - 1).solve(H, g, around.ravel(), OUTSIDE)
+    H.reshape(-1, 3, 10)[[0, 1, 2, -3, -2, -1], :2, 0] += HELD_END_WEIGHT
+    solution = BandedQP(A, lower, upper, band=H.shape[1] - 1).solve(H, g, around.ravel(), EXCURSION_PRICE)
     control = solution.x.reshape(-1, 3)
     com = Spline(control[:, :2].copy(), period)
     zmp = com.knots - height[:, None] * com.accelerations + offset
@@ -96,15 +96,15 @@ def _objective(target: Array, period: float) -> tuple[Array, Array]:
     length = len(target)
     H = np.zeros((length + 2, 3, 10))
     g = np.zeros((length + 2, 3))
-    jerk = JERK / (period**3 * JERK_ERROR)
-    value = AT_KNOT / COM_ERROR
+    jerk = JERK_STENCIL / (period**3 * ACCEPTED_JERK)
+    value = VALUE_STENCIL / ACCEPTED_COM_ERROR
     for i in range(3):
-        g[i : i + length, :2] -= value[i] * target / COM_ERROR
+        g[i : i + length, :2] -= value[i] * target / ACCEPTED_COM_ERROR
         for apart in range(3 - i):
             H[i : i + length, :2, 3 * apart] += value[i] * value[i + apart]
     for i in range(4):
         for apart in range(4 - i):
             H[i : i + length - 1, :2, 3 * apart] += jerk[i] * jerk[i + apart]
     H[:, 2, 0] = 1.0
-    g[:, 2] = OUTSIDE
+    g[:, 2] = EXCURSION_PRICE
     return H.reshape(-1, 10), g.ravel()
