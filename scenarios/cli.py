@@ -44,6 +44,7 @@ from sim.reporting.report import print_table
 from sot.control import Task
 from sot.errors import InputError
 from sot.robots.robot import Robot, robot_names
+from sot.robots.summary import robot_summary
 
 DONE, FELL, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 TRACEBACK_VARIABLE = "SOT_TRACEBACK"
@@ -397,8 +398,9 @@ def _list_rows(kind: Kind) -> Iterator[tuple[str, ...]]:
                 yield clip.name, f"{clip.seconds:.1f} s", clip.what, f"{clip.source}, {clip.licence}"
         case Kind.ROBOTS:
             for name in robot_names():
-                robot = Robot.load(name)
-                yield name, robot.label, f"{robot.na} joints, {robot.mass:.1f} kg"
+                robot = robot_summary(name)
+                figures = f"{robot.joints} joints, {robot.mass:.1f} kg, {robot.height:.2f} m"
+                yield name, robot.label, figures, robot.origin and f"fetched once: {robot.origin}"
         case Kind.SCENARIOS:
             for name, scenario in SCENARIOS.items():
                 yield name, _first_line(scenario)

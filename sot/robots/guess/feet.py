@@ -128,12 +128,25 @@ def _fewer(hull: Array) -> Array:
 
 
 def _without_least(hull: Array, count: int) -> Array:
-    """Some corners of a polygon: without the one that costs least area, and again."""
+    """Some corners of a polygon: without the one that costs least area, and again; both of a pair that is mirrored."""
     kept = hull
     while len(kept) > count:
-        areas = [_area(np.delete(kept, k, axis=0)) for k in range(len(kept))]
-        kept = np.delete(kept, int(np.argmax(areas)), axis=0)
+        partners = _mirrored_corners(kept)
+        pairs = [[k, partners[k]] if partners[k] != k else [k] for k in range(len(kept))]
+        smaller = [np.delete(kept, pair, axis=0) for pair in pairs if len(kept) - len(pair) >= count]
+        if not smaller:
+            break
+        kept = max(smaller, key=_area)
     return kept
+
+
+def _mirrored_corners(corners: Array) -> list[int]:
+    """The corner that mirrors each one about the middle of the foot's width; itself where there is none."""
+    middle = 0.5 * (corners[:, 1].min() + corners[:, 1].max())
+    other = corners * (1.0, -1.0) + (0.0, 2.0 * middle)
+    apart = np.linalg.norm(other[:, None] - corners[None], axis=2)
+    nearest = apart.argmin(axis=1)
+    return [int(b) if apart[a, b] < FLATNESS_TOLERANCE else a for a, b in enumerate(nearest)]
 
 
 def _rectangle(hull: Array) -> Array:

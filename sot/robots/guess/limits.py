@@ -5,90 +5,108 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from sot.robots.guess.evidence import Evidence, Sureness
 from sot.robots.guess.groups import Body
 from sot.robots.guess.points import Points
 from sot.robots.guess.posed_model import PosedModel
+from sot.robots.limits import EFFORT_LEVER, GRAVITY
+from sot.robots.mjcf import joint_efforts
 
-GRAVITY = 9.81  # m/s²
-NO_EFFORT, NO_VELOCITY = 1e4, 1e3  # N m and rad/s: what is no less is no limit
+NO_VELOCITY = 1e3  # rad/s: what is no less is no limit
+SMALL = 1e-9  # N m s/rad and kg m², of losses that are none
 ACCELERATION, ACCELERATION_HARD = 60.0, 400.0  # rad/s², for references and braking, and for a tick
 EFFORTS = {"hip": 0.3, "knee": 0.4, "ankle": 0.2, "chest": 0.25, "upper arm": 0.12, "forearm": 0.03, "head": 0.03}
 """Efforts of humanoids of 3 to 95 kg, as shares of weight times leg length, towards their lower end."""
 VELOCITY = 2.0
 """Velocity limit by scale, in √(gravity / leg length)."""
+DAMPED, ROTOR = 0.5, 0.25
+"""Shares of a motor's effort that damping may take at the velocity guessed, and the rotor's inertia in a reference."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What the robot file has to say of limits, by joint; nothing where the model says it."""
+    """What the robot file has to say of limits, by joint: efforts and velocities where the model says nothing, and the
+    accelerations of references."""
 
     effort: Mapping[str, float]
     velocity: Mapping[str, float]
+    acceleration: Mapping[str, float]
 
 
 def find_limits(posed: PosedModel, body: Body, points: Points, path: Path) -> tuple[Limits, list[Evidence]]:
     """Limits of all joints of groups that the model does not have, or has beyond any motor's."""
     joints = [j for group in body.groups.values() for j in group]
-    said = _urdf_limits(path) if path.suffix == ".urdf" else {}
-    beside = {} if path.suffix == ".urdf" else _beside(path, [posed.joint_name(j) for j in joints])
-    effort, velocity, evidence = dict[str, float](), dict[str, float](), list[Evidence]()
-    own = model_efforts(posed)
+    names = {j: posed.joint_name(j) for j in joints}
+    weight = GRAVITY * posed.mass(posed.base)
     leg = float(np.linalg.norm(points.places["left_hip"].at - points.places["left_ankle"].at))
-    scale = posed.mass(posed.base) * GRAVITY * leg
-    roles = _roles(body, points)
-    sources: dict[str, list[str]] = {"effort": [], "velocity": []}
-    scaled: dict[str, list[str]] = {"effort": [], "velocity": []}
-    for joint in joints:
-        name = posed.joint_name(joint)
-        other_effort, other_velocity = beside.get(name, (0.0, 0.0))
-        if not 0.0 < own.get(joint, 0.0) < NO_EFFORT:
-            found = 0.0 < other_effort < NO_EFFORT
-            effort[name] = other_effort if found else _round(EFFORTS[roles[joint]] * scale)
-            (sources if found else scaled)["effort"].append(name)
-        if not 0.0 < said.get(name, (0.0, 0.0))[1] < NO_VELOCITY:
-            found = 0.0 < other_velocity < NO_VELOCITY
-            velocity[name] = other_velocity if found else _round(VELOCITY * float(np.sqrt(GRAVITY / leg)))
-            (sources if found else scaled)["velocity"].append(name)
-    for kind, unit in (("effort", "N m"), ("velocity", "rad/s")):
-        values = effort if kind == "effort" else velocity
-        count = len(joints) - len(values)
-        if count:
-            evidence.append(Evidence(f"{kind} limits", f"of {count} joints", "the model's own", Sureness.SURE))
-        if sources[kind]:
-            evidence.append(
-                Evidence(
-                    f"{kind} limits", f"of {len(sources[kind])} joints", "from a URDF beside the model", Sureness.LIKELY
-                )
-            )
-        if scaled[kind]:
-            low, high = (f(values[name] for name in scaled[kind]) for f in (min, max))
-            names = "all joints" if len(scaled[kind]) == len(joints) else ", ".join(scaled[kind])
-            why = "by scale: the model has none; look them up in the maker's data"
-            evidence.append(Evidence(f"{kind} limits", f"{low:g} to {high:g} {unit} for {names}", why, Sureness.UNSURE))
-    return Limits(effort, velocity), evidence
+    is_urdf = path.suffix.lower() == ".urdf"
+    own_velocity = {name: limits[1] for name, limits in (_urdf_limits(path) if is_urdf else {}).items()}
+    own_effort = dict(enumerate(joint_efforts(posed.model).tolist()))
+    beside = {} if is_urdf else _beside(path, list(names.values()))
+    by_scale = {j: _two_figures(EFFORTS[role] * weight * leg) for j, role in _roles(body, points).items()}
+    effort, said_effort = _filled(
+        "effort", "N m", names, own_effort, {n: a for n, (a, _) in beside.items()}, by_scale, EFFORT_LEVER * weight
+    )
+    efforts = {j: effort.get(names[j], own_effort[j]) for j in joints}
+    damping, armature = ({j: _of_joint(values, posed, j) for j in joints} for values in _losses(posed))
+    fastest = VELOCITY * float(np.sqrt(GRAVITY / leg))
+    by_scale = {j: _two_figures(min(fastest, DAMPED * efforts[j] / max(damping[j], SMALL))) for j in joints}
+    own = {j: own_velocity.get(name, np.inf) for j, name in names.items()}
+    velocity, said_velocity = _filled(
+        "velocity", "rad/s", names, own, {n: v for n, (_, v) in beside.items()}, by_scale, NO_VELOCITY
+    )
+    acceleration = {
+        names[j]: _two_figures(min(ACCELERATION, ROTOR * efforts[j] / max(armature[j], SMALL))) for j in joints
+    }
+    slow = [name for name, value in acceleration.items() if value < ACCELERATION]
+    said = [*said_effort, *said_velocity]
+    if slow:
+        low, high = (f(acceleration[name] for name in slow) for f in (min, max))
+        why = f"more would take over {100 * ROTOR:.0f} % of the effort for the rotors' inertia"
+        said.append(Evidence("acceleration", f"{low:g} to {high:g} rad/s² of {len(slow)} joints", why, Sureness.LIKELY))
+    return Limits(effort, velocity, acceleration), said
 
 
-def model_efforts(posed: PosedModel) -> dict[int, float]:
-    """Efforts that a model has by joint [N m]: of the joint, else of its actuators."""
-    model, out = posed.model, dict[int, float]()
-    for a in range(model.nu):
-        joint = int(model.actuator_trnid[a, 0])
-        if model.actuator_trntype[a] != mujoco.mjtTrn.mjTRN_JOINT:
-            continue
-        gear = abs(float(model.actuator_gear[a, 0]))
-        if model.actuator_forcelimited[a]:
-            out[joint] = gear * float(np.abs(model.actuator_forcerange[a]).max())
-        elif model.actuator_ctrllimited[a] and model.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_NONE:
-            gain = abs(float(model.actuator_gainprm[a, 0]))
-            out[joint] = gain * gear * float(np.abs(model.actuator_ctrlrange[a]).max())
-    for joint in posed.joints:
-        if model.jnt_actfrclimited[joint]:
-            out[joint] = float(np.abs(model.jnt_actfrcrange[joint]).max())
-    return out
+def _filled(
+    kind: str,
+    unit: str,
+    names: Mapping[int, str],
+    own: Mapping[int, float],
+    beside: Mapping[str, float],
+    by_scale: Mapping[int, float],
+    none: float,
+) -> tuple[dict[str, float], list[Evidence]]:
+    """Limits that the model lacks, from a URDF beside it or by scale; `none` or more is no limit."""
+    lacking = {j: name for j, name in names.items() if not 0.0 < own[j] < none}
+    found = {name: beside[name] for name in lacking.values() if 0.0 < beside.get(name, 0.0) < none}
+    guessed = {name: by_scale[j] for j, name in lacking.items() if name not in found}
+    said = []
+    if len(names) > len(lacking):
+        words = f"of {len(names) - len(lacking)} joints"
+        said.append(Evidence(f"{kind} limits", words, "the model's own", Sureness.SURE))
+    if found:
+        words = f"of {len(found)} joints"
+        said.append(Evidence(f"{kind} limits", words, "from a URDF beside the model", Sureness.LIKELY))
+    if guessed:
+        low, high = min(guessed.values()), max(guessed.values())
+        which = "all joints" if len(guessed) == len(names) else ", ".join(guessed)
+        values = f"{low:g} {unit}" if low == high else f"{low:g} to {high:g} {unit}"
+        why = "by scale, since the model has none: look them up in the maker's data"
+        said.append(Evidence(f"{kind} limits", f"{values} for {which}", why, Sureness.UNSURE))
+    return found | guessed, said
+
+
+def _losses(posed: PosedModel) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Damping [N m s/rad] and armature [kg m²] of the model's degrees of freedom (nv,)."""
+    damping = np.asarray(posed.model.dof_damping, dtype=float)
+    return damping.reshape(posed.model.nv, -1)[:, 0], np.asarray(posed.model.dof_armature, dtype=float)
+
+
+def _of_joint(values: NDArray[np.float64], posed: PosedModel, joint: int) -> float:
+    return float(values[posed.model.jnt_dofadr[joint]])
 
 
 def _beside(path: Path, joints: Sequence[str]) -> dict[str, tuple[float, float]]:
@@ -124,6 +142,6 @@ def _roles(body: Body, points: Points) -> dict[int, str]:
     return roles
 
 
-def _round(value: float) -> float:
+def _two_figures(value: float) -> float:
     """To two figures."""
     return float(f"{value:.2g}")

@@ -204,12 +204,12 @@ def _trunk(posed: PosedModel, body: Body, places: dict[str, Point], evidence: li
         nape = meeting(posed, head, body.height)[0] if len(head) > 1 else _in_middle(posed.axis(head[0]))
         skull = _in_middle(posed.axis(head[-1]))
         why, sureness = f"where {posed.joint_name(head[0])} and {posed.joint_name(head[-1])} turn", Sureness.SURE
-        skin = posed.surface(posed.touching(posed.subtree(carried)))
+        skin = posed.surface(posed.seen(posed.subtree(carried)))
     else:
         carried = body.chest
         nape = shoulders + NECK_RISE * body.height * UP
         why, sureness = "by human proportions: the head does not turn", Sureness.LIKELY
-        skin = posed.surface(posed.touching([body.chest]))
+        skin = posed.surface(posed.seen([body.chest]))
         skull = nape
     top = float(skin[:, 2].max()) if len(skin) else nape[2] + NECK_RISE * body.height
     top = max(top, nape[2] + 0.5 * NECK_RISE * body.height)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from sot.robots.guess.guess import Guess
-from sot.robots.guess.limits import ACCELERATION, ACCELERATION_HARD
+from sot.robots.guess.limits import ACCELERATION_HARD
 from sot.robots.guess.points import Array, Point
 from sot.robots.guess.rest import angles_by_name
 from sot.robots.robot import POINTS
@@ -44,15 +44,15 @@ def robot_file(found: Guess, folder: Path) -> str:
     lines += ["", "[groups]"]
     for group, joints in body.groups.items():
         lines.append(f"{group} = [{', '.join(_string(posed.joint_name(j)) for j in joints)}]")
+    units = {"velocity": "rad/s", "effort": "N m", "acceleration": "rad/s², for references and braking"}
+    tables = {name: getattr(found.limits, name) for name in units}
+    alike = {n: v for n, v in tables.items() if len(v) == len(moving) and len(set(v.values())) == 1}
     lines += ["", "[limits]"]
-    lines.append(f"acceleration = {ACCELERATION} # rad/s², for references and braking")
+    lines += [f"{name} = {next(iter(values.values()))} # {units[name]}" for name, values in alike.items()]
     lines.append(f"acceleration_hard = {ACCELERATION_HARD} # rad/s², bound of a tick")
-    for name, unit in (("velocity", "rad/s"), ("effort", "N m")):
-        values = getattr(found.limits, name)
-        if values and len(set(values.values())) == 1 and len(values) == len(moving):
-            lines.insert(lines.index("[limits]") + 1, f"{name} = {next(iter(values.values()))} # {unit}")
-        elif values:
-            lines += ["", f"[limits.{name}] # {unit}", *_numbers(values)]
+    for name, values in tables.items():
+        if values and name not in alike:
+            lines += ["", f"[limits.{name}] # {units[name]}", *_numbers(values)]
     posed.place(found.rest.qpos)
     return "\n".join(lines) + "\n"
 

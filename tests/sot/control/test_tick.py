@@ -8,7 +8,7 @@ from solvers import Cascade
 from sot.control.controller import Controller
 from sot.control.tick import COULOMB_SPEED, Tick
 from sot.errors import InputError
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tests.sot.stances import standing_stack
 from tests.sot.states import random_state, rate, turned
 
@@ -16,7 +16,7 @@ STATES = 3
 
 
 @pytest.fixture(
-    params=[(name, seed) for name in robot_names() for seed in range(STATES)], ids=lambda p: f"{p[0]}-{p[1]}"
+    params=[(name, seed) for name in shipped_robot_names() for seed in range(STATES)], ids=lambda p: f"{p[0]}-{p[1]}"
 )
 def case(request):
     name, seed = request.param
