@@ -52,7 +52,7 @@ def overloaded_knots(robot: Robot, phases: Sequence[Phase], body_motion: Spline)
 
 
 def overloaded_at_rest(robot: Robot, phases: Sequence[Phase], body_motion: Spline, knots: Indices) -> Flags:
-    """Flags (n, na) of the joints whose torque is beyond their effort even if the body holds still at some knots (n,)."""
+    """Flags (n, na) of the joints whose torque exceeds their effort even if the body holds still at some knots (n,)."""
     q, still = to_pinocchio(*3 * (body_motion.knots[knots],))[0], np.zeros((len(knots), robot.nv))
     times: Array = body_motion.period * knots.astype(float)
     torques = planned_torques(robot, phases, times, q, still, still)
