@@ -76,7 +76,7 @@ def test_conflicts_are_explained_after_the_run(motion):
 
 
 def test_values_that_cannot_be_used_are_counted_and_the_robot_stands(motion):
-    stack = stacks.planted(motion.robot, motion)
+    stack = stacks.planted_stack(motion.robot, motion)
     stack.add(Spoilt("spoilt", "rad/s²", "rad"), "spoilt", before="posture")
     world = World(motion.robot, PERIOD)
     done = run(Controller(motion.robot, stack, Cascade(), PERIOD), world, motion)
@@ -91,7 +91,7 @@ def test_values_that_cannot_be_used_are_counted_and_the_robot_stands(motion):
 
 def test_a_run_starts_with_what_was_asked_for_at_its_end(motion):
     """A stack that has run takes changes at once again, before the next run."""
-    robot, stack = motion.robot, stacks.planted(motion.robot, motion)
+    robot, stack = motion.robot, stacks.planted_stack(motion.robot, motion)
     controller = Controller(robot, stack, Cascade(), PERIOD)
     run(controller, World(robot, PERIOD), motion)
     stack.remove("waist RPY")

@@ -8,7 +8,7 @@ import pytest
 
 from scenarios import cli
 from scenarios.inputs.scenario_file import load_scenario
-from scenarios.replay import RECORDING, REPORT
+from scenarios.replay import RECORDING_FILE, REPORT_FILE
 from sot.robots import Robot
 
 HEAD = """
@@ -16,7 +16,7 @@ import numpy as np
 from dataclasses import dataclass
 
 from scenarios import Scenario
-from scenarios.stacks import planted
+from scenarios.stacks import planted_stack
 from sot.control import MotionTask
 from sot.motion import Edit, Motion
 
@@ -34,7 +34,7 @@ class Hand(MotionTask):
 
 def scenario(robot, rate):
     motion = Motion.standing(robot, 0.3, rate)
-    stack = planted(robot, motion)
+    stack = planted_stack(robot, motion)
     stack.add(Hand(), "hand", before="posture")
     return RESULT
 """
@@ -56,8 +56,8 @@ def write(tmp_path, monkeypatch):
 def test_it_is_run_recorded_and_reported(write, tmp_path, capsys):
     pushed = ["--push", "t=0.1 force=5,0,0 duration=0.05", "--mismatch", "mass=1.02"]
     assert cli.main(["run", str(write()), "--rate", "500", *pushed]) == cli.DONE
-    report = json.loads((tmp_path / "runs" / "mine" / REPORT).read_text("utf-8"))
-    assert (tmp_path / "runs" / "mine" / RECORDING).stat().st_size > 10_000
+    report = json.loads((tmp_path / "runs" / "mine" / REPORT_FILE).read_text("utf-8"))
+    assert (tmp_path / "runs" / "mine" / RECORDING_FILE).stat().st_size > 10_000
     assert (report["clip"], report["fell"], report["rate_hz"]) == ("mine", False, 500.0)
     assert report["pushes"]["given"] == 1 and report["mismatch"]["mass"] == 1.02
     assert report["solver"]["invalid_ticks"] == 0
@@ -66,7 +66,7 @@ def test_it_is_run_recorded_and_reported(write, tmp_path, capsys):
 def test_nan_is_held_counted_and_remarked(write, tmp_path, capsys):
     body = WELL.replace("np.zeros(3),", "np.full(3, np.nan if 0.1 < tick.t < 0.11 else 0.0),", 1)
     assert cli.main(["run", str(write(body)), "--rate", "500"]) == cli.DONE
-    report = json.loads((tmp_path / "runs" / "mine" / REPORT).read_text("utf-8"))
+    report = json.loads((tmp_path / "runs" / "mine" / REPORT_FILE).read_text("utf-8"))
     assert report["solver"]["invalid_ticks"] == 4 and not report["solver"]["infeasible_ticks"]
     assert "The last torque was held in 4 ticks from 0.102 to 0.108 s: task 'hand'" in capsys.readouterr().out
 
@@ -75,7 +75,7 @@ def test_edits_solver_and_scene_are_taken(write):
     edit = 'Edit("right_hand", "z", by=0.05, start=0.1, end=0.2)'
     path = write(result=f"Scenario(motion, stack, edits=[{edit}], scene=lambda spec: None, solver='mine')")
     made = load_scenario(path)(Robot.load("hrp2"), 500.0)
-    assert made.edits[0].place == str(path) and made.solver == "mine"
+    assert made.edits[0].source == str(path) and made.solver == "mine"
     assert made.motion.rate == 500.0 and np.isfinite(made.motion.q).all()
 
 
