@@ -12,7 +12,7 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-HELD_SHARE = 0.9  # of an ankle's effort, that holds the weight: the rest is for the motion and the closed loop
+HELD_SHARE = 0.8  # of an ankle's effort, that holds the weight: the rest is for the motion and the closed loop
 LEVEL = 0.2  # of an axis' length, its part in the floor's plane: a more upright one holds no weight
 ROUNDING_M = 1e-9
 

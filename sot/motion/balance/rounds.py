@@ -177,7 +177,7 @@ class BalanceRounds:
         zmp = self._plan_com_and_zmp(part)
         body: Part = ClearBody(robot, self._build, self._body_targets(), self._feet, self._legs, self._com.knots)
         if self._relieved_phases:
-            body = RelievedBody(body, robot, self._relieved_phases, self.body_motion)
+            body = RelievedBody(body, robot, self._relieved_phases, period)
         control, y = slice(part.start, part.stop + 2), self.body_motion.knots[part]
         if len(y) not in self._fits:
             self._fits[len(y)] = PartFit(
