@@ -14,7 +14,7 @@ EDGES = 12  # directions that are tried
 HEIGHTS = (0.75, 0.83, 0.90)  # leg lengths, of the hip over the ankle: the last one for strides, all to shift weight
 MAX_EXTENSION = 0.97  # leg lengths, from hip to ankle
 RANGE_MARGIN = 0.05  # rad, kept free at either end of a joint's range, for the closed loop and for a tilted pelvis
-STRIDE = 0.06  # leg lengths, between the places that are tried in a direction
+RESOLUTION = 0.006  # leg lengths, of the distances
 NEWTON_STEPS = 5  # of inverse kinematics from one place to the next
 DAMPING = 1e-8
 SOLVED = 2e-3  # rad and leg lengths: a greater error of the foot is out of range
@@ -92,8 +92,8 @@ class _Leg:
 
     def farthest(self, angles: Array, height: float, way: Array, most: float) -> float:
         """The farthest distance along a way (2,) that is in range, at most `most`; angles: of no distance [m]."""
-        reached, step = 0.0, STRIDE * self.length
-        while reached < most and step > 0.1 * STRIDE * self.length:
+        reached, step = 0.0, 0.5 * most
+        while reached < most and step > RESOLUTION * self.length:
             ahead = min(reached + step, most)
             found = self.solved(angles, np.array([*(ahead * way), -height]))
             if found is None:

@@ -19,7 +19,8 @@ Flags = NDArray[np.bool_]
 
 MOST_NAMED = 6  # joints in a sentence
 PIVOT = 0.05  # m: a moment on a foot costs as much as a force at that distance
-LONG = 3  # knots in a row: a torque beyond its limit for less is left to the controller
+EVERY = 2  # knots, at which torques are looked at
+LONG = 2  # of these in a row: a torque beyond its limit for less is left to the controller
 
 
 def planned_torques(robot: Robot, phases: Sequence[Phase], times: Array, q: Array, v: Array, a: Array) -> Array:
@@ -47,10 +48,13 @@ def planned_torques(robot: Robot, phases: Sequence[Phase], times: Array, q: Arra
 def overloaded_knots(robot: Robot, phases: Sequence[Phase], body_motion: Spline) -> tuple[Flags, Array]:
     """Flags (T, na) of the knots and joints of a body motion whose torque is beyond the joint's effort for long, and
     the ratios (T, na) of torque and effort."""
-    times: Array = body_motion.period * np.arange(len(body_motion.knots), dtype=float)
-    motion = to_pinocchio(body_motion.knots, body_motion.velocities, body_motion.accelerations)
-    ratio = np.abs(planned_torques(robot, phases, times, *motion)) / robot.effort
-    return np.asarray(binary_opening(ratio > 1.0, np.ones((LONG, 1))), dtype=bool), ratio
+    count = len(body_motion.knots)
+    rows = np.arange(0, count, EVERY)
+    motion = (body_motion.knots[rows], body_motion.velocities[rows], body_motion.accelerations[rows])
+    torques = planned_torques(robot, phases, body_motion.period * rows.astype(float), *to_pinocchio(*motion))
+    ratio = np.abs(torques) / robot.effort
+    over = np.asarray(binary_opening(ratio > 1.0, np.ones((LONG, 1))), dtype=bool)
+    return np.repeat(over, EVERY, axis=0)[:count], np.repeat(ratio, EVERY, axis=0)[:count]
 
 
 @dataclass(frozen=True)
