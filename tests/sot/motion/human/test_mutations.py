@@ -1,5 +1,6 @@
 """Damaged clips: each is read and planned, or refused in one line."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +46,7 @@ def test_a_plan_that_diverges_is_refused_in_one_line(tmp_path: Path, monkeypatch
     def diverging(*_: object) -> None:
         raise np.linalg.LinAlgError("Singular matrix")
 
-    monkeypatch.setattr("sot.motion.plan.fit_limbs", diverging)
+    monkeypatch.setattr(sys.modules["sot.motion.plan"], "fit_limbs", diverging)
     with pytest.raises(InputError, match="clip: a motion like it cannot be planned"):
         plan(human, Robot.load("hrp2"), "planted", 200.0)
 
