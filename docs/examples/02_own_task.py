@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from scenarios.stacks import planted
+from scenarios.stacks import planted_stack
 from sim import World, run
 from solvers import Cascade
 from sot.control import Controller, MotionTask
@@ -24,6 +24,6 @@ class HandToHand(MotionTask):
 WANTED = np.array([0.1, -0.3, 0.1])  # m, in the world's axes
 robot = Robot.load("hrp2")
 motion = Motion.standing(robot, 2.0, 500.0)
-stack = planted(robot, motion)
+stack = planted_stack(robot, motion)
 stack.add(HandToHand("hand to hand", unit="m/s²", error_unit="m", kp=100.0), "hands", before="posture")
 done = run(Controller(robot, stack, Cascade(), 0.002), World(robot, 0.002), motion)

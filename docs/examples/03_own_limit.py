@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from scenarios.stacks import planted
+from scenarios.stacks import planted_stack
 from sim import World, run
 from solvers import Cascade
 from sot.control import Controller, Task
@@ -28,7 +28,7 @@ class Ceiling(Task):
 
 robot = Robot.load("hrp2")
 motion = Motion.standing(robot, 2.0, 500.0)
-stack = planted(robot, motion)
+stack = planted_stack(robot, motion)
 stack.hard.append(Ceiling("ceiling", unit="m/s²", error_unit="m"))
 stack.add(OperationalPoint(robot, HAND, [0.3, -0.3, 1.1], axes="xyz", kp=25.0), "hand", before="posture")
 done = run(Controller(robot, stack, Cascade(), 0.002), World(robot, 0.002), motion)

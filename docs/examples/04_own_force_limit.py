@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from scenarios.stacks import planted
+from scenarios.stacks import planted_stack
 from sim import World, run
 from solvers import Cascade
 from sot.control import Controller, Task
@@ -28,7 +28,7 @@ class SpareToes(Task):
 
 robot = Robot.load("hrp2")
 motion = Motion.standing(robot, 1.0, 500.0)
-stack = planted(robot, motion)
+stack = planted_stack(robot, motion)
 stack.hard.append(SpareToes("spare toes", unit="N", error_unit="N"))
 world = World(robot, 0.002)
 done = run(Controller(robot, stack, Cascade(), 0.002), world, motion)

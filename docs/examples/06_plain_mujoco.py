@@ -4,7 +4,7 @@
 import mujoco
 
 from scenarios import find_clip
-from scenarios.stacks import stepping, steps
+from scenarios.stacks import stepping_schedule, stepping_stack
 from sim import RobotState, build_model
 from solvers import Cascade
 from sot.control import Controller
@@ -14,7 +14,8 @@ from sot.robots import Robot
 robot, period = Robot.load("hrp2"), 0.002
 human = recognise(read(find_clip("groove"))).slice(0.0, 2.0)
 motion = plan(human, robot, "auto", rate=1.0 / period).motion
-controller = Controller(robot, steps(robot, motion), Cascade(), period, stepping(robot, motion))
+stack, schedule = stepping_stack(robot, motion), stepping_schedule(robot, motion)
+controller = Controller(robot, stack, Cascade(), period, schedule)
 
 model = build_model(robot, period)  # robot and floor; its motors are in the order of robot.joints
 data = mujoco.MjData(model)

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from scenarios.stacks import planted
+from scenarios.stacks import planted_stack
 from sim import Mismatch, Push, World, run
 from solvers import Cascade
 from sot.control import Controller
@@ -18,7 +18,7 @@ world = World(
     mismatch=Mismatch(mass=1.05, delay=0.002),
     pushes=[Push(t=0.5, force=(50.0, 0.0, 0.0), duration=0.1)],
 )
-controller = Controller(robot, planted(robot, motion), Cascade(), period)
+controller = Controller(robot, planted_stack(robot, motion), Cascade(), period)
 done = run(controller, world, motion)
 log = done.log.trimmed()
 sway = np.linalg.norm((log.com - motion.com[0])[:, :2], axis=1)

@@ -5,7 +5,7 @@ import mujoco
 import numpy as np
 
 from scenarios import Scenario
-from scenarios.stacks import planted
+from scenarios.stacks import planted_stack
 from sot.control import Pose
 from sot.motion import Motion
 from tasks import OperationalPoint
@@ -26,6 +26,6 @@ def scenario(robot, rate):
         share, speed, change = 0.5 * (1.0 - np.cos(RATE * t)), np.sin(RATE * t), np.cos(RATE * t)
         return Pose(start + share * UP[:3], rest, 0.5 * RATE * speed * UP, 0.5 * RATE**2 * change * UP)
 
-    stack = planted(robot, motion)
+    stack = planted_stack(robot, motion)
     stack.add(OperationalPoint(robot, "right_hand", reach, axes="xyz"), "hand", before="posture")
     return Scenario(motion, stack, scene=table)

@@ -1,7 +1,7 @@
 """A task that comes, gets another target and goes while the robot stands; it comes and goes gradually."""
 # python docs/examples/09_task_added_live.py
 
-from scenarios.stacks import planted
+from scenarios.stacks import planted_stack
 from sim import World
 from solvers import Cascade
 from sot.control import Controller
@@ -11,7 +11,7 @@ from tasks import OperationalPoint
 
 robot, period = Robot.load("hrp2"), 0.002
 motion = Motion.standing(robot, 3.0, 1.0 / period)
-stack, world = planted(robot, motion), World(robot, period)
+stack, world = planted_stack(robot, motion), World(robot, period)
 controller = Controller(robot, stack, Cascade(), period)
 hand = OperationalPoint(robot, "right_hand", [0.35, -0.3, 0.9], axes="xyz", kp=25.0, name="hand")
 torques, places = [], []

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sot.errors import InputError
 from sot.motion.balance.centroidal import Centroidal
 from sot.motion.balance.rounds import BalanceRounds
+from sot.motion.balance.torques import overloaded_at_rest, overloaded_knots
 from sot.motion.body.coordinates import to_pinocchio
 from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.body.limits import Limits
@@ -23,7 +24,7 @@ from sot.motion.feet.footwork import Step
 from sot.motion.feet.slides import SlideWay, find_slide
 from sot.motion.feet.stance import LEAD_IN_TIME, TAIL_TIME, Build, human_on_time_line, human_over_feet
 from sot.motion.feet.support import supports
-from sot.motion.feet.swing import any_foot_moves, feet_heading
+from sot.motion.feet.swing import feet_heading
 from sot.motion.feet.tempo import clock_from_slowness, slowness_raised
 from sot.motion.feet.travel import Travel
 from sot.motion.human.human import Human
@@ -199,22 +200,32 @@ class _Fitter:
     def balanced(
         self, course: Course, wanted: Targets, body_motion: Spline, slowdowns: int, rough: bool = False
     ) -> tuple[Course, Spline]:
-        """The course, slowed down where the body cannot follow its feet, and the balanced motion of the body.
+        """The course, slowed down where body or motors cannot follow, and the balanced motion of the body.
 
         slowdowns: times that it is slowed down at most.
         rough: the body is fresh from `unbalanced_body`.
         """
         changed = None
-        for left in range(slowdowns if course.travel and any_foot_moves(course.feet) else 0, -1, -1):
+        slides = any(phase.sliding for phase in course.phases)
+        for left in range(0 if slides else slowdowns, -1, -1):
             rounds = BalanceRounds(self.robot, self.build, wanted, course.feet, course.phases, self.limits, body_motion)
             strained_times = rounds.balance_all(rough) if changed is None else rounds.balance_about(changed)
             body_motion = rounds.body_motion
+            if left:
+                strained_times = np.union1d(strained_times, self.hasty_times(course, body_motion))
             if not left or not len(strained_times):
                 break
             clock = clock_from_slowness(slowness_about(course, strained_times), 1.0 / PLAN_RATE)
             course, body_motion = with_clock(course, self.robot, clock), body_at_clock(body_motion, clock)
             wanted, changed = self.targets(course), slowed_knots(clock, 1.0 / PLAN_RATE)
         return course, body_motion
+
+    def hasty_times(self, course: Course, body_motion: Spline) -> Array:
+        """The times (n,) at which a motor has to give more than it can, but would not if the body moved slower [s]."""
+        over = overloaded_knots(self.robot, course.phases, body_motion)
+        knots = np.flatnonzero(over.any(axis=1))
+        hasty = over[knots] & ~overloaded_at_rest(self.robot, course.phases, body_motion, knots)
+        return body_motion.period * knots[hasty.any(axis=1)].astype(float)
 
 
 def slowness_about(course: Course, strained_times: Array) -> Array:

@@ -80,7 +80,7 @@ BAD_STACKS = {
         "from scenarios import stacks\nfrom tasks import CenterOfMass\n\n\ndef stack(robot, motion):\n"
         "    made = stacks.planted_stack(robot, motion)\n"
         "    made.add(CenterOfMass(lambda t: 1 / 0, name='mine'), level='balance')\n    return made\n",
-        "mine.py:7: ZeroDivisionError",
+        "mine.py:7: task 'mine': ZeroDivisionError",
     ),
     "no such point": (
         "from tasks import OperationalPoint\n\n\ndef stack(robot, motion):\n"

@@ -96,3 +96,18 @@ def test_what_cannot_be_changed_says_so_at_once(robot):
         Schedule().add(0.1, arm(robot), "own", before="nowhere").apply(0.2, stack)
     with pytest.raises(InputError, match="a task 'Balance' already"):
         Schedule().add(0.1, Posture(robot, robot.rest[7:], name="Balance"), "own").apply(0.2, stack)
+
+
+def test_a_task_added_in_a_loop_comes_as_with_a_schedule(robot):
+    """The same acceleration at every tick, by `Stack.add` between two ticks."""
+    scheduled = accelerations(
+        robot, Schedule().add(0.1, arm(robot), "own", before="posture"), standing_stack(robot), 0.4
+    )
+    stack = standing_stack(robot)
+    controller, task = Controller(robot, stack, Cascade(), PERIOD), arm(robot)
+    live = []
+    for k in range(len(scheduled)):
+        if k == round(0.1 / PERIOD) + 1:
+            stack.add(task, "own", before="posture")  # since the tick before, at 0.1 s
+        live.append(controller(k * PERIOD, robot.rest, np.zeros(robot.nv)).acceleration)
+    np.testing.assert_allclose(live, scheduled, atol=1e-6)
