@@ -1,7 +1,5 @@
 """The world: it obeys physics, measures what is there, and never helps."""
 
-import shutil
-
 import mujoco
 import numpy as np
 import pinocchio as pin
@@ -12,8 +10,7 @@ from sim.world import World
 from solvers import Cascade
 from sot.control.controller import Controller
 from sot.control.pose import Pose
-from sot.errors import InputError
-from sot.robots.robot import MODELS, Robot, robot_names
+from sot.robots.robot import Robot, robot_names
 from tasks import OperationalPoint
 from tests.sot.robots import urdf_robot
 from tests.sot.stances import standing_stack
@@ -243,20 +240,3 @@ def test_a_urdf_robot_stands_too(tmp_path):
     assert world.state()[0][2] == pytest.approx(world.robot.rest[2], abs=0.005)
     assert sum(w[2] for w in world.foot_wrenches().values()) == pytest.approx(9.81 * world.robot.mass, rel=0.01)
     np.testing.assert_array_equal([world.model.actuator(k).name for k in range(world.model.nu)], world.robot.joints)
-
-
-@pytest.mark.parametrize(
-    ("good", "bad", "message"),
-    [
-        ("<mujoco", "<", "MuJoCo cannot read it"),
-        ('joint class="light" name="HEAD1"', 'joint class="light" name="NOD"', "the same joints: look at HEAD1, NOD"),
-    ],
-)
-def test_a_model_that_mujoco_reads_otherwise_is_refused(tmp_path, good, bad, message):
-    for file in ("hrp2.toml", "hrp2.xml"):
-        shutil.copy(MODELS / file, tmp_path)
-    robot, model = Robot.load(tmp_path / "hrp2.toml"), tmp_path / "hrp2.xml"
-    assert good in model.read_text()
-    model.write_text(model.read_text().replace(good, bad))
-    with pytest.raises(InputError, match=f"hrp2.xml: .*{message}"):
-        World(robot)
