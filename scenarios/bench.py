@@ -17,6 +17,7 @@ from sim.log import RunLog
 from sim.reference import Reference, hot_reference_us
 from sim.reporting.report import figure_at
 from sot.errors import InputError
+from sot.text_file import read_text
 
 PHASES = ("model", "assemble", "solve", "rest")
 PERCENTILES = {"p50": 50.0, "p95": 95.0, "p99": 99.0}
@@ -91,10 +92,8 @@ def read_figures(path: Path) -> dict[str, Any]:
         InputError: no such file, or something else in it.
     """
     try:
-        figures = json.loads(path.read_text(encoding="utf-8"))
+        figures = json.loads(read_text(path))
         complete = all(math.isfinite(figure_at(figures, place) or 0.0) for place, *_ in COMPARISON_LINES)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     except (ValueError, KeyError, TypeError):
         complete = False
     if not complete:

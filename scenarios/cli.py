@@ -3,7 +3,7 @@
 import json
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from enum import StrEnum
 from pathlib import Path
@@ -33,12 +33,18 @@ from scenarios.replay import (
     replay,
     retarget,
 )
-from scenarios.studies import MOTION_SCENARIOS, SCENARIOS, default_solver, run_scenario
+from scenarios.robots.bench import bench_robots, robot_pieces, show_robots
+from scenarios.robots.check import check
+from scenarios.robots.findings import print_findings, stopping
+from scenarios.robots.new import new, print_evidence
+from scenarios.studies import MOTION_SCENARIOS, SCENARIOS, default_solver, is_file, run_scenario
 from scenarios.suite import SUITES, bench_suite, suite_pieces
 from scenarios.suite import show as show_suite
 from sim.reporting.report import print_table
+from sot.control import Task
 from sot.errors import InputError
 from sot.robots.robot import Robot, robot_names
+from sot.robots.summary import robot_summary
 
 DONE, FELL, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 TRACEBACK_VARIABLE = "SOT_TRACEBACK"
@@ -48,6 +54,8 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+robot_app = typer.Typer(help="Make a robot file from a model, and see whether it will work.", no_args_is_help=True)
+app.add_typer(robot_app, name="robot")
 PIPE_WIDTH_COLUMNS = 200
 """Columns of tables that are not printed on a terminal, where nobody can make the window wider."""
 output, messages = Console(width=None if sys.stdout.isatty() else PIPE_WIDTH_COLUMNS), Console(stderr=True)
@@ -72,6 +80,10 @@ MismatchText = Annotated[
 ]
 Contacts = Annotated[Path | None, typer.Option(help="File (.toml) of the steps, as `sot retarget -o` writes it.")]
 EditFile = Annotated[Path | None, typer.Option("--edit", help="File (.toml) of edits of the dance: docs/editing.md.")]
+UpAxis = Annotated[
+    str | None,
+    typer.Option("--up", help="Up axis of the clip's file: x, y, z, -x, -y or -z; found in the clip by default."),
+]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
 
 
@@ -96,6 +108,7 @@ def replay_command(
     duration: Duration = None,
     rate: Rate = 1000.0,
     mapping: MappingFile = None,
+    up: UpAxis = None,
     contacts: Contacts = None,
     edit: EditFile = None,
     push: Pushes = None,
@@ -104,10 +117,14 @@ def replay_command(
     view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
 ) -> int:
     """Let a robot dance a clip under physics; record it and report on it."""
+    if view:
+        viewer.check_display()
     folder = out or Path("runs") / Path(clip).stem
     pushes = tuple(parse_push(text) for text in push or ())
     changed = parse_mismatch(mismatch)
-    request = Replay(clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts, edit)
+    request = Replay(
+        clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts, edit, up
+    )
     with _progress() as tell:
         report = replay(request, folder, tell)
     status = _show_report(report, folder)
@@ -118,7 +135,7 @@ def replay_command(
 
 @app.command("run")
 def run_command(
-    scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`.")],
+    scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`, or a file of your own (.py).")],
     clip: Annotated[str | None, typer.Option(help="For ramos: a file, or a name of `sot list clips`.")] = None,
     start: Start = 0.0,
     duration: Duration = None,
@@ -143,11 +160,11 @@ def run_command(
         pushes=pushes,
         mismatch=changed,
     )
-    folder = out or Path("runs") / scenario
+    folder = out or Path("runs") / Path(scenario).stem
     with _progress() as tell:
         report, show_own = run_scenario(scenario, clip, request, folder, tell)
     status = FELL if report.get("fell") else DONE
-    if scenario in MOTION_SCENARIOS:
+    if scenario in MOTION_SCENARIOS or is_file(scenario):
         status = _show_report(report, folder)
     if show_own:
         show_own(report, output)
@@ -164,13 +181,14 @@ def retarget_command(
     duration: Duration = None,
     rate: Rate = 1000.0,
     mapping: MappingFile = None,
+    up: UpAxis = None,
     contacts: Contacts = None,
     out: Annotated[Path, typer.Option("--out", "-o", help="File to write.")] = Path("motion.npz"),
 ) -> int:
     """Plan a robot's motion for a clip, without physics, and write it (.npz), or the dancer's steps (.toml), to a file
     that `sot replay` takes."""
     request = Replay(
-        clip, robot, feet=feet, start=start, duration=duration, rate=rate, mapping=mapping, contacts=contacts
+        clip, robot, feet=feet, start=start, duration=duration, rate=rate, mapping=mapping, contacts=contacts, up=up
     )
     with _progress() as tell:
         planned = retarget(request, out, tell)
@@ -245,13 +263,22 @@ def bench_command(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="The figures as JSON instead of a table.")] = False,
     suite: Annotated[str | None, typer.Option(help="dance: many clips, and a row of figures each.")] = None,
+    robots: Annotated[bool, typer.Option("--robots", help="All named robots, and a row of figures a dance.")] = False,
     feet: Annotated[str, typer.Option(help="With --suite: what `sot replay --feet` takes.")] = "auto",
-    mocap: Annotated[Path | None, typer.Option(help="With --suite: a folder of more clips (.bvh, .amc).")] = None,
-    out: Annotated[Path | None, typer.Option(help="With --suite: folder to keep recordings and reports in.")] = None,
+    mocap: Annotated[Path | None, typer.Option(help="With --suite or --robots: a folder of more clips.")] = None,
+    out: Annotated[Path | None, typer.Option(help="With either: folder to keep recordings and reports in.")] = None,
 ) -> int:
     """Dance a clip and say what a tick costs, phase by phase; or dance a suite of clips and say how they went."""
+    common = Replay("", robot, solver=solver, rate=rate, feet=feet)
+    if robots:
+        check_writable(out or Path())
+        make_solver(solver)
+        dances = robot_pieces(mocap)
+        with _progress() as tell:
+            table = bench_robots(common, dances, out, tell)
+        return _shown_table(table, show_robots, as_json)
     if suite is not None:
-        return _bench_suite(Replay("", robot, solver=solver, rate=rate, feet=feet), suite, mocap, out, as_json)
+        return _bench_suite(common, suite, mocap, out, as_json)
     if against and peer:
         raise InputError("--against and --peer: one table compares two runs, the other one shows peers; choose one")
     others = read_figures(against) if against else None
@@ -264,6 +291,28 @@ def bench_command(
     else:
         show_bench(figures, output, others)
     return FELL if figures["fell"] else DONE
+
+
+@robot_app.command("new")
+def robot_new_command(
+    model: Annotated[Path, typer.Argument(help="A humanoid's model (.xml, .urdf).")],
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="File to write; MODEL.toml by default.")] = None,
+) -> int:
+    """Guess the robot file of a model, say how sure that is, draw it, and check it."""
+    written = new(model, out)
+    print_evidence(written.found, output)
+    output.print(f"\nWritten: {written.file}, {written.picture}\n", soft_wrap=True)
+    return robot_check_command(str(written.file))
+
+
+@robot_app.command("check")
+def robot_check_command(
+    robot: Annotated[str, typer.Argument(metavar="FILE", help="A robot file (.toml), or a name of `sot list robots`.")],
+) -> int:
+    """Say all that will not work of a robot file; exit status 2 if something stops it."""
+    findings = check(robot)
+    print_findings(findings, output)
+    return BAD_INPUT if stopping(findings) else DONE
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -310,11 +359,16 @@ def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | No
     chosen = suite_pieces(mocap)
     with _progress() as tell:
         table = bench_suite(request, chosen, out, tell)
+    return _shown_table(table, show_suite, as_json)
+
+
+def _shown_table(table: dict[str, Any], show: Callable[[dict[str, Any], Console], None], as_json: bool) -> int:
+    """Print a table of dances, and say by which status it ended."""
     if as_json:
         print(json.dumps(table, indent=2))
     else:
-        show_suite(table, output)
-    return DONE if table["summary"]["successes"] == len(chosen) else FELL
+        show(table, output)
+    return DONE if table["summary"]["successes"] == table["summary"]["clips"] else FELL
 
 
 def _error_message(error: Exception) -> str:
@@ -344,8 +398,9 @@ def _list_rows(kind: Kind) -> Iterator[tuple[str, ...]]:
                 yield clip.name, f"{clip.seconds:.1f} s", clip.what, f"{clip.source}, {clip.licence}"
         case Kind.ROBOTS:
             for name in robot_names():
-                robot = Robot.load(name)
-                yield name, robot.label, f"{robot.na} joints, {robot.mass:.1f} kg"
+                robot = robot_summary(name)
+                figures = f"{robot.joints} joints, {robot.mass:.1f} kg, {robot.height:.2f} m"
+                yield name, robot.label, figures, robot.origin and f"fetched once: {robot.origin}"
         case Kind.SCENARIOS:
             for name, scenario in SCENARIOS.items():
                 yield name, _first_line(scenario)
@@ -354,7 +409,8 @@ def _list_rows(kind: Kind) -> Iterator[tuple[str, ...]]:
                 yield name, _first_line(solver)
         case Kind.TASKS:
             for name in tasks.__all__:
-                yield name, _first_line(getattr(tasks, name))
+                if issubclass(getattr(tasks, name), Task):
+                    yield name, _first_line(getattr(tasks, name))
 
 
 def _first_line(thing: object) -> str:

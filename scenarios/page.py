@@ -10,6 +10,7 @@ from scenarios.replay import REPORT_FILE, TRACES_FILE, check_writable
 from sim.reporting import page
 from sim.reporting.traces import Traces
 from sot.errors import InputError
+from sot.text_file import read_text
 
 PAGE_FILE, COMPARISON_FILE = "report.html", "comparison.html"
 
@@ -55,10 +56,12 @@ def _read_run(folder: Path) -> tuple[Mapping[str, Any], Traces]:
             )
     traces = Traces.load(folder / TRACES_FILE)
     try:
-        report = json.loads((folder / REPORT_FILE).read_text("utf-8"))
+        report = json.loads(read_text(folder / REPORT_FILE))
         same = report["clip"] == traces.facts["clip"] and report["robot"] == traces.facts["robot"]
         same = same and math.isclose(report["duration_s"], traces.facts["duration_s"], rel_tol=1e-5)
         list(page.report.table_rows([report]))
+        for key in ("command", "seed", "revision"):
+            _ = report[key]
     except (OSError, ValueError, KeyError, TypeError) as error:
         what = f"it has no '{error.args[0]}'" if isinstance(error, KeyError) else str(error)
         raise InputError(f"{folder / REPORT_FILE}: cannot be read as a run's report ({what}); run it again") from None

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sot.errors import InputError
+from sot.text_file import read_text
 
 TICK_STATISTICS = ("p50", "p95", "p99", "mean")
 
@@ -20,12 +21,10 @@ def read_peer_figures(path: Path) -> dict[str, Any]:
         InputError: no such file, or something else in it.
     """
     try:
-        peer = json.loads(path.read_text(encoding="utf-8"))
+        peer = json.loads(read_text(path))
         times = [times[key] for times in peer["tick_us"].values() for key in TICK_STATISTICS]
         complete = isinstance(peer["name"], str) and bool(times)
         complete = complete and all(math.isfinite(value) and value >= 0.0 for value in (*times, peer["reference_us"]))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     except (ValueError, KeyError, TypeError, AttributeError):
         complete = False
     if not complete:

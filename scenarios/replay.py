@@ -14,6 +14,7 @@ from scenarios.inputs.stack_file import Composer, Composition, blaming_stack_fil
 from sim.log import RunInfo
 from sim.loop import Run, run
 from sim.mismatch import NO_MISMATCH, Mismatch
+from sim.own_scene import Scene
 from sim.push import Push
 from sim.recording import recorder
 from sim.reporting import report, timeline
@@ -56,6 +57,7 @@ class Replay:
         pushes: forces on the robot while it dances.
         mismatch: how the simulated robot and floor differ from what the controller knows.
         edits: file of edits of the dance.
+        up: the up axis of the clip's file, one of `sot.motion.human.world.UP_AXES`; found in the clip by default.
     """
 
     clip: str
@@ -71,6 +73,7 @@ class Replay:
     mismatch: Mismatch = NO_MISMATCH
     contacts: Path | None = None
     edits: Path | None = None
+    up: str | None = None
 
 
 @dataclass(frozen=True)
@@ -148,17 +151,33 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
 
 
 def run_motion(
-    request: Replay, compose: Composer, motion: Motion, planned: Plan | None, tell: ProgressCallback
+    request: Replay,
+    compose: Composer,
+    motion: Motion,
+    planned: Plan | None,
+    tell: ProgressCallback,
+    scene: Scene | None = None,
+    solver: Solver | None = None,
 ) -> Dance:
     """Run a stack on a planned motion under physics.
+
+    Args:
+        request: what was asked for.
+        compose: makes the stack for the motion.
+        motion: the reference.
+        planned: how it came from a human, if it did.
+        tell: told of the progress.
+        scene: what is in the world besides robot and floor.
+        solver: unless given, the one that the request names.
 
     Raises:
         InputError: anything in the request that does not fit.
     """
-    robot, solver = motion.robot, make_solver(request.solver)
+    robot, solver = motion.robot, solver or make_solver(request.solver)
     stack, schedule, told = composed_stack(request, compose, motion)
     controller = Controller(robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
-    world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes)
+    with blaming_stack_file(request.stack):
+        world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes, scene)
     tell("starting (the first time on a machine this compiles, for half a minute)", None)
     _compile_tick(motion)
     with blaming_stack_file(request.stack):
@@ -166,7 +185,7 @@ def run_motion(
     info = RunInfo(
         clip=Path(request.clip).stem,
         robot=robot.name,
-        solver=request.solver,
+        solver=solver.name,
         feet=request.feet,
         rate_hz=request.rate,
         fell_at_s=done.fell_at_s,
@@ -274,7 +293,7 @@ def _plan_of_clip(request: Replay, robot: Robot, tell: ProgressCallback) -> Plan
 
 
 def _human_of_clip(request: Replay) -> Human:
-    human = recognise(read(clips.find_clip(request.clip)), request.mapping)
+    human = recognise(read(clips.find_clip(request.clip), request.up), request.mapping)
     if request.start or request.duration is not None:
         return human.slice(request.start, request.duration)
     return human

@@ -9,11 +9,13 @@ from typing import Any
 from rich.console import Console
 
 from scenarios import sliding
+from scenarios.inputs.scenario_file import load_scenario
 from scenarios.inputs.stack_file import Composition
 from scenarios.kimoh2013 import imitation, planar3r, printed_bounds
 from scenarios.ramos2011 import ramos
 from scenarios.replay import (
     REPORT_FILE,
+    Dance,
     ProgressCallback,
     Replay,
     check_writable,
@@ -44,13 +46,18 @@ def default_solver(name: str) -> str:
     return getattr(SCENARIOS.get(name), "SOLVER", "cascade")
 
 
+def is_file(name: str) -> bool:
+    """Whether a scenario is a user's own file."""
+    return name.endswith(".py")
+
+
 def run_scenario(
     name: str, clip: str | None, request: Replay, out: Path, tell: ProgressCallback
 ) -> tuple[dict[str, Any], Show | None]:
     """Run a scenario, record and report; the files appear in the folder `out`.
 
     Args:
-        name: Of the scenario.
+        name: Of the scenario, or a user's own file (.py), see `scenarios.Scenario`.
         clip: Which it is to dance; its own unless given.
         request: The rest of what is asked for.
         out: Folder to write to.
@@ -62,16 +69,18 @@ def run_scenario(
     Raises:
         InputError: no such scenario, or anything in the request that does not fit; nothing is written then.
     """
-    if name not in SCENARIOS:
-        raise InputError(f"unknown scenario '{name}': choose one of {', '.join(SCENARIOS)}")
+    if name not in SCENARIOS and not is_file(name):
+        raise InputError(f"unknown scenario '{name}': choose one of {', '.join(SCENARIOS)}, or give a file (.py)")
     if name in CLIP_SCENARIOS:
         scenario = CLIP_SCENARIOS[name]
         return scenario.run(replace(request, clip=clip or scenario.CLIP), out, tell), scenario.show
     if clip or request.start or request.duration is not None:
         raise InputError(f"{name} dances no clip: leave the clip and its part out, or run {', '.join(CLIP_SCENARIOS)}")
     request = replace(request, clip=name)
-    scenario = SCENARIOS[name]
     check_writable(out)
+    if is_file(name):
+        return write_outputs(_perform_file(Path(name), request, tell), out, tell), None
+    scenario = SCENARIOS[name]
     if name in STUDIES:
         if request != Replay(name, rate=request.rate, feet=request.feet):
             raise InputError(f"{name} is no robot under physics: it takes no options but --rate and --out")
@@ -90,3 +99,17 @@ def run_scenario(
     if not hasattr(scenario, "findings"):
         return write_outputs(danced, out, tell), None
     return write_outputs(danced, out, tell, {name: scenario.findings(danced, out, tell)}), scenario.show
+
+
+def _perform_file(path: Path, request: Replay, tell: ProgressCallback) -> Dance:
+    """Run the scenario of a user's own file."""
+    make = load_scenario(path)
+    make_solver(request.solver)  # before any work
+    tell("planning", None)
+    scenario = make(Robot.load(request.robot), request.rate)
+
+    def compose(robot: Robot, motion: Motion) -> Composition:
+        return Composition(scenario.stack, scenario.schedule, tuple(scenario.edits))
+
+    request = replace(request, stack=path)
+    return run_motion(request, compose, scenario.motion, None, tell, scenario.scene, scenario.solver)

@@ -1,7 +1,7 @@
-"""A table of dances: many clips danced under physics, one row of figures each, and a summary."""
+"""A table of dances: each clip danced under physics, a row of figures each, and what they come to."""
 
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import fmean, median
@@ -11,17 +11,20 @@ from rich.console import Console
 from rich.table import Table
 
 from scenarios.inputs import clips
-from scenarios.replay import ProgressCallback, Replay, dance, write_outputs
+from scenarios.replay import Dance, ProgressCallback, Replay, dance, write_outputs
 from sim.reporting.report import figure_at
 from sot.errors import InputError
 
-MAX_SUCCESS_MPJPE_MM = 100.0  # mean error of key bodies above which a dance counts as failed
-PIECE_DURATION_S = 20.0  # length of the pieces into which the long clip is cut
+MAX_SUCCESS_MPJPE_MM = 100.0  # a dance whose key bodies are farther off, on average, is no success
+PIECE_DURATION_S = 20.0  # length of the pieces that a long named clip is danced in
 LONG_CLIP, LEAPING_CLIP = "lafan1_dance1_subject2", "cmu_01_01"
 SUITES = ("dance",)
+UPRIGHT = "upright"
 
-# Figures of a row: place in the report, head, factor to the unit shown, digits after the point.
-TABLE_FIGURES: tuple[tuple[str, str, float, int], ...] = (
+Columns = tuple[tuple[str, str, float, int], ...]
+"""Figures of a row: place in the report, head, factor to the unit shown, digits after the point."""
+
+TABLE_FIGURES: Columns = (
     ("speed", "speed", 1.0, 2),
     ("zmp.inside", "zmp in %", 100.0, 1),
     ("contacts.slip_max_m", "slip mm", 1e3, 1),
@@ -40,17 +43,24 @@ TABLE_FIGURES: tuple[tuple[str, str, float, int], ...] = (
 
 @dataclass(frozen=True)
 class Piece:
-    """A clip, or a part of one, under the name of its row."""
+    """A clip, or a part of one, under the name of its row; robot and feet are the request's unless given."""
 
     name: str
     clip: str
     start: float = 0.0
     duration: float | None = None
+    robot: str | None = None
+    feet: str | None = None
+
+    def request(self, common: Replay) -> Replay:
+        """What is to be danced, given what holds for all pieces."""
+        robot, feet = self.robot or common.robot, self.feet or common.feet
+        return replace(common, clip=self.clip, start=self.start, duration=self.duration, robot=robot, feet=feet)
 
 
 def suite_pieces(mocap: Path | None) -> list[Piece]:
-    """Pieces of the suite "dance": the clips (.bvh, .amc) of a folder, the long named dance in pieces, and leaps, which
-    no robot here can do.
+    """What the suite "dance" is made of: the clips (.bvh, .amc) of a folder, the long named dance in pieces, and leaps,
+    which no robot here can do and a planner has to make something of.
 
     Raises:
         InputError: no such folder, or no clip in it.
@@ -73,7 +83,21 @@ def suite_pieces(mocap: Path | None) -> list[Piece]:
     return [*found, *long, Piece(LEAPING_CLIP, LEAPING_CLIP)]
 
 
-def bench_suite(request: Replay, pieces: Sequence[Piece], out: Path | None, tell: ProgressCallback) -> dict[str, Any]:
+def close_to_its_reference(row: Mapping[str, Any]) -> bool:
+    """Whether the key bodies of a dance that ended upright were near their reference."""
+    off = row["tracking.mpjpe_mm"]
+    return off is not None and off <= MAX_SUCCESS_MPJPE_MM
+
+
+def bench_suite(
+    request: Replay,
+    pieces: Sequence[Piece],
+    out: Path | None,
+    tell: ProgressCallback,
+    columns: Columns = TABLE_FIGURES,
+    more: Callable[[Dance, Mapping[str, Any]], Mapping[str, Any]] = lambda danced, report: {},
+    succeeded: Callable[[Mapping[str, Any]], bool] = close_to_its_reference,
+) -> dict[str, Any]:
     """Dance all pieces.
 
     Args:
@@ -81,62 +105,72 @@ def bench_suite(request: Replay, pieces: Sequence[Piece], out: Path | None, tell
         pieces: the clips.
         out: folder that keeps a recording and a report a piece; nothing is kept unless given.
         tell: told the piece and what is being done with it.
+        columns: the figures of a row.
+        more: entries of a row that no report has, from a dance and its report.
+        succeeded: whether the row of a dance that ended upright is a success.
 
     Returns:
-        "rows", one a piece: "name", "success", "ending" in words, and `TABLE_FIGURES`, None where there are none;
+        "rows", one a piece: "name", "success", "ending" in words, and the columns, None where there are none;
         "summary": how many succeeded, and over those that could be danced the mean speed and the medians of the other
         figures.
     """
+    nothing: dict[str, Any] = dict.fromkeys(place for place, *_ in columns)
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for piece in pieces:
             said = f"{piece.name}: "
-            own = replace(request, clip=piece.clip, start=piece.start, duration=piece.duration)
 
             def told(what: str, share: float | None, said: str = said) -> None:
                 tell(said + what, share)
 
-            rows.append(
-                {"name": piece.name} | _figures_row(own, (out or Path(folder)) / piece.name.replace(" ", "_"), told)
-            )
-    return {"rows": rows, "summary": _summary(rows)}
+            own, place = piece.request(request), (out or Path(folder)) / piece.name.replace(" ", "_")
+            row = {"name": piece.name} | nothing | _figures_row(own, place, told, columns, more)
+            rows.append(row | {"success": row["ending"] == UPRIGHT and succeeded(row)})
+    return {"rows": rows, "summary": _summary(rows, columns)}
 
 
-def show(table: Mapping[str, Any], console: Console) -> None:
-    """Print the rows and the summary."""
+def show(
+    table: Mapping[str, Any], console: Console, columns: Columns = TABLE_FIGURES, words: Sequence[str] = ()
+) -> None:
+    """Print the rows, and what they come to; `words` are entries of a row that are no figures."""
     shown = Table(box=None, padding=(0, 1, 0, 0))
     shown.add_column("clip", no_wrap=True)
     shown.add_column("")
-    for _, head, _, _ in TABLE_FIGURES:
+    for _, head, _, _ in columns:
         shown.add_column(head, justify="right")
+    for head in words:
+        shown.add_column(head)
     summary = {"name": "", "ending": f"{table['summary']['successes']} of {table['summary']['clips']}"}
     for row in (*table["rows"], summary | table["summary"]):
-        values = ((row.get(place), factor, digits) for place, _, factor, digits in TABLE_FIGURES)
+        values = ((row.get(place), factor, digits) for place, _, factor, digits in columns)
         cells = ("-" if value is None else f"{factor * value:.{digits}f}" for value, factor, digits in values)
-        shown.add_row(row["name"], row["ending"], *cells)
+        shown.add_row(row["name"], row["ending"], *cells, *(str(row.get(head) or "") for head in words))
     console.print(shown)
 
 
-def _figures_row(request: Replay, folder: Path, tell: ProgressCallback) -> dict[str, Any]:
-    nothing: dict[str, Any] = dict.fromkeys(place for place, *_ in TABLE_FIGURES)
+def _figures_row(
+    request: Replay,
+    folder: Path,
+    tell: ProgressCallback,
+    columns: Columns,
+    more: Callable[[Dance, Mapping[str, Any]], Mapping[str, Any]],
+) -> dict[str, Any]:
     try:
         danced = dance(request, tell)
     except InputError as refusal:
-        return {"success": False, "ending": f"refused: {refusal}"} | nothing
+        return {"ending": f"refused: {refusal}"}
     report = write_outputs(danced, folder, tell)
-    row = nothing | {place: figure_at(report, place) for place, *_ in TABLE_FIGURES if place != "planning_ratio"}
+    row: dict[str, Any] = {"ending": UPRIGHT if not report["fell"] else f"fell at {report['fell_at_s']:.1f} s"}
+    row |= more(danced, report)
     row["speed"] = report["speed"] * (1.0 - report["stretched_s"] / report["duration_s"])
     if danced.plan is not None:
         row["planning_ratio"] = danced.plan.seconds["total"] / danced.motion.duration
-    off = report["tracking"]["mpjpe_mm"]
-    success = not report["fell"] and off is not None and off <= MAX_SUCCESS_MPJPE_MM
-    ending = "upright" if not report["fell"] else f"fell at {report['fell_at_s']:.1f} s"
-    return {"success": success, "ending": ending} | row
+    return row | {place: figure_at(report, place) for place, *_ in columns if place not in (*row, "planning_ratio")}
 
 
-def _summary(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def _summary(rows: Sequence[Mapping[str, Any]], columns: Columns) -> dict[str, Any]:
     summary: dict[str, Any] = {"clips": len(rows), "successes": sum(row["success"] for row in rows)}
-    for place, *_ in TABLE_FIGURES:
+    for place, *_ in columns:
         values = [row[place] for row in rows if row[place] is not None]
         summary[place] = (fmean if place == "speed" else median)(values) if values else None
     return summary

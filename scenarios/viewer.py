@@ -1,5 +1,6 @@
 """Opening a recording: in a window, or in the browser."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -11,11 +12,28 @@ from urllib.parse import quote
 
 import rerun as rr
 
+from sot.errors import InputError
+
 HOST = "127.0.0.1"
 
 
+def check_display() -> None:
+    """Check that there is a display to open a window on.
+
+    Raises:
+        InputError: there is none.
+    """
+    if sys.platform == "linux" and not any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")):
+        raise InputError("no display to open a window on: `sot view --web` shows a recording in a browser")
+
+
 def open_in_window(path: Path) -> bool:
-    """Open a recording in rerun's viewer; returns whether that went well, once its window is closed."""
+    """Open a recording in rerun's viewer; returns whether that went well, once its window is closed.
+
+    Raises:
+        InputError: there is no display.
+    """
+    check_display()
     return subprocess.run([sys.executable, "-m", "rerun", str(path)], check=False).returncode == 0
 
 

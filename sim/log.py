@@ -68,6 +68,8 @@ class RunLog:
         model_us, assemble_us, solve_us: its parts: robot model, rows, solver [µs], (T,).
         conflicts: times [s] at which level 0 had no solution, with the rows that contradicted each other; not all such
             times.
+        invalid: times [s] of ticks in which a state, a task or the solver gave values that cannot be used, and which;
+            the last torque was held.
         fallbacks: ticks that another answer than the solver's own served.
         self_distance: least distance between bodies of the robot [m], (T,); measured at a lower rate, nan between.
     """
@@ -101,6 +103,7 @@ class RunLog:
     solve_us: np.ndarray
     self_distance: np.ndarray
     conflicts: list[tuple[float, str]] = field(default_factory=list)
+    invalid: list[tuple[float, str]] = field(default_factory=list)
     fallbacks: list[Fallback] = field(default_factory=list)
 
     @classmethod

@@ -57,6 +57,7 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
     if abs(world.timestep - controller.tick.period) > 1e-12:
         raise ValueError(f"the world steps by {world.timestep} s, the controller by {controller.tick.period} s")
     world.reset(motion.q[0], motion.v[0])
+    controller.stack.settle()
     entries = [(level, task) for level, tasks in controller.stack.levels for task in tasks]
     if controller.schedule is not None:
         entries += controller.schedule.tasks
@@ -173,9 +174,11 @@ def _write_log_row(
     solution = command.solution
     log.status[k], log.hard_status[k] = command.status, solution.levels[0].status
     log.residual[k] = max(level.residual for level in solution.levels)
+    if command.invalid:
+        log.invalid.append((t, command.invalid))
     if command.status in (Status.SECOND_SOLVER, Status.FAILED):
         log.fallbacks.append(_describe_fallback(t, solution))
-    shares = controller.schedule.transition_shares if controller.schedule is not None else {}
+    shares = controller.stack.transition_shares
     for place, ((_, tasks), level) in enumerate(zip(controller.stack.levels, solution.levels[1:], strict=True), 1):
         slack = level.error
         active = np.count_nonzero(level.active) if len(level.level.lower) else 0

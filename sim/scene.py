@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 
+from sim.own_scene import ALL_COLLISION_BITS, Scene, add_scene
 from sim.sensors import FloorSensors
 from sot.errors import InputError
 from sot.robots.robot import Robot
@@ -13,16 +14,18 @@ IMPRATIO = 10.0  # friction is that much stiffer than the normal force
 # centripetal, it does not average out, and feet walk off under a body that twists; on the default floor, soft with its
 # 20 ms, by centimetres a minute.
 FLOOR_SOLREF = (0.005, 1.0)  # time constant [s] and damping ratio
-ALL_COLLISION_BITS = 0x7FFFFFFF
 
 
-def build_model(robot: Robot, timestep: float, friction: float) -> mujoco.MjModel:
+def build_model(
+    robot: Robot, timestep: float = 0.001, friction: float = 0.7, scene: Scene | None = None
+) -> mujoco.MjModel:
     """The robot, driven by one torque motor a joint (Pinocchio's order), on a plane at z = 0.
 
     Args:
         robot: the robot, as its tree has it.
         timestep: of the physics [s].
         friction: coefficient of every contact with the floor.
+        scene: what else is in the world.
 
     Raises:
         InputError: MuJoCo cannot compile it.
@@ -33,10 +36,13 @@ def build_model(robot: Robot, timestep: float, friction: float) -> mujoco.MjMode
         _add_floor(spec, friction)
         _add_lights(spec)
         _add_sensors(spec, robot)
+        if scene is not None:
+            add_scene(spec, scene)
         _set_options(spec, robot, timestep)
         return spec.compile()
     except (ValueError, mujoco.FatalError) as error:
-        raise InputError(f"{robot.path}: MuJoCo cannot compile it: {' '.join(str(error).split())}") from None
+        whole = "it" if scene is None else "it and the scene"
+        raise InputError(f"{robot.path}: MuJoCo cannot compile {whole}: {' '.join(str(error).split())}") from None
 
 
 def _add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:

@@ -7,9 +7,10 @@ from math import ceil
 import mujoco
 import numpy as np
 
-from sim.convert import state_from_mujoco, state_to_mujoco
 from sim.mismatch import NO_MISMATCH, Mismatch
+from sim.own_scene import Scene
 from sim.push import Push, Pusher
+from sim.robot_state import RobotState
 from sim.scene import build_model
 from sim.sensors import FloorSensors, SelfDistance
 from sot.robots.robot import Robot
@@ -29,13 +30,16 @@ class World:
             most `MAX_PHYSICS_TIMESTEP`, the torque held.
         mismatch: how the real robot and floor differ from the model that the controller has.
         pushes: forces on the robot's bodies over time.
+        scene: what else is in the world: a function that adds to MuJoCo's specification (`mujoco.MjSpec`), or a whole
+            MJCF document as text, whose names get the prefix "scene/". What may collide at all may collide with the
+            robot. Touching what does not move counts as touching the floor.
 
     Attributes:
         robot, mismatch, pushes: as given.
         model, data: MuJoCo's, open for forces of one's own (`data.xfrc_applied`) and rendering.
 
     Raises:
-        InputError: MuJoCo cannot compile the robot, or the robot has no body that a push names.
+        InputError: MuJoCo cannot compile the robot or the scene, or the robot has no body that a push names.
     """
 
     def __init__(
@@ -44,17 +48,18 @@ class World:
         timestep: float = 0.001,
         mismatch: Mismatch = NO_MISMATCH,
         pushes: Sequence[Push] = (),
+        scene: Scene | None = None,
     ):
         self.robot = robot
         self.timestep = timestep
         self.mismatch = mismatch
         self.pushes = tuple(pushes)
         self._substeps = max(1, ceil(timestep / MAX_PHYSICS_TIMESTEP - 1e-9))
-        self.model = build_model(robot, timestep / self._substeps, self.mismatch.friction)
+        self.model = build_model(robot, timestep / self._substeps, self.mismatch.friction, scene)
         self.mismatch.apply(self.model)
         self.data = mujoco.MjData(self.model)
-        # Live views: to ask MuJoCo for its arrays anew takes longer than to read them.
-        self._qpos, self._qvel = self.data.qpos[: robot.nq], self.data.qvel[: robot.nv]
+        self._state = RobotState(robot, self.model, self.data)
+        self._motors = self.data.ctrl[: robot.na]  # the live view; what a scene drives comes after
         self._apply_pushes = Pusher(self.model, self.data, robot, self.pushes)
         self._delay_steps = round(self.mismatch.delay * self._substeps / timestep)
         self.reset(robot.rest)
@@ -64,8 +69,7 @@ class World:
     def reset(self, q: np.ndarray, v: np.ndarray | None = None) -> None:
         """Start over at a Pinocchio configuration (nq,) and velocity (nv,), at rest unless given, and time 0."""
         mujoco.mj_resetData(self.model, self.data)
-        v = np.zeros(self.robot.nv) if v is None else v
-        self.data.qpos[: self.robot.nq], self.data.qvel[: self.robot.nv] = state_to_mujoco(q, v)
+        self._state.write(q, v)
         mujoco.mj_forward(self.model, self.data)
         self._random = np.random.default_rng(self.mismatch.seed)
         self._delayed_torques: deque[np.ndarray] = deque()
@@ -77,7 +81,7 @@ class World:
 
     def state(self) -> tuple[np.ndarray, np.ndarray]:
         """Configuration (nq,) and velocity (nv,) in Pinocchio's conventions; not numbers once the physics diverged."""
-        return state_from_mujoco(self._qpos, self._qvel)
+        return self._state.read()
 
     def measured(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """A state as the controller is told: with the mismatch's noise on angular velocities."""
@@ -93,7 +97,7 @@ class World:
         """
         for _ in range(self._substeps):
             self._delayed_torques.append(np.array(tau))
-            self.data.ctrl[:] = (
+            self._motors[:] = (
                 self._delayed_torques.popleft()
                 if len(self._delayed_torques) > self._delay_steps
                 else self._delayed_torques[0]

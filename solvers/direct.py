@@ -256,7 +256,7 @@ def _active_set_optimum(
                 factor, shortest = gram_cholesky(B[1:])
             if not shortest > WELL_CONDITIONED_ABOVE:
                 return False, 0.0
-            x_1, costs, certain = _leading_meeting_rows(X, first, factor, rows, target, L, kept)
+            x_1, costs, certain = _nearest_leading_and_multipliers(X, first, factor, rows, target, L, kept)
             if not certain:
                 return False, 0.0
         missing = target - matrix_vector(rows[:, :leading], x_1) - matrix_vector(rows[:, leading:], wish)
@@ -299,7 +299,7 @@ def _active_set_optimum(
 
 
 @compiled
-def _leading_meeting_rows(
+def _nearest_leading_and_multipliers(
     X: Array, first: Array, factor: Array, rows: Array, target: Array, L: Array, kept: Array
 ) -> tuple[Array, Array, bool]:
     """The x_1 nearest to its first choice, in the norm of the level of W, for which x_2 can satisfy all rows.

@@ -31,6 +31,8 @@ class Status(IntEnum):
     """Level 0 had no solution: some of its rows gave way."""
     FAILED = 3
     """No answer. The levels above the failed one keep theirs; without any of them ``x`` is not to be used."""
+    INVALID = 4
+    """No question: the state, the rows or the answer hold values that cannot be used."""
 
 
 @dataclass(slots=True)

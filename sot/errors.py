@@ -6,3 +6,7 @@ class InputError(Exception):
 
     The command line prints it without a traceback and exits with status 2.
     """
+
+
+class InvalidRowsError(InputError):
+    """Rows of a task that cannot be used: of a wrong shape or type, or with a value that is not finite."""

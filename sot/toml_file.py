@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from sot.errors import InputError
+from sot.text_file import read_text
 
 
 def read_toml(path: Path, kind: str) -> dict[str, Any]:
@@ -14,8 +15,10 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
         InputError: it cannot be read, or is no TOML.
     """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}): give {kind} (.toml)") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        text = read_text(path)
+    except InputError as error:
+        raise InputError(f"{error}; give {kind} (.toml)") from None
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: not a TOML file: {error}") from None

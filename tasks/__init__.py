@@ -1,7 +1,7 @@
 """What a stack is made of: one file a task."""
 
 from tasks.balance import Balance
-from tasks.bounds import JointBounds, TorqueBounds
+from tasks.bounds import AccelerationBounds, JointBounds, TorqueBounds
 from tasks.center_of_mass import CenterOfMass
 from tasks.contact_forces import LeastForces
 from tasks.foot_sliding import FootSliding
@@ -12,6 +12,7 @@ from tasks.self_collision import SelfCollision
 from tasks.swing_foot import SwingFoot
 
 __all__ = [
+    "AccelerationBounds",
     "AngularMomentum",
     "Balance",
     "CenterOfMass",

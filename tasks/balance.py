@@ -70,7 +70,8 @@ class Balance(Task):
         super().__init__("Balance", "m/s²", "m", weight)
         self.labels = axes
         self._axes = slice(len(axes))
-        self._reference = reference
+        self.reference = reference
+        """Plan that the centre of mass follows; may be replaced, and acts at once."""
         self._feet = dict(feet or {})
         self._momentum = momentum
         self.k, self.kp, self.margin = k, kp, margin
@@ -80,7 +81,7 @@ class Balance(Task):
     def rows(self, tick: Tick) -> Rows:
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
         self._update_support(tick)
-        plan, state = self._reference(tick.t), (tick.com, tick.com_velocity, tick.com_drift)
+        plan, state = self.reference(tick.t), (tick.com, tick.com_velocity, tick.com_drift)
         polygon, of = self._polygon, self._axes
         turning = NO_EXCESS if self._momentum is None else tick.momentum_excess_per_weight(self._momentum(tick.t))
         catching = any(contact.mode == "off" and contact.path is not None for contact in tick.contacts)

@@ -1,15 +1,13 @@
 """The centre of mass on a trajectory or at a point."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from sot.control.task import MotionTask
 from sot.control.tick import Tick
 from sot.errors import InputError
+from tasks.targets import VectorReference, fixed_vector
 
 Array = np.ndarray
-PointReference = Callable[[float], tuple[Array, Array, Array]]
 
 
 class CenterOfMass(MotionTask):
@@ -26,7 +24,7 @@ class CenterOfMass(MotionTask):
 
     def __init__(
         self,
-        reference: PointReference | Array,
+        reference: VectorReference | Array,
         axes: str = "xyz",
         kp: float = 100.0,
         kd: float | None = None,
@@ -38,12 +36,17 @@ class CenterOfMass(MotionTask):
         super().__init__(name, "m/s²", "m", kp, kd, weight)
         self.labels = "xyz"
         self.selected = np.array(["xyz".index(axis) for axis in "xyz" if axis in axes])
-        self._reference: PointReference
-        if callable(reference):
-            self._reference = reference
-        else:
-            still, rest = np.asarray(reference, dtype=float), np.zeros(3)
-            self._reference = lambda t: (still, rest, rest)
+        self.reference = reference
+
+    @property
+    def reference(self) -> VectorReference:
+        """Trajectory that the centre of mass follows; anything that the constructor takes may replace it, and acts at
+        once."""
+        return self._reference
+
+    @reference.setter
+    def reference(self, reference: VectorReference | Array) -> None:
+        self._reference = reference if callable(reference) else fixed_vector(reference, 3, self.name)
 
     def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
         """Error, its rate, J, J̇ v and feed-forward of the centre of mass."""

@@ -24,9 +24,7 @@ class LeastForces(Task):
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``φ = 0``."""
-        count = 0
-        for contact in tick.contacts:
-            count += contact.force_count
+        count = tick.force_count
         if count != len(self._A):
             self._A, self._nothing, self.selects = np.eye(count), np.zeros(count), slice(0, count)
         return self.make_rows(self._A, self._nothing, self._nothing)

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from itertools import combinations
 
 from sot.control.pose import AXIS_NAMES
-from sot.control.schedule import TASK_RAMP, Schedule
+from sot.control.schedule import Schedule
 from sot.control.stack import Stack
 from sot.control.task import Task
+from sot.control.transition import TASK_RAMP
 from sot.motion.body.limb import refit_limb
 from sot.motion.edit import Edit, SampledOffset, edited_joint_reference, edited_point_reference
 from sot.motion.trajectory import Motion

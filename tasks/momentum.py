@@ -31,8 +31,17 @@ class AngularMomentum(Task):
         super().__init__(name, "N m", "N m s", weight)
         self.labels = "xyz"
         self.k = k
+        self.reference = reference
+
+    @property
+    def reference(self) -> MomentumReference:
+        """Momentum that is followed; may be replaced, None to damp it, and acts at once."""
+        return self._reference
+
+    @reference.setter
+    def reference(self, reference: MomentumReference | None) -> None:
         still = np.zeros(3)
-        self._reference: MomentumReference = reference or (lambda t: (still, still))
+        self._reference = reference or (lambda t: (still, still))
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``A_L v̇ = L̇ − Ȧ_L v``."""

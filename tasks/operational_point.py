@@ -6,12 +6,13 @@ import numpy as np
 import pinocchio as pin
 
 from solvers.compiled import compiled
-from sot.control.pose import AXIS_NAMES, Pose, PoseReference
+from sot.control.pose import AXIS_NAMES, PoseReference
 from sot.control.task import MotionTask
 from sot.control.tick import Tick
 from sot.errors import InputError
 from sot.robots.robot import Robot
 from sot.rotation import rotation_vector
+from tasks.targets import fixed_pose
 
 Array = np.ndarray
 AXES = "xyzRPY"
@@ -51,10 +52,6 @@ class OperationalPoint(MotionTask):
             raise InputError(f"axes '{axes}' of {point}: choose some of {AXES}, each once")
         turns, shifts = set(axes) & set("RPY"), set(axes) & set("xyz")
         unit, error_unit = ("m/s²", "m") if not turns else ("rad/s²", "rad") if not shifts else ("SI", "m, rad")
-        if turns and not (callable(reference) or isinstance(reference, pin.SE3)):
-            raise InputError(
-                f"axes '{axes}' of {point}: a target position has no orientation; give a placement, or xyz"
-            )
         super().__init__(name or f"{point} {axes}", unit, error_unit, kp, kd, weight)
         robot.point(point)
         self.point = point
@@ -63,10 +60,30 @@ class OperationalPoint(MotionTask):
         self._axes: slice | Array = self.selected
         if np.array_equal(self.selected, np.arange(self.selected[0], self.selected[-1] + 1)):
             self._axes = slice(int(self.selected[0]), int(self.selected[-1]) + 1)
-        self._reference: PoseReference = reference if callable(reference) else _constant_pose(reference)
+        self.reference = reference
         self._other_velocities: Array | None = None
         if joints is not None:
             self._other_velocities = np.setdiff1d(np.arange(robot.nv), 6 + robot.joint_numbers(joints))
+
+    @property
+    def reference(self) -> PoseReference:
+        """Trajectory that the point follows; anything that the constructor takes may replace it, and acts at once.
+
+        Raises:
+            InputError: If a position is to give an orientation.
+        """
+        return self._reference
+
+    @reference.setter
+    def reference(self, reference: PoseReference | Array | pin.SE3) -> None:
+        self._reference = self._trajectory(reference)
+
+    def _trajectory(self, reference: PoseReference | Array | pin.SE3) -> PoseReference:
+        if callable(reference):
+            return reference
+        if self.selected[-1] >= 3 and not isinstance(reference, pin.SE3):
+            raise InputError(f"{self.name}: a target position has no orientation; give a placement, or xyz")
+        return fixed_pose(reference, self.name)
 
     def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
         """Error, its rate, J, J̇ v and feed-forward in the selected axes; orientation errors as rotation vectors."""
@@ -98,12 +115,3 @@ def _pose_error(
     error = np.empty(6)
     error[:3], error[3:] = position_to - position, rotation_vector(turn)
     return error, velocity_to - velocity
-
-
-def _constant_pose(target: Array | pin.SE3) -> PoseReference:
-    rest = np.zeros(6)
-    if isinstance(target, pin.SE3):
-        pose = Pose(target.translation.copy(), target.rotation.copy(), rest, rest)
-    else:
-        pose = Pose(np.asarray(target, dtype=float), np.eye(3), rest, rest)
-    return lambda t: pose

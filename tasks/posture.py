@@ -1,15 +1,15 @@
 """Joint positions that follow a reference, Ramos (16)-(17)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from sot.control.task import MotionTask
 from sot.control.tick import Tick
 from sot.robots.robot import Robot
+from tasks.targets import VectorReference, fixed_vector
 
 Array = np.ndarray
-JointReference = Callable[[float], tuple[Array, Array, Array]]
 
 
 class Posture(MotionTask):
@@ -31,7 +31,7 @@ class Posture(MotionTask):
     def __init__(
         self,
         robot: Robot,
-        reference: JointReference | Array,
+        reference: VectorReference | Array,
         joints: str | Sequence[str] | None = None,
         kp: float = 100.0,
         kd: float | None = None,
@@ -44,13 +44,8 @@ class Posture(MotionTask):
         self.joints = np.arange(robot.na) if joints is None else robot.joint_numbers(joints)
         self.labels = [robot.joints[joint] for joint in self.joints]
         self.feedforward = feedforward
-        self._reference: JointReference
-        if callable(reference):
-            self._reference = reference
-        else:
-            still = np.asarray(reference, dtype=float)
-            rest = np.zeros_like(still)
-            self._reference = lambda t: (still, rest, rest)
+        self._joint_count = robot.na
+        self.reference = reference
         self._J = np.zeros((len(self.joints), robot.nv))
         self._J[np.arange(len(self.joints)), 6 + self.joints] = 1.0
         self._no_drift = np.zeros(len(self.joints))
@@ -59,6 +54,15 @@ class Posture(MotionTask):
             self.selects = slice(6 + self._selected.start, 6 + self._selected.stop)
         else:
             self._selected = self.joints
+
+    @property
+    def reference(self) -> VectorReference:
+        """Trajectory of all joints; anything that the constructor takes may replace it, and acts at once."""
+        return self._reference
+
+    @reference.setter
+    def reference(self, reference: VectorReference | Array) -> None:
+        self._reference = reference if callable(reference) else fixed_vector(reference, self._joint_count, self.name)
 
     def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
         """Error, its rate, J, J̇ v and feed-forward of the joints."""

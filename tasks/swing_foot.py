@@ -1,11 +1,12 @@
 """A foot that swings from one foothold to the next."""
 
 import numpy as np
+import pinocchio as pin
 
 from solvers.rows import Rows
 from sot.behaviours.stride import lowered_pose, raised_pose
-from sot.control.contact import ARRIVAL_FADE_POWER
-from sot.control.pose import Pose
+from sot.control.contact import ARRIVAL_ACCELERATION_FADE_POWER
+from sot.control.pose import Pose, PoseReference
 from sot.control.tick import Tick
 from sot.motion.feet.footfalls import Footfalls
 from sot.motion.trajectory import Motion
@@ -36,17 +37,23 @@ class SwingFoot(OperationalPoint):
     def __init__(
         self, robot: Robot, foot: str, motion: Motion, kp: float = 200.0, kd: float = 28.0, weight: float = 1.0
     ) -> None:
-        super().__init__(robot, foot, motion.pose(foot), kp=kp, kd=kd, weight=weight, name=f"SwingFoot {foot}")
-        self._planned_path = self._reference
-        self._reference = self._lowered_path
         self._stances = Footfalls(motion.phases, foot)
-        # Half a millimetre by which a fitted path ends above the floor makes a foot late by tens of milliseconds.
-        heights = [(stance.start, float(stance.pose.translation[2])) for stance in self._stances.stances]
-        self._landing_heights_missing = {
-            start: height - float(self._planned_path(start).position[2]) for start, height in heights
-        }
+        super().__init__(robot, foot, motion.pose(foot), kp=kp, kd=kd, weight=weight, name=f"SwingFoot {foot}")
         self._was_standing, self._release = False, (-np.inf, np.zeros(6))  # when it left, with which acceleration
         self._no_error, self._no_rows = np.zeros(0), np.zeros((0, robot.nv))
+
+    @property
+    def reference(self) -> PoseReference:
+        """Planned path of the foot, the motion's unless replaced: from one foothold of the motion to the next."""
+        return self._planned_path
+
+    @reference.setter
+    def reference(self, reference: PoseReference | Array | pin.SE3) -> None:
+        self._planned_path = path = self._trajectory(reference)
+        self._reference = self._lowered_path
+        # Half a millimetre by which a fitted path ends above the floor makes a foot late by tens of milliseconds.
+        heights = [(stance.start, float(stance.pose.translation[2])) for stance in self._stances.stances]
+        self._landing_heights_missing = {start: height - float(path(start).position[2]) for start, height in heights}
 
     def rows(self, tick: Tick) -> Rows:
         """Acceleration rows in all axes while the foot swings, none while it stands."""
@@ -65,7 +72,7 @@ class SwingFoot(OperationalPoint):
         start, left = self._release
         share = 1.0 - (tick.t - start) / RELEASE_TIME
         if share > 0.0:
-            feedforward = feedforward + share**ARRIVAL_FADE_POWER * (
+            feedforward = feedforward + share**ARRIVAL_ACCELERATION_FADE_POWER * (
                 left - feedforward - self.kp * error - self.kd * rate
             )
         return error, rate, J, drift, feedforward

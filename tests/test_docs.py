@@ -32,6 +32,14 @@ def test_links_lead_somewhere(page):
             assert (page.parent / link).exists(), link
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_files_that_are_named_exist(page):
+    for name in re.findall(
+        r"`((?:solvers|sot|tasks|sim|scenarios|benchmarks|docs)/[\w/.-]+\.\w+)`", page.read_text("utf-8")
+    ):
+        assert (ROOT / name).exists(), name
+
+
 def test_wave_lifts_the_hand_above_the_dance():
     wave = danced(stack=ROOT / "docs" / "examples" / "wave.py")
     assert wave.run.fell_at_s is None

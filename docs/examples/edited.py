@@ -3,7 +3,7 @@
 import numpy as np
 
 from scenarios.stacks import planted_stack as stack  # noqa: F401
-from sot.motion.edit import Edit
+from sot.motion import Edit
 
 
 def twist(t):

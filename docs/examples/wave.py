@@ -5,10 +5,7 @@ sot replay groove --stack docs/examples/wave.py
 
 import numpy as np
 
-from sot.control.contact import Contact
-from sot.control.pose import Pose
-from sot.control.schedule import Schedule
-from sot.control.stack import Stack
+from sot.control import Contact, Pose, Schedule, Stack
 from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, SelfCollision, TorqueBounds
 
 

@@ -1,6 +1,6 @@
 """A user's own stack, from a Python file with `stack(robot, motion)`; how it changes, and edits of the dance."""
 
-import importlib.util
+import sys
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,6 +15,7 @@ from sot.errors import InputError
 from sot.motion.edit import Edit
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
+from sot.text_file import read_text
 
 Result = TypeVar("Result")
 
@@ -58,7 +59,7 @@ def load_stack(path: Path) -> Composer:
         edits = made("edits", list, robot, motion) if hasattr(module, "edits") else []
         if not all(isinstance(edit, Edit) for edit in edits):
             raise InputError(f"{path}: edits(robot, motion) returned a list with something else than Edit in it")
-        return Composition(stack, schedule, tuple(replace(edit, place=edit.place or str(path)) for edit in edits))
+        return Composition(stack, schedule, tuple(replace(edit, source=edit.source or str(path)) for edit in edits))
 
     return compose
 
@@ -69,12 +70,13 @@ def load_module(path: Path) -> ModuleType:
     Raises:
         InputError: no such file, or it raises, with the line.
     """
-    spec = importlib.util.spec_from_file_location(f"user_{path.stem}", path)
-    if not path.is_file() or spec is None or spec.loader is None:
+    if not path.is_file() or path.suffix != ".py":
         raise InputError(f"{path}: no such file, or not a Python file (.py)")
-    module = importlib.util.module_from_spec(spec)
+    text, module = read_text(path), ModuleType(f"user_{path.stem}")
+    module.__file__ = str(path)
+    sys.modules[module.__name__] = module  # a data class looks for its module there
     with as_input_error(path):
-        spec.loader.exec_module(module)
+        exec(compile(text, str(path), "exec", dont_inherit=True), module.__dict__)
     return module
 
 
@@ -111,9 +113,13 @@ def as_input_error(path: Path) -> Iterator[None]:
 
 
 def _line_in_file(path: Path, error: Exception) -> int | None:
-    """The innermost line of the file that the exception came through."""
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame.lineno for frame in frames if Path(frame.filename).resolve() == path.resolve()]
+    """The innermost line of the file that the exception, or the one that caused it, came through."""
+    cause: BaseException | None = error
+    own: list[int | None] = []
+    while cause is not None:
+        frames = traceback.extract_tb(cause.__traceback__)
+        own += [frame.lineno for frame in frames if Path(frame.filename).resolve() == path.resolve()]
+        cause = cause.__cause__
     return own[-1] if own else None
 
 

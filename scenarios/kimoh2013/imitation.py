@@ -84,15 +84,15 @@ def findings(danced: Dance, out: Path, tell: ProgressCallback) -> dict[str, Any]
     robot = narrowed_robot(motion.robot, motion)
     feet = [OperationalPoint(robot, foot, motion.pose(foot)) for foot in robot.feet]
     asked = [("feet", feet), *task_levels(robot, motion).items()]
-    courses = {}
+    position_runs = {}
     for name, solver in SOLVERS.items():
         tell(f"position control, {name}", None)
         limits = [JointBounds(robot)]
-        courses[name] = follow_tasks(robot, motion.q[0], limits, asked, solver(), CONTROL_PERIOD, motion.duration)
+        position_runs[name] = follow_tasks(robot, motion.q[0], limits, asked, solver(), CONTROL_PERIOD, motion.duration)
     out.mkdir(parents=True, exist_ok=True)
-    draw_picture(out / PICTURE_FILE, danced, courses[SOLVER], robot, narrowed_joints(robot))
+    draw_picture(out / PICTURE_FILE, danced, position_runs[SOLVER], robot, narrowed_joints(robot))
     names = [name for name, _ in asked]
-    return {name: _figures(course, robot, names, motion) for name, course in courses.items()}
+    return {name: _figures(position_run, robot, names, motion) for name, position_run in position_runs.items()}
 
 
 def show(figures: dict[str, Any], console: Console) -> None:
@@ -144,23 +144,23 @@ def narrowed_joints(robot: Robot) -> tuple[int, int]:
     return knee, max(above, key=lambda joint: forward[joint])
 
 
-def _figures(course: KinematicRun, robot: Robot, names: Sequence[str], motion: Motion) -> dict[str, Any]:
-    given_up = course.slack[:, 1:] > GIVEN_UP_SLACK
+def _figures(position_run: KinematicRun, robot: Robot, names: Sequence[str], motion: Motion) -> dict[str, Any]:
+    given_up = position_run.slack[:, 1:] > GIVEN_UP_SLACK
     bound = given_up.any(axis=1)
-    q, v, a = course.q[:, 7:], np.abs(course.v[:, 6:]), np.abs(course.a[:, 6:])
+    q, v, a = position_run.q[:, 7:], np.abs(position_run.v[:, 6:]), np.abs(position_run.a[:, 6:])
     upper = [k for group in UPPER_BODY for k in robot.groups[group]]
-    wanted = np.array([motion.joints(t)[0] for t in course.time])
+    wanted = np.array([motion.joints(t)[0] for t in position_run.time])
     return {
         "given_up": dict(zip(names, given_up.mean(axis=0).tolist(), strict=True)),
-        "qps_mean": float(course.qps.mean()),
-        "qps_most": int(course.qps.max()),
-        "free_us": _median(course.solve_us[~bound]),
-        "bound_us": _median(course.solve_us[bound]),
+        "qps_mean": float(position_run.qps.mean()),
+        "qps_most": int(position_run.qps.max()),
+        "free_us": _median(position_run.solve_us[~bound]),
+        "bound_us": _median(position_run.solve_us[bound]),
         "beyond_rad": float(max(np.max(q - robot.upper), np.max(robot.lower - q), 0.0)),
         "beyond_velocity": float(max((v / robot.velocity).max() - 1.0, 0.0)),
         "beyond_acceleration": float(max((a / robot.acceleration).max() - 1.0, 0.0)),
         "upper_body_rad": float(np.abs(q - wanted)[:, upper].max()),
-        "unsolved": int(np.count_nonzero(course.status >= Status.RELAXED)),
+        "unsolved": int(np.count_nonzero(position_run.status >= Status.RELAXED)),
     }
 
 

@@ -18,13 +18,13 @@ WANTED_COLOR, PHYSICS_COLOR, POSITION_COLOR = "#777", "#2b6fd9", "#d9762b"
 ANGLE_NAMES = ("roll", "pitch", "yaw")
 
 
-def draw_picture(path: Path, danced: Dance, course: KinematicRun, robot: Robot, joints: tuple[int, int]) -> None:
+def draw_picture(path: Path, danced: Dance, position_run: KinematicRun, robot: Robot, joints: tuple[int, int]) -> None:
     """Draw the picture.
 
     Args:
         path: File to write (`.svg`).
         danced: The run under physics.
-        course: The position-controlled run.
+        position_run: The position-controlled run.
         robot: With the narrowed ranges.
         joints: Those that were narrowed.
     """
@@ -35,32 +35,32 @@ def draw_picture(path: Path, danced: Dance, course: KinematicRun, robot: Robot, 
     panels = []
     for joint in joints:
         kinds = (
-            ("angle [deg]", log.q[:, 7:], course.q[:, 7:], [robot.lower[joint], robot.upper[joint]]),
-            ("speed [deg/s]", log.v[:, 6:], course.v[:, 6:], [-robot.velocity[joint], robot.velocity[joint]]),
+            ("angle [deg]", log.q[:, 7:], position_run.q[:, 7:], [robot.lower[joint], robot.upper[joint]]),
+            ("speed [deg/s]", log.v[:, 6:], position_run.v[:, 6:], [-robot.velocity[joint], robot.velocity[joint]]),
             (
                 "acceleration [deg/s²]",
                 log.acceleration[:, 6:],
-                course.a[:, 6:],
+                position_run.a[:, 6:],
                 [-robot.acceleration[joint], robot.acceleration[joint]],
             ),
         )
         for kind, (words, run, kinematic, ends) in enumerate(kinds):
             curves = [
                 Curve(times, np.rad2deg(wanted[:, kind, joint]), WANTED_COLOR, "wanted"),
-                Curve(course.time, np.rad2deg(kinematic[:, joint]), POSITION_COLOR, "position control"),
+                Curve(position_run.time, np.rad2deg(kinematic[:, joint]), POSITION_COLOR, "position control"),
                 Curve(times, np.rad2deg(run[::every, joint]), PHYSICS_COLOR, "physics"),
             ]
             panels.append(
                 Panel(robot.joints[joint], "s", words, curves + limit_lines(np.rad2deg(ends).tolist(), end, ""))
             )
-    waists = [_waist_height_and_angles(robot, q) for q in (log.q[::every], course.q)]
+    waists = [_waist_height_and_angles(robot, q) for q in (log.q[::every], position_run.q)]
     poses = [motion.pose("waist")(t) for t in times]
     reference = np.array([[pose.position[2], *pin.rpy.matrixToRpy(pose.rotation)] for pose in poses])
     for k, words in enumerate(("height [mm]", *(f"{axis} [deg]" for axis in ANGLE_NAMES))):
         factor = 180.0 / np.pi if k else 1e3
         curves = [
             Curve(times, factor * reference[:, k], WANTED_COLOR, "desired"),
-            Curve(course.time, factor * waists[1][:, k], POSITION_COLOR, "position control"),
+            Curve(position_run.time, factor * waists[1][:, k], POSITION_COLOR, "position control"),
             Curve(times, factor * waists[0][:, k], PHYSICS_COLOR, "physics"),
         ]
         panels.append(Panel("pelvis", "s", words, curves))

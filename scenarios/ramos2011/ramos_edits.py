@@ -24,7 +24,7 @@ Span = tuple[float, float]
 KNEES = ("left_knee", "right_knee")
 SIDE = "right"
 HAND, WRIST = f"{SIDE}_hand", f"{SIDE}_wrist"
-OSCILLATION_BAND = 0.6, 1.6
+OSCILLATION_BAND_FACTORS = 0.6, 1.6
 """Lower and upper end of an oscillation's band, relative to its frequency."""
 HAND_TOO_LOW = 0.02
 """Height below the dancer's at which a hand is too low [m]."""
@@ -132,7 +132,7 @@ def spans_without_slides(spans: Sequence[Span], slides: Sequence[Span]) -> list[
 
 
 def merged_spans(spans: Sequence[Span], planned: Plan) -> list[Span]:
-    """Spans (start, end) with some time around them, one for those no further apart than APART, within the motion."""
+    """Spans (start, end) with some time around them, one for those within MAX_MERGED_GAP, inside the motion."""
     made: list[Span] = []
     for start, end in sorted(spans):
         if made and start - made[-1][1] <= MAX_MERGED_GAP:
@@ -167,7 +167,7 @@ def balanced_knots(planned: Plan) -> Array:
 
 def oscillating_part(values: Array, rate: float, lowest: float, highest: float | None = None) -> Array:
     """The part of a signal (T,) at a rate [Hz] that oscillates at about a frequency, or from one to another [Hz]."""
-    low, high = OSCILLATION_BAND[0] * lowest, OSCILLATION_BAND[1] * (highest or lowest)
+    low, high = OSCILLATION_BAND_FACTORS[0] * lowest, OSCILLATION_BAND_FACTORS[1] * (highest or lowest)
     return sosfiltfilt(butter(2, (low, min(high, 0.45 * rate)), "bandpass", fs=rate, output="sos"), values)
 
 

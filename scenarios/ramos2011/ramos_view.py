@@ -13,7 +13,7 @@ from sim.log import RunLog, nearest_frames
 from sim.recording.blueprint import layout
 from sim.recording.bodies import send_robot
 from sim.recording.columns import COLORS, Color
-from sim.recording.panels import FOOT_MODE_NAMES, FRAME_RATE, MM_PER_M, Tab, schedule_tabs
+from sim.recording.panels import FOOT_MODE_NAMES, FRAME_RATE, MM_PER_M, Tab, task_level_tabs
 from sim.recording.plots import Curves, Plot, States
 from sim.recording.recorder import open_recording
 from sim.recording.shapes import read_shapes
@@ -150,5 +150,5 @@ def _tabs(three: ThreeDances) -> list[Tab]:
     return [
         Tab("Knees and hand", (*knees, hand)),
         Tab("Balance", (*zmps, feet)),
-        *schedule_tabs(three.final),
+        *task_level_tabs(three.final),
     ]

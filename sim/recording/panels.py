@@ -43,11 +43,11 @@ def run_tabs(log: RunLog, motion: Motion, plan: Plan | None) -> list[Tab]:
     return [
         _balance_tab(log, motion),
         _center_of_mass_tab(log, motion),
-        *schedule_tabs(log),
+        *task_level_tabs(log),
         *slowed,
         *joints,
         _tasks_tab(log),
-        _ticks_tab(log),
+        _ticks_and_solver_tab(log),
     ]
 
 
@@ -171,7 +171,7 @@ def _tasks_tab(log: RunLog) -> Tab:
     return Tab("Tasks", tuple(errors))
 
 
-def schedule_tabs(log: RunLog) -> list[Tab]:
+def task_level_tabs(log: RunLog) -> list[Tab]:
     """A tab that shows the level of each task that is added, removed or moved; no tab if there is no such task."""
     if not (log.level_share < 1.0).any():
         return []
@@ -190,7 +190,7 @@ def schedule_tabs(log: RunLog) -> list[Tab]:
     return [Tab("Schedule", (States("Tasks and their levels", ("schedule",), log.time, lanes, names, shades),))]
 
 
-def _ticks_tab(log: RunLog) -> Tab:
+def _ticks_and_solver_tab(log: RunLog) -> Tab:
     parts = np.column_stack([log.tick_us, log.model_us, log.assemble_us, log.solve_us])
 
     def plot(title: str, kind: str, values: np.ndarray, names: Sequence[str]) -> Plot:

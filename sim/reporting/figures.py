@@ -199,8 +199,9 @@ def solver(log: RunLog) -> Figures:
     served (the second solver's, that of the levels above, or a held torque), and the largest residual of what had to
     hold."""
     return {
-        "infeasible_ticks": int(np.count_nonzero(log.hard_status >= Status.RELAXED)),
+        "infeasible_ticks": int(np.count_nonzero(np.isin(log.hard_status, (Status.RELAXED, Status.FAILED)))),
         "fallback_ticks": int(np.count_nonzero((log.status == Status.SECOND_SOLVER) | (log.status == Status.FAILED))),
+        "invalid_ticks": len(log.invalid),
         "max_residual": _percentile(log.residual, 100),
     }
 

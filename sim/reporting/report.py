@@ -13,6 +13,7 @@ from rich.table import Table
 from sim.log import Fallback, RunInfo, RunLog
 from sim.reference import hot_reference_us
 from sim.reporting import figures
+from sim.reporting.provenance import command_line, revision
 from sim.reporting.slides import slide_figures, worst_of_slides
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
@@ -64,6 +65,7 @@ TABLE_ROWS: tuple[tuple[str, str, float, str, str], ...] = (
     ("power_w", "mechanical power, mean", 1.0, "W", ""),
     ("solver.infeasible_ticks", "ticks whose hard level had to give way", 1.0, "", "0"),
     ("solver.fallback_ticks", "ticks answered by a fallback", 1.0, "", "0"),
+    ("solver.invalid_ticks", "ticks with values that cannot be used", 1.0, "", "0"),
 )
 
 
@@ -81,6 +83,9 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
     robot = motion.robot
     duration, slid = log.ticks * log.period, slide_figures(log, motion)
     report = {
+        "command": command_line(),
+        "seed": info.mismatch.seed,
+        "revision": revision(),
         "clip": info.clip,
         "robot": info.robot,
         "solver": {
@@ -88,6 +93,7 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
             **figures.solver(log),
             "conflicts": [{"t_s": round(t, 6), "rows": rows} for t, rows in log.conflicts],
             "fallbacks": _grouped_fallbacks(log),
+            "invalid": _grouped_invalid(log),
         },
         "feet": info.feet,
         "rate_hz": info.rate_hz,
@@ -106,7 +112,7 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
         "retarget": dict(plan.retarget) if plan else dict.fromkeys(RETARGET_KEYS),
         "steps": figures.steps(log, plan),
         "flights": figures.flights(plan),
-        "remarks": [*robot.remarks, *(plan.remarks if plan else [])],
+        "remarks": [*robot.remarks, *(plan.remarks if plan else []), *_run_remarks(log)],
         "zmp": figures.zmp(log, motion),
         "contacts": figures.contacts(log, robot),
         "slide": worst_of_slides(slid),
@@ -135,6 +141,33 @@ def _grouped_fallbacks(log: RunLog) -> list[dict[str, Any]]:
         }
         for (level, reason), ticks in sorted(alike.items(), key=lambda item: -len(item[1]))
     ]
+
+
+def _grouped_invalid(log: RunLog) -> list[dict[str, Any]]:
+    """Values that could not be used: which, in how many ticks, and when."""
+    alike: dict[str, list[float]] = {}
+    for t, what in log.invalid:
+        alike.setdefault(what, []).append(t)
+    return [
+        {"what": what, "ticks": len(times), "first_s": round(times[0], 6), "last_s": round(times[-1], 6)}
+        for what, times in alike.items()
+    ]
+
+
+def _run_remarks(log: RunLog) -> list[str]:
+    return [
+        f"The last torque was held in {_counted(entry['ticks'])} {_when(entry)}: {entry['what']}."
+        for entry in _grouped_invalid(log)
+    ]
+
+
+def _counted(ticks: int) -> str:
+    return f"{ticks} tick{'s' * (ticks > 1)}"
+
+
+def _when(entry: Mapping[str, Any]) -> str:
+    first, last = entry["first_s"], entry["last_s"]
+    return f"at {first:.3f} s" if first == last else f"from {first:.3f} to {last:.3f} s"
 
 
 def write_json(report: Mapping[str, Any], path: Path) -> None:
@@ -167,10 +200,8 @@ def _conflict_and_fallback_lines(solver: Mapping[str, Any]) -> Iterator[str]:
     for conflict in conflicts[:PRINTED_LINES_LIMIT]:
         yield f"no solution of the hard level at {conflict['t_s']:.3f} s: {conflict['rows']}"
     for fallback in fallbacks[:PRINTED_LINES_LIMIT]:
-        first, last = fallback["first_s"], fallback["last_s"]
-        when = f"at {first:.3f} s" if first == last else f"from {first:.3f} to {last:.3f} s"
-        ticks = f"{fallback['ticks']} tick{'s' * (fallback['ticks'] > 1)}"
-        yield f"fallback, {ticks} {when}, level {fallback['level']}: {fallback['reason']}"
+        when = f"{_counted(fallback['ticks'])} {_when(fallback)}"
+        yield f"fallback, {when}, level {fallback['level']}: {fallback['reason']}"
     if left := len(conflicts[PRINTED_LINES_LIMIT:]) + len(fallbacks[PRINTED_LINES_LIMIT:]):
         yield f"{left} more of these are in the report"
 

@@ -30,7 +30,7 @@ STEP_HEIGHT = 0.05
 """Height of an unplanned step [m]."""
 ZMP_MARGIN = 0.01
 """Distance from the support's edges that the zero-moment point keeps in predictions [m]."""
-DCM_MARGIN = 0.04
+DCM_MARGIN_AFTER_STEP = 0.04
 """Distance from the support's edges that the divergent component should have after a step [m]."""
 CHECK_INTERVAL = 0.01
 """Interval between two checks whether a step is needed [s]."""
@@ -196,7 +196,9 @@ class RecoverySchedule(SteppingSchedule):
         place = self._planned_place(tick, foot, beside)
         for _ in range(FOOTHOLD_ITERATIONS):
             # The support's edge between both feet moves by a part of what one of them does.
-            missing = xi - Polygon.hull(np.vstack([stands, place + sole])).inset(DCM_MARGIN).nearest_point(xi)
+            missing = xi - Polygon.hull(np.vstack([stands, place + sole])).inset(DCM_MARGIN_AFTER_STEP).nearest_point(
+                xi
+            )
             if not missing.any():
                 break
             place = self._reachable_place(tick, place + missing, foot, beside)

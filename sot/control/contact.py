@@ -20,7 +20,7 @@ SLIDING_LOAD_RANGE_WEIGHTS = 0.05, 0.09
 """Smallest and largest normal force of a sliding contact, in weights of the robot."""
 SLIDING_LOAD_RAMP = (SLIDING_LOAD_RANGE_WEIGHTS[1] / MAX_RAMPED_LOAD_WEIGHTS) ** (1.0 / 3.0)
 """Value of `Contact.load` at which a fixed contact may carry as much as a sliding one."""
-ARRIVAL_FADE_POWER = 5
+ARRIVAL_ACCELERATION_FADE_POWER = 5
 """Exponent with which the acceleration that a point had when its contact was made fades over the load ramp: most of it
 is gone after a quarter of the ramp, before it moves the foot."""
 PYRAMID_SIDES = 8
@@ -32,12 +32,13 @@ FULL_FRICTION_SPEED = 0.002
 class Contact:
     """A flat surface of a body on level ground, with the forces at its vertices as variables.
 
-    Forms of its force variables φ:
+    Forms of its force variables φ [N], whose place among those of all contacts `Tick.force_columns` says:
 
-    - "pyramid": a force (x, y, z), in the point's axes, at each vertex, Ramos (3), in the friction pyramid of eight
-      sides inscribed in the cone; a foot that stands presses a little, at every vertex.
-    - "unilateral": the paper's reduced form, Ramos (7)-(9): the wrench at the frame and the vertices' normal forces,
-      linked by three equalities; pressure must not be negative, friction is not limited.
+    - "pyramid": a force (x, y, z), in the point's axes, at each vertex, Ramos (3), vertex after vertex, in the friction
+      pyramid of eight sides inscribed in the cone; a foot that stands presses a little, at every vertex.
+    - "unilateral": the paper's reduced form, Ramos (7)-(9): the wrench at the frame, force over moment in world axes,
+      and after it the vertices' normal forces, linked by three equalities; pressure must not be negative, friction is
+      not limited.
 
     Modes:
 
@@ -107,7 +108,7 @@ class Contact:
         return 3 * count if self.form == "pyramid" else 6 + count
 
     @property
-    def link_count(self) -> int:
+    def force_equality_count(self) -> int:
         """Number of equalities between the force variables in the present mode."""
         return 3 if self.form == "unilateral" and self.mode == "fixed" else 0
 
@@ -135,7 +136,7 @@ class Contact:
 
     def force_equalities(self, tick: Tick) -> Array:
         """Rows E with ``E φ = 0``, shape (e, k): Ramos (7) for the unilateral form when fixed, else none."""
-        if not self.link_count:
+        if not self.force_equality_count:
             return np.zeros((0, self.force_count))
         arms = self.vertices @ tick.frame(self.point).rotation.T
         E = np.zeros((3, self.force_count))
@@ -181,7 +182,7 @@ class Contact:
         frame = tick.frame(self.point)
         wanted = _flattening_acceleration(frame.position, frame.rotation, frame.velocity, self.stiffness, self.damping)
         if self.arrival_acceleration is not None:
-            wanted += (1.0 - self.load) ** ARRIVAL_FADE_POWER * (self.arrival_acceleration - wanted)
+            wanted += (1.0 - self.load) ** ARRIVAL_ACCELERATION_FADE_POWER * (self.arrival_acceleration - wanted)
             if self.load >= 1.0:
                 self.arrival_acceleration = None
         return wanted

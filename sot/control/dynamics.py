@@ -7,12 +7,14 @@ from typing import Literal
 import numpy as np
 
 from solvers.compiled import compiled
-from solvers.rows import Level
+from solvers.rows import Level, Rows
 from sot.control.contact import Contact
-from sot.control.forms import Condensed, Form, Full, Units
+from sot.control.forms import Condensed, Form, Full, Units, variable_counts
 from sot.control.layout import Layout
+from sot.control.row_check import check_rows
 from sot.control.task import Task
 from sot.control.tick import Tick
+from sot.errors import InputError
 from sot.robots.robot import Robot
 
 Array = np.ndarray
@@ -74,15 +76,36 @@ class Dynamics:
             contacts: Contacts, those that are off included.
             hard: Limits of level 0.
             levels: Names and tasks of the levels below, in order.
+
+        Raises:
+            InvalidRowsError: If a task's rows have a wrong shape or type, or a value that is not finite.
+            InputError: If a task raises anything.
         """
         all_levels = [("hard", hard), *levels]
-        rows = [task.rows(tick) for _, tasks in all_levels for task in tasks]
-        key: list[object] = [*contacts, *[contact.mode for contact in contacts], *[len(own.lower) for own in rows]]
-        for name, tasks in all_levels:
-            key += [name, *tasks]
+        tasks = [task for _, tasks in all_levels for task in tasks]
+        rows: list[Rows] = []
+        try:
+            for task in tasks:
+                rows.append(task.rows(tick))
+        except InputError:
+            raise
+        except Exception as error:
+            raise InputError(f"task '{task.name}': {type(error).__name__}: {error}") from error
+        try:
+            key: list[object] = [*contacts, *[contact.mode for contact in contacts]]
+            key += [own.A.shape for own in rows]
+            key += [len(own.lower) for own in rows]
+        except (AttributeError, TypeError):
+            counts = variable_counts(self.robot, sum(contact.force_count for contact in contacts))
+            for task, own in zip(tasks, rows, strict=True):
+                check_rows(task, own, counts[task.variable])
+            raise
+        for name, own_tasks in all_levels:
+            key += [name, *own_tasks]
         if self._layout is None or key != self._key:
+            self._layout, self._key = None, key
             form = _FORMS[self.name](self.robot, self.units, sum(contact.force_count for contact in contacts))
-            self._layout, self._key = Layout(form, contacts, all_levels, rows), key
+            self._layout = Layout(form, contacts, all_levels, rows)
         form = self._layout.form
         form.motion[:, : form.nv], form.bias = tick.M.T, tick.h  # M is symmetric, and so it lies in memory like motion
         return self._layout.write(tick, rows)

@@ -45,6 +45,11 @@ class Units:
         return cls(weight, weight / 8.0, float(np.median(robot.effort)))
 
 
+def variable_counts(robot: Robot, forces: int) -> dict[Variable, int]:
+    """Number of variables of each kind that tasks may be about, with so many force variables."""
+    return {"acceleration": robot.nv, "torque": robot.na, "force": forces}
+
+
 class Form(ABC):
     """The variables of a tick.
 
@@ -55,6 +60,7 @@ class Form(ABC):
 
     Attributes:
         size: Number of variables.
+        counts: Number of variables of each kind that tasks may be about.
         variables: First index and unit of each kind of variable that tasks may be about.
         equation_scale: Scale of the rows of the equation of motion [1/N].
         motion: ``M v̇ − Jᵀ φ`` as a matrix on (v̇, φ), φ in `Units.force`, shape (nv, nv + forces); to be filled in.
@@ -63,6 +69,7 @@ class Form(ABC):
 
     def __init__(self, robot: Robot, units: Units, forces: int) -> None:
         self.units, self.nv, self.na, self.forces = units, robot.nv, robot.na, forces
+        self.counts = variable_counts(robot, forces)
         self.size, self.equation_scale = self._size(), 1.0 / units.weight
         self.variables: dict[Variable, tuple[int, float]] = {"acceleration": (0, 1.0), "force": (robot.nv, units.force)}
         self.motion = np.empty((robot.nv, robot.nv + forces))

@@ -11,16 +11,28 @@ from solvers.compiled import compiled
 from solvers.rows import Block, Equality, Level, Rows
 from sot.control.contact import Contact
 from sot.control.forms import Form
+from sot.control.row_check import check_rows
 from sot.control.task import Task
 from sot.control.tick import Tick
+from sot.errors import InvalidRowsError
 
 Array = np.ndarray
 
-FRICTION_GIVES_WAY = 3
+FRICTION_RELAXATION_ORDER = 3
 """Place of the friction pyramids in the order in which rows of level 0 are relaxed: the last."""
 _ROWS_NOT_PLACED = slice(0)
-_NOT_A_VARIABLE = 0, 0.0
+_NO_VARIABLE_START_AND_UNIT = 0, 0.0
 """First index and unit (none) of a kind of variable that the form does not have: torques in the condensed one."""
+
+
+@compiled
+def _is_finite(A: Array) -> bool:
+    """Whether all values of a matrix are."""
+    total = 0.0  # nan as soon as one is not
+    for i in range(A.shape[0]):
+        for k in range(A.shape[1]):
+            total += 0.0 * A[i, k]
+    return total == 0.0
 
 
 class Layout:
@@ -38,6 +50,9 @@ class Layout:
             (6, forces).
         contact_of_force: Number of the contact that each of these forces belongs to, shape (forces,).
         contact_positions: Points of the contacts that are not off, world, shape (contacts, 3) [m].
+
+    Raises:
+        InvalidRowsError: If rows have a wrong shape or type, or a value that is not finite.
     """
 
     def __init__(
@@ -52,7 +67,7 @@ class Layout:
         self.wrench_maps, self.contact_positions = np.zeros((6, form.forces)), np.zeros((len(contacts), 3))
         self.contact_of_force = np.repeat(np.arange(len(contacts)), [contact.force_count for contact in contacts])
         self._contact_rows: list[ContactRows] = []
-        self._equalities: list[tuple[int, float, Equality]] = []
+        self._equalities: list[tuple[int, float, Task, Equality]] = []
         self._inequalities: list[tuple[int, float, Task, _InequalityRows]] = []
         asked = iter(enumerate(rows))
         for name, tasks in levels:
@@ -64,13 +79,14 @@ class Layout:
                 )
             for task in tasks:
                 k, own = next(asked)
+                check_rows(task, own, form.counts[task.variable])
                 block = Block(
                     task.name, task.unit, task.weight, task.equality, _ROWS_NOT_PLACED, task.gives_way, task.labels
                 )
-                start, unit = form.variables.get(task.variable, _NOT_A_VARIABLE)
+                start, unit = form.variables.get(task.variable, _NO_VARIABLE_START_AND_UNIT)
                 if task.equality:
                     equality = Equality(own.A, own.lower, start=start, selects=own.selects if unit else None)
-                    self._equalities.append((k, unit, builder.add_equality(block, equality)))
+                    self._equalities.append((k, unit, task, builder.add_equality(block, equality)))
                 else:
                     width = own.A.shape[1] if unit else form.nv + form.forces
                     bounds = _InequalityRows(
@@ -81,12 +97,16 @@ class Layout:
         self.levels[0].structure_key = self
 
     def write(self, tick: Tick, rows: Sequence[Rows]) -> list[Level]:
-        """Write the rows of a tick and return its levels; the form has the mass matrix and the bias already."""
+        """Write the rows of a tick and return its levels; the form has the mass matrix and the bias already.
+
+        Raises:
+            InvalidRowsError: If a value is not finite, or bounds have another length than before.
+        """
         form, dynamics = self.form, self._dynamics
         for contact_rows in self._contact_rows:
             contact_rows.write(tick)
         dynamics.A, dynamics.b = form.equation()
-        for k, unit, equality in self._equalities:
+        for k, unit, task, equality in self._equalities:
             own = rows[k]
             weight, wanted = own.weight, own.lower
             if unit:
@@ -94,17 +114,29 @@ class Layout:
             else:
                 equality.A, offset = form.torque_rows(own)
                 equality.scale, wanted = weight, wanted - offset
-            equality.b = wanted if weight == 1.0 else weight * wanted
+            equality.b, valid = _scaled_wish(equality.A, wanted, weight, own.selects is not None)
+            if not valid:
+                raise self._invalid(task, own)
         for k, unit, task, bounds in self._inequalities:
             own = rows[k]
             if unit:
-                bounds.write(own.A, own.weight * unit, own.lower, own.upper, own.weight)
+                valid = bounds.write_rows(own.A, own.weight * unit, own.lower, own.upper, own.weight)
             else:
-                bounds.write_torques(*form.torque_rows(own), own.lower, own.upper, own.weight)
+                valid = bounds.write_torques(*form.torque_rows(own), own.lower, own.upper, own.weight)
+            if not valid:
+                raise self._invalid(task, own)
             bounds.block.labels = task.labels
         for level in self.levels:
             level.clear_cache()
         return self.levels
+
+    def _invalid(self, task: Task, rows: Rows) -> InvalidRowsError:
+        """Error that says what is wrong with rows."""
+        try:
+            check_rows(task, rows, self.form.counts[task.variable])
+        except InvalidRowsError as error:
+            return error
+        return InvalidRowsError(f"task '{task.name}': its rows hold a value that is not finite")
 
     def _add_contacts(self, contacts: Sequence[Contact], builder: "_LevelBuilder") -> None:
         """Add the rows of the contacts to level 0."""
@@ -144,13 +176,15 @@ class ContactRows:
         if own.start == own.stop:
             return
         share = 1.0 / form.units.force
-        if links := contact.link_count:
+        if links := contact.force_equality_count:
             E = np.empty((links, contact.force_count))
             block = Block(f"Pressure {contact.point}", "N", share, True, _ROWS_NOT_PLACED)
             self._pressure = builder.add_equality(block, Equality(E, np.zeros(links), start=columns.start))
         count = len(contact.force_inequalities(1.0)[1])
         labels = contact.force_labels(count)
-        block = Block(f"Friction {contact.point}", "N", share, False, _ROWS_NOT_PLACED, FRICTION_GIVES_WAY, labels)
+        block = Block(
+            f"Friction {contact.point}", "N", share, False, _ROWS_NOT_PLACED, FRICTION_RELAXATION_ORDER, labels
+        )
         self._friction = builder.add_inequality(_InequalityRows(block, columns, count, constant=True))
 
     def write(self, tick: Tick) -> None:
@@ -163,11 +197,13 @@ class ContactRows:
         self._place[:] = frame.position
         if self._friction is None:
             return
-        _write_force_columns(frame.jacobian, contact.wrench_map(tick), -self._units.force, self._map, self._on_motion)
+        G = contact.wrench_map(tick)
+        if not _write_wrench_map_and_motion_columns(frame.jacobian, G, -self._units.force, self._map, self._on_motion):
+            raise InvalidRowsError(f"contact '{contact.point}': its path holds a value that is not finite")
         if self._pressure is not None:
             self._pressure.A = contact.force_equalities(tick)
         F, lower, upper = contact.force_inequalities(self._units.weight)
-        self._friction.write(F, 1.0, lower, upper, 1.0 / self._units.force)
+        self._friction.write_rows(F, 1.0, lower, upper, 1.0 / self._units.force)
 
 
 class _InequalityRows:
@@ -190,40 +226,76 @@ class _InequalityRows:
         """Take the views of the level's matrix and bounds to write to."""
         self._C, self._lower, self._upper = C[:, self._columns], lower, upper
 
-    def write(self, A: Array, scale: float, lower: Array, upper: Array, share: float) -> None:
-        """Write ``lower <= A y <= upper``, times a share that is in the scale of A already.
+    def write_rows(self, A: Array, matrix_scale: float, lower: Array, upper: Array, bound_scale: float) -> bool:
+        """Write ``lower <= A y <= upper``, the bounds times a scale that A's has in it; returns whether it is valid.
 
         A read-only array that was written last time has not changed since.
         """
-        same, (matrix, least, most) = scale == self._last_scale, self._last_arrays
+        same, (matrix, least, most) = matrix_scale == self._last_scale, self._last_arrays
+        valid = True
         if not (same and (self._constant or (A is matrix and not A.flags.writeable))):
-            np.multiply(A, scale, out=self._C)
-        if not (same and lower is least and upper is most and not lower.flags.writeable):
-            _write_scaled(lower, upper, self._no_offset, share, self._lower, self._upper)
-        self._last_scale, self._last_arrays = scale, (A, lower, upper)
+            valid = _write_matrix(A, matrix_scale, self._C)
+        if valid and not (same and lower is least and upper is most and not lower.flags.writeable):
+            valid = _write_bounds(lower, upper, self._no_offset, bound_scale, self._lower, self._upper)
+        self._last_scale, self._last_arrays = matrix_scale if valid else None, (A, lower, upper)
+        return valid
 
-    def write_torques(self, B: Array, offset: Array, lower: Array, upper: Array, share: float) -> None:
-        """Write ``lower <= B x + offset <= upper``, times a share."""
-        np.multiply(B, share, out=self._C)
-        _write_scaled(lower, upper, offset, share, self._lower, self._upper)
+    def write_torques(self, B: Array, offset: Array, lower: Array, upper: Array, bound_scale: float) -> bool:
+        """Write ``lower <= B x + offset <= upper``, times a scale; returns whether it is valid."""
+        written: bool = _write_matrix(B, bound_scale, self._C)
+        return written and _write_bounds(lower, upper, offset, bound_scale, self._lower, self._upper)
 
 
 @compiled
-def _write_scaled(lower: Array, upper: Array, offset: Array, share: float, to_lower: Array, to_upper: Array) -> None:
+def _scaled_wish(A: Array, wanted: Array, weight: float, constant: bool) -> tuple[Array, bool]:
+    """What rows ``A x = wanted`` want, times their weight, and whether all is finite; A not looked at if constant."""
+    out = np.empty(len(wanted))
+    total = 0.0
+    for k in range(len(wanted)):
+        out[k] = weight * wanted[k]
+        total += 0.0 * wanted[k]
+    return out, total == 0.0 and (constant or _is_finite(A))
+
+
+@compiled
+def _write_matrix(A: Array, scale: float, to: Array) -> bool:
+    """Write a matrix of the same shape, scaled; returns whether all its values are finite."""
+    total = 0.0
+    for i in range(A.shape[0]):
+        for k in range(A.shape[1]):
+            to[i, k] = scale * A[i, k]
+            total += 0.0 * A[i, k]
+    return total == 0.0
+
+
+@compiled
+def _write_bounds(
+    lower: Array, upper: Array, offset: Array, bound_scale: float, to_lower: Array, to_upper: Array
+) -> bool:
+    """Write bounds less an offset, scaled; returns whether there are as many as before, none of them nan."""
+    if len(lower) != len(to_lower) or len(upper) != len(to_upper):
+        return False
+    valid = True
     for k in range(len(lower)):
-        to_lower[k], to_upper[k] = share * (lower[k] - offset[k]), share * (upper[k] - offset[k])
+        to_lower[k], to_upper[k] = bound_scale * (lower[k] - offset[k]), bound_scale * (upper[k] - offset[k])
+        valid &= to_lower[k] == to_lower[k] and to_upper[k] == to_upper[k]
+    return valid
 
 
 @compiled
-def _write_force_columns(jacobian: Array, G: Array, scale: float, to_map: Array, to_motion: Array) -> None:
-    """Write the wrench map G to `to_map`, and ``scale Jᵀ G`` to `to_motion`."""
+def _write_wrench_map_and_motion_columns(
+    jacobian: Array, G: Array, scale: float, to_map: Array, to_motion: Array
+) -> bool:
+    """Write the wrench map G to `to_map`, and ``scale Jᵀ G`` to `to_motion`; returns whether G is finite."""
     to_map[:] = G
+    finite = _is_finite(G)
     for i in range(to_motion.shape[0]):
         for j in range(to_motion.shape[1]):
             total = 0.0
             for k in range(6):
                 total += jacobian[k, i] * G[k, j]
             to_motion[i, j] = scale * total
+    return finite
 
 
 class _LevelBuilder:

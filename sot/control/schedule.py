@@ -8,11 +8,7 @@ from sot.control.contact import SLIDING_LOAD_RAMP, Mode
 from sot.control.stack import Stack
 from sot.control.task import Task
 from sot.control.tick import Tick
-from sot.control.transition import Transition
-from sot.errors import InputError
-
-TASK_RAMP = 0.2
-"""Default time in which a task comes, goes, or changes its level [s]."""
+from sot.control.transition import TASK_RAMP
 
 
 @dataclass(order=True, slots=True)
@@ -51,17 +47,13 @@ class Schedule:
     Attributes:
         events: Past and future events, in order of time.
         tasks: Levels and tasks that are added at some time.
-        transition_shares: Name of each task that is coming, going or moving -> share of its transition that is done.
     """
 
     def __init__(self) -> None:
         self.events: list[Event] = []
         self.tasks: list[tuple[str, Task]] = []
-        self.transition_shares: dict[str, float] = {}
-        self._time = 0.0
         self._next_event = 0
         self._load_ramps: list[LoadRamp] = []
-        self._transitions: dict[str, Transition] = {}
 
     def at(self, t: float, what: str, change: Callable[[Stack], object]) -> "Schedule":
         """Change the stack in any way at time `t`, or at once if that has passed; `what` describes it to a reader."""
@@ -71,30 +63,16 @@ class Schedule:
     def add(self, t: float, task: Task, level: str, before: str | None = None, ramp: float = TASK_RAMP) -> "Schedule":
         """Add a task to a level, or to a new one before `before`; it counts fully `ramp` [s] later."""
         self.tasks.append((level, task))
-
-        def change(stack: Stack) -> None:
-            if any(task.name == other.name for other in (*stack.hard, *stack.tasks)):
-                raise InputError(f"the stack has a task '{task.name}' already")
-            self._begin_transition(stack, task, level, before, t, ramp)
-
-        return self.at(t, f"add {task.name} to {level}", change)
+        return self.at(t, f"add {task.name} to {level}", lambda stack: stack.add(task, level, before, ramp, start=t))
 
     def remove(self, t: float, name: str, ramp: float = TASK_RAMP) -> "Schedule":
         """Remove a task; it counts less and less in the `ramp` [s] that leads up to `t`."""
         start = t - ramp
-        return self.at(
-            start,
-            f"remove {name}",
-            lambda stack: self._begin_transition(stack, stack.task(name), None, None, start, ramp),
-        )
+        return self.at(start, f"remove {name}", lambda stack: stack.remove(name, ramp, start))
 
     def move(self, t: float, name: str, level: str, before: str | None = None, ramp: float = TASK_RAMP) -> "Schedule":
         """Move a task to another level, or to a new one before `before`; it is there `ramp` [s] later."""
-        return self.at(
-            t,
-            f"move {name} to {level}",
-            lambda stack: self._begin_transition(stack, stack.task(name), level, before, t, ramp),
-        )
+        return self.at(t, f"move {name} to {level}", lambda stack: stack.move(name, level, before, ramp, start=t))
 
     def mode(self, t: float, point: str, mode: Mode, ramp: float = 0.04) -> "Schedule":
         """Change a contact's mode at time `t`; its load changes within `ramp` [s].
@@ -120,7 +98,8 @@ class Schedule:
             stack: The stack to change.
             loads: Measured normal force on each foot [N], for schedules that use it.
         """
-        done, self._time = [], t
+        done: list[str] = []
+        stack.time = t
         while self._next_event < len(self.events) and self.events[self._next_event].t <= t + 1e-9:
             event = self.events[self._next_event]
             self._next_event += 1  # first: the event may itself add others
@@ -129,22 +108,8 @@ class Schedule:
         for ramp in self._load_ramps:
             stack.contact(ramp.point).load = ramp.load(t)
         self._load_ramps = [ramp for ramp in self._load_ramps if t < ramp.end]
-        for name, way in list(self._transitions.items()):
-            self.transition_shares[name] = way.apply(t, stack)
-            if self.transition_shares[name] >= 1.0:
-                del self.transition_shares[name], self._transitions[name]
+        stack.advance(t)
         return done
 
     def observe(self, tick: Tick) -> None:
         """Look at the state of the robot; changes that follow from it are made by the next `apply`."""
-
-    def _begin_transition(
-        self, stack: Stack, task: Task, level: str | None, before: str | None, start: float, ramp: float
-    ) -> None:
-        earlier = self._transitions.pop(task.name, None)
-        if earlier is not None:
-            earlier.finish(stack)
-        way = Transition(stack, task, level, before, start, ramp)
-        share = way.apply(self._time, stack)
-        if share < 1.0:
-            self._transitions[task.name], self.transition_shares[task.name] = way, share

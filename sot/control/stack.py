@@ -6,48 +6,45 @@ import numpy as np
 
 from solvers.rows import Solution
 from sot.control.contact import Contact
+from sot.control.levels import Levels
 from sot.control.task import Task
 from sot.control.tick import Tick
+from sot.control.transition import TASK_RAMP, Transition
 from sot.errors import InputError
 
 
-class Stack:
+class Stack(Levels):
     """Levels of tasks in order of priority, over contacts and hard limits; everything can change between two ticks.
 
     The equation of motion is always in level 0; so are the contacts and what `hard` lists.
+
+    Before its controller's first tick, changes are made at once. While it runs, `add`, `remove` and `move` are eased
+    within a ramp (see `Transition`), so that what the robot is asked for has no jump; with `ramp=0.0` they are not.
 
     Args:
         contacts: Surfaces on the floor.
         hard: Limits that hold before any task.
         levels: Tasks of each level, by the level's name, in order of priority. Tasks of one level share by weight.
 
+    Attributes:
+        time: Time of the present tick [s]; None while the stack does not run.
+        transition_shares: Name of each task that is coming, going or moving -> share of its transition that is done.
+
     Raises:
         InputError: If two tasks or two contacts have the same name.
     """
 
     def __init__(self, contacts: Iterable[Contact], hard: Iterable[Task], levels: Mapping[str, Sequence[Task]]) -> None:
+        super().__init__(levels)
         self.contacts = list(contacts)
         self.hard = list(hard)
-        self._levels = {name: list(tasks) for name, tasks in levels.items()}
+        self.time: float | None = None
+        self.transition_shares: dict[str, float] = {}
+        self._transitions: dict[str, Transition] = {}
         names = [task.name for task in (*self.hard, *self.tasks)] + [contact.point for contact in self.contacts]
         for name in names:
             if names.count(name) > 1:
                 raise InputError(f"the stack has two entries named '{name}': give one of them another name")
-
-    @property
-    def levels(self) -> list[tuple[str, list[Task]]]:
-        """Names and tasks of the levels that have any, in order of priority."""
-        return [(name, tasks) for name, tasks in self._levels.items() if tasks]
-
-    @property
-    def level_names(self) -> list[str]:
-        """Names of all levels, in order of priority, those without tasks included."""
-        return list(self._levels)
-
-    @property
-    def tasks(self) -> list[Task]:
-        """All tasks below level 0, in order of priority."""
-        return [task for tasks in self._levels.values() for task in tasks]
 
     def status(self, tick: Tick, solution: Solution | None = None) -> str:
         """A table for a reader: every level with its tasks, their weights, numbers of rows, errors and units.
@@ -75,39 +72,60 @@ class Stack:
         widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
         return "\n".join("  ".join(f"{c:<{w}}" for c, w in zip(line, widths, strict=True)).rstrip() for line in lines)
 
-    def add(self, task: Task, level: str, before: str | None = None) -> None:
+    def add(
+        self, task: Task, level: str, before: str | None = None, ramp: float = TASK_RAMP, start: float | None = None
+    ) -> None:
         """Add a task to a level; a level that is new comes before `before`, or last.
+
+        While the stack runs, the task counts more and more for `ramp` [s] from `start` on, now unless given.
 
         Raises:
             InputError: If there is a task of that name, or no level `before`.
         """
         if any(task.name == other.name for other in (*self.hard, *self.tasks)):
             raise InputError(f"the stack has a task '{task.name}' already")
-        self.add_level(level, before)
-        self._levels[level].append(task)
+        self._begin_transition(task, level, before, ramp, start)
 
-    def remove(self, name: str) -> Task:
+    def remove(self, name: str, ramp: float = TASK_RAMP, start: float | None = None) -> Task:
         """Take a task out of its level and return it.
+
+        While the stack runs, the task counts less and less for `ramp` [s] from `start` on, now unless given; then it is
+        out.
 
         Raises:
             InputError: If there is no task of that name.
         """
         task = self.task(name)
-        for tasks in self._levels.values():
-            if task in tasks:
-                tasks.remove(task)
+        self._begin_transition(task, None, None, ramp, start)
         return task
 
-    def move(self, name: str, level: str, before: str | None = None) -> None:
+    def move(
+        self, name: str, level: str, before: str | None = None, ramp: float = TASK_RAMP, start: float | None = None
+    ) -> None:
         """Move a task to another level, made before `before` or last if it is new.
+
+        While the stack runs, the task is there `ramp` [s] after `start`, now unless given.
 
         Raises:
             InputError: If there is no such task, or no level `before`.
         """
-        task = self.task(name)  # before anything changes: an error leaves the stack as it was
-        self.add_level(level, before)
-        self.remove(name)
-        self._levels[level].append(task)
+        self._begin_transition(self.task(name), level, before, ramp, start)
+
+    def advance(self, t: float) -> None:
+        """Let transitions be where they are at a time [s]; the controller calls it every tick."""
+        self.time = t
+        for name, transition in list(self._transitions.items()):
+            self.transition_shares[name] = transition.apply(t, self)
+            if self.transition_shares[name] >= 1.0:
+                del self.transition_shares[name], self._transitions[name]
+
+    def settle(self) -> None:
+        """Finish all transitions at once, and make changes at once until the next tick: for the start of a run."""
+        for transition in self._transitions.values():
+            transition.finish(self)
+        self._transitions.clear()
+        self.transition_shares.clear()
+        self.time = None
 
     def contact(self, point: str) -> Contact:
         """The contact at an operational point, to change its mode or load.
@@ -120,31 +138,20 @@ class Stack:
                 return contact
         raise InputError(f"the stack has no contact '{point}': it has {', '.join(c.point for c in self.contacts)}")
 
-    def task(self, name: str) -> Task:
-        """The task of a name, in any level below the hard one.
-
-        Raises:
-            InputError: If there is none.
-        """
-        for task in self.tasks:
-            if task.name == name:
-                return task
-        raise InputError(f"the stack has no task '{name}': it has {', '.join(task.name for task in self.tasks)}")
-
-    def level_of(self, task: Task) -> str | None:
-        """Name of the level that a task is in; None if it is not in the stack."""
-        return next((name for name, tasks in self._levels.items() if any(task is other for other in tasks)), None)
-
-    def add_level(self, level: str, before: str | None = None) -> None:
-        """Make a level that is new, without tasks yet, before `before` or last.
-
-        Raises:
-            InputError: If there is no level `before`.
-        """
-        if level in self._levels:
+    def _begin_transition(
+        self, task: Task, level: str | None, before: str | None, ramp: float, start: float | None
+    ) -> None:
+        """Begin to move a task to a level, None for out of the stack; an earlier transition of it is finished first."""
+        if level is not None:
+            self.add_level(level, before)
+        earlier = self._transitions.pop(task.name, None)
+        if earlier is not None:
+            earlier.finish(self)
+            del self.transition_shares[task.name]
+        if self.time is None:
+            Transition(self, task, level, 0.0, 0.0).finish(self)
             return
-        if before is not None and before not in self._levels:
-            raise InputError(f"the stack has no level '{before}': it has {', '.join(self._levels)}")
-        order = list(self._levels)
-        order.insert(len(order) if before is None else order.index(before), level)
-        self._levels = {name: self._levels.get(name, []) for name in order}
+        transition = Transition(self, task, level, self.time if start is None else start, ramp)
+        share = transition.apply(self.time, self)
+        if share < 1.0:
+            self._transitions[task.name], self.transition_shares[task.name] = transition, share

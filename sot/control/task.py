@@ -9,6 +9,7 @@ import numpy as np
 from solvers.compiled import compiled
 from solvers.rows import Rows
 from sot.control.tick import Tick
+from sot.errors import InvalidRowsError
 
 Array = np.ndarray
 Variable = Literal["acceleration", "torque", "force"]
@@ -80,7 +81,14 @@ class MotionTask(Task):
     def rows(self, tick: Tick) -> Rows:
         """Acceleration rows."""
         self.error, rate, J, drift, feedforward = self.observe(tick)
-        wanted = _pd_acceleration(self.error, rate, drift, feedforward, self.kp, self.kd)
+        try:
+            wanted = _pd_acceleration(self.error, rate, drift, feedforward, self.kp, self.kd)
+        except Exception as error:
+            shapes = [np.shape(part) for part in (self.error, rate, J, drift, feedforward)]
+            raise InvalidRowsError(
+                f"task '{self.name}': observe(tick) returned float arrays of shapes {', '.join(map(str, shapes))}; "
+                "wanted are error (m,), its rate (m,), J (m, nv), J̇ v (m,) and feed-forward (m,)"
+            ) from error
         return self.make_rows(J, wanted, wanted)
 
 

@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from solvers.compiled import compiled
 from sot.control.pose import PoseReference
+from sot.errors import InputError
 from sot.robots.robot import Robot
 
 Array = np.ndarray
@@ -58,6 +59,8 @@ class TickContact(Protocol):
     @property
     def force_count(self) -> int: ...
 
+    def wrench_map(self, tick: "Tick") -> Array: ...
+
     def max_normal_force(self, weight: float) -> float: ...
 
     def acceleration(self, tick: "Tick") -> Array: ...
@@ -76,6 +79,7 @@ class Tick:
         M: Mass matrix with the rotors' inertia, shape (nv, nv).
         h: Coriolis, centrifugal and gravity forces, and what the joints' damping and friction take, so that
             ``M v̇ + h = Sᵀ τ + Jᵀ φ``; shape (nv,).
+        finite: Whether all of the state is; nothing else here means anything if not.
         com, com_velocity, com_drift: Centre of mass, its velocity, and J̇ v, shape (3,).
     """
 
@@ -96,6 +100,7 @@ class Tick:
         self._points: dict[str, tuple[FrameState, Array]] = {}
         self._frames: dict[str, FrameState] = {}
         self._centroidal: tuple[Array, Array, Array] | None = None
+        self.finite = True
         self.update(0.0, robot.rest, np.zeros(robot.nv))
 
     def update(self, t: float, q: Array, v: Array) -> "Tick":
@@ -106,7 +111,7 @@ class Tick:
         pin.crba(model, data, q, pin.Convention.WORLD)
         pin.nonLinearEffects(model, data, q, v)
         pin.updateFramePlacements(model, data)
-        _write_bias_and_com(
+        self.finite = _write_bias_and_com(
             *(self._forces, self._base, self._A_g, self.mass, v, robot.damping, robot.friction, self._coulomb_speeds),
             *(self.h, self.com_jacobian, self.com_velocity, self.com_drift),
         )
@@ -130,6 +135,42 @@ class Tick:
             )
             self._frames[point] = state
         return state
+
+    @property
+    def force_count(self) -> int:
+        """Number of force variables φ of all contacts in their present modes."""
+        count = 0
+        for contact in self.contacts:
+            count += contact.force_count
+        return count
+
+    def force_columns(self, point: str) -> slice:
+        """Where the forces of the contact at a point are in φ: the columns of rows with ``variable = "force"``.
+
+        φ has the force variables of all contacts, one after the other in the order of the stack, in N. What they are
+        depends on the contact's form and mode, see `sot.control.Contact`; `contact.wrench_map(tick)` says what they
+        amount to in any of them. None while the contact is off.
+
+        Raises:
+            InputError: If there is no contact at that point.
+        """
+        start = 0
+        for contact in self.contacts:
+            if contact.point == point:
+                return slice(start, start + contact.force_count)
+            start += contact.force_count
+        raise InputError(f"there is no contact '{point}': there are {', '.join(c.point for c in self.contacts)}")
+
+    def contact(self, point: str) -> TickContact:
+        """The contact at a point.
+
+        Raises:
+            InputError: If there is none.
+        """
+        for contact in self.contacts:
+            if contact.point == point:
+                return contact
+        raise InputError(f"there is no contact '{point}': there are {', '.join(c.point for c in self.contacts)}")
 
     @property
     def momentum(self) -> Array:
@@ -200,9 +241,14 @@ def _write_bias_and_com(
     com_jacobian: Array,
     com_velocity: Array,
     com_drift: Array,
-) -> None:
-    """Write h with joint losses, and the CoM's Jacobian, velocity and drift, from Pinocchio's forces and A_g."""
+) -> bool:
+    """Write h with joint losses, and the CoM's Jacobian, velocity and drift, from Pinocchio's forces and A_g.
+
+    Returns:
+        Whether the state that these come from is finite: one value of it that is not makes a sum of them so.
+    """
     h[:] = forces
+    total = 0.0
     for k in range(len(damping)):
         h[6 + k] += damping[k] * v[6 + k] + friction[k] * np.tanh(v[6 + k] / coulomb_speeds[k])
     for i in range(3):
@@ -212,7 +258,11 @@ def _write_bias_and_com(
             com_velocity[i] += com_jacobian[i, k] * v[k]
         # The force on the base that lets nothing accelerate but by J̇ v.
         com_drift[i] = (base[i, 0] * forces[0] + base[i, 1] * forces[1] + base[i, 2] * forces[2]) / mass
+        total += com_velocity[i] + com_drift[i]
     com_drift[2] -= GRAVITY
+    for k in range(len(h)):
+        total += h[k]
+    return bool(np.isfinite(total))
 
 
 @compiled

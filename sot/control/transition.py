@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass
 
-from sot.control.stack import Stack
+from sot.control.levels import Levels
 from sot.control.task import Task
 
+TASK_RAMP = 0.2
+"""Default time in which a task comes, goes, or changes its level [s]."""
 NEGLIGIBLE_SHARE, DOMINANT_SHARE = 1.0 / 30.0, 30.0
 """Factors on the weight of a task at which it hardly counts in its level, and at which hardly anything else counts."""
 SHARE_TOLERANCE = 1e-9
@@ -27,28 +29,20 @@ class Transition:
     else counts there; a task that comes rises from below all levels, and one that goes sinks.
 
     Args:
-        stack: The stack; a new level is made in it, still empty.
-        task: The task to move, in the stack already or not yet.
-        level: Its level at the end; None to remove it.
-        before: The level before which a new level is made; last unless given.
+        stack: The levels.
+        task: The task to move, in one of them already or not yet.
+        level: Its level at the end, one of them; None to take it out.
         start: When the transition begins [s].
         ramp: How long it takes [s].
-
-    Raises:
-        InputError: If there is no level `before`.
     """
 
-    def __init__(
-        self, stack: Stack, task: Task, level: str | None, before: str | None, start: float, ramp: float
-    ) -> None:
-        if level is not None:
-            stack.add_level(level, before)
+    def __init__(self, stack: Levels, task: Task, level: str | None, start: float, ramp: float) -> None:
         self.task = task
         self._level, self._weight, self._start, self._ramp = level, task.weight, start, ramp
         self._stages = _stages_of_way(stack, task, level)
         self._stage: Stage | None = None
 
-    def apply(self, t: float, stack: Stack) -> float:
+    def apply(self, t: float, stack: Levels) -> float:
         """Set the task's level and weight at a time [s]; returns the share of the transition done, 1 at the end."""
         share = min(max((t - self._start) / self._ramp, 0.0), 1.0) if self._ramp else 1.0
         if share > 1.0 - SHARE_TOLERANCE or not self._stages:
@@ -58,27 +52,20 @@ class Transition:
         stage = self._stages[int(along)]
         if stage is not self._stage:
             self._stage = stage
-            _place(stack, self.task, stage.level)
+            stack.place(self.task, stage.level)
         self.task.weight = self._weight * stage.start_share * (stage.end_share / stage.start_share) ** (along % 1.0)
         return share
 
-    def finish(self, stack: Stack) -> None:
+    def finish(self, stack: Levels) -> None:
         """Set the task's level and weight as they are at the end."""
         self.task.weight = self._weight
         if self._level is not None:
-            _place(stack, self.task, self._level)
-        elif stack.level_of(self.task) is not None:
-            stack.remove(self.task.name)
+            stack.place(self.task, self._level)
+        else:
+            stack.take_out(self.task)
 
 
-def _place(stack: Stack, task: Task, level: str) -> None:
-    if stack.level_of(task) is None:
-        stack.add(task, level)
-    else:
-        stack.move(task.name, level)
-
-
-def _stages_of_way(stack: Stack, task: Task, level: str | None) -> list[Stage]:
+def _stages_of_way(stack: Levels, task: Task, level: str | None) -> list[Stage]:
     """Stages from the present level of a task to another; None stands for below all levels."""
     order = stack.level_names
     now = stack.level_of(task)
@@ -89,7 +76,7 @@ def _stages_of_way(stack: Stack, task: Task, level: str | None) -> list[Stage]:
     return [Stage(stage.level, stage.end_share, stage.start_share) for stage in reversed(rising)]
 
 
-def _rising_stages(stack: Stack, task: Task, levels: list[str], low: str | None) -> list[Stage]:
+def _rising_stages(stack: Levels, task: Task, levels: list[str], low: str | None) -> list[Stage]:
     """Stages from the level `low`, or from below all levels, up to the first of `levels`."""
     high = levels[0]
     stages = []

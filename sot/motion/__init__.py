@@ -1,5 +1,6 @@
 """Human motion to robot motion: from a file of joint angles to a human with names, and on to what a robot can do."""
 
+from sot.motion.edit import Edit
 from sot.motion.human.capture import Capture
 from sot.motion.human.human import SEGMENTS, Human
 from sot.motion.human.readers import read
@@ -7,4 +8,16 @@ from sot.motion.human.skeleton import recognise
 from sot.motion.plan import Plan, plan
 from sot.motion.trajectory import Motion, MotionSample, Track
 
-__all__ = ["SEGMENTS", "Capture", "Human", "Motion", "MotionSample", "Plan", "Track", "plan", "read", "recognise"]
+__all__ = [
+    "SEGMENTS",
+    "Capture",
+    "Edit",
+    "Human",
+    "Motion",
+    "MotionSample",
+    "Plan",
+    "Track",
+    "plan",
+    "read",
+    "recognise",
+]

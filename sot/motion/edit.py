@@ -38,7 +38,7 @@ class Edit:
         start, end: when it happens [s]; way-points have their own times.
         ease: how long the way in and the way out take [s].
         limb_only: whether the limb does it alone, and the rest of the body does not help.
-        place: where it was written, for messages.
+        source: where it was written, for messages.
 
     Raises:
         InputError: anything that makes no sense without knowing the robot and the motion.

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sot.errors import InputError
 from sot.motion.balance.centroidal import Centroidal
 from sot.motion.balance.rounds import BalanceRounds
+from sot.motion.balance.torques import overloaded_at_rest, overloaded_knots
 from sot.motion.body.coordinates import to_pinocchio
 from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.body.limits import Limits
@@ -23,7 +24,7 @@ from sot.motion.feet.footwork import Step
 from sot.motion.feet.slides import SlideWay, find_slide
 from sot.motion.feet.stance import LEAD_IN_TIME, TAIL_TIME, Build, human_on_time_line, human_over_feet
 from sot.motion.feet.support import supports
-from sot.motion.feet.swing import any_foot_moves, feet_heading
+from sot.motion.feet.swing import feet_heading
 from sot.motion.feet.tempo import clock_from_slowness, slowness_raised
 from sot.motion.feet.travel import Travel
 from sot.motion.human.human import Human
@@ -39,7 +40,7 @@ PLAN_RATE = 50.0  # knots per second
 MAX_SLOWDOWNS, MAX_FINAL_SLOWDOWNS = 4, 2  # times that a body gets more time, before and after its arms are fitted
 SLOWDOWN_FACTOR, MAX_SLOWNESS = 1.3, 3.0  # by which one slowdown slows, and times slower than the dancer in all
 LIMB_REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
-CALMING_TIME = 0.5  # s before a slide, in which the hips stop bouncing
+BOUNCE_FADE_TIME = 0.5  # s before a slide, in which the hips stop bouncing
 BOUNCE_HZ = 0.5  # slower motion of the hips is no bounce
 CAPTURE_NOISE_HZ = 6.0  # faster motion of a capture is noise
 
@@ -60,7 +61,7 @@ class Plan:
         flights: of the dancer; the robot has a foot on the floor all the time.
         seconds: time that planning took, by step.
         imitation: the body that looks like the human, joint limits kept, before anything of it is balanced or slowed
-            down; coordinates of `sot.motion.body.coordinates` at PLAN_RATE. `sampled` makes a motion of it, which no
+            down; coordinates of `sot.motion.body.coordinates` at PLAN_RATE. `sampled_motion` makes one of it, which no
             robot can do.
     """
 
@@ -83,7 +84,8 @@ class Plan:
     @property
     def remarks(self) -> list[str]:
         """What the robot does otherwise than the dancer, a sentence each."""
-        return [flight_remark(self.flights, self.travel is not None)] if self.flights else []
+        told = [one.words for one in self.human.remarks]
+        return [*told, *([flight_remark(self.flights, self.travel is not None)] if self.flights else [])]
 
     @property
     def added_time(self) -> float:
@@ -171,7 +173,7 @@ class _Fitter:
     robot: Robot
     build: Build
     limits: Limits
-    height: float | None
+    hip_height_error: float | None
 
     def stepping_course(self, human: Human, contacts: Sequence[Step] | None) -> Course:
         """A course that steps; contacts: the steps to make, on the clip's time, instead of those found."""
@@ -179,9 +181,11 @@ class _Fitter:
 
     def targets(self, course: Course) -> Targets:
         wanted = targets_of_human(course.human, self.robot, self.build, feet_heading(course.feet))
-        if self.height is None:
+        if self.hip_height_error is None:
             return wanted
-        return replace(wanted, hips=hips_without_bounce(wanted.hips, course.phases), height=self.height)
+        return replace(
+            wanted, hips=hips_without_bounce_in_slides(wanted.hips, course.phases), height=self.hip_height_error
+        )
 
     def unbalanced_body(self, course: Course) -> tuple[Targets, Spline]:
         """The body's targets, and the motion of a body that meets them, not yet balanced."""
@@ -196,22 +200,32 @@ class _Fitter:
     def balanced(
         self, course: Course, wanted: Targets, body_motion: Spline, slowdowns: int, rough: bool = False
     ) -> tuple[Course, Spline]:
-        """The course, slowed down where the body cannot follow its feet, and the balanced motion of the body.
+        """The course, slowed down where body or motors cannot follow, and the balanced motion of the body.
 
         slowdowns: times that it is slowed down at most.
         rough: the body is fresh from `unbalanced_body`.
         """
         changed = None
-        for left in range(slowdowns if course.travel and any_foot_moves(course.feet) else 0, -1, -1):
+        slides = any(phase.sliding for phase in course.phases)
+        for left in range(0 if slides else slowdowns, -1, -1):
             rounds = BalanceRounds(self.robot, self.build, wanted, course.feet, course.phases, self.limits, body_motion)
             strained_times = rounds.balance_all(rough) if changed is None else rounds.balance_about(changed)
             body_motion = rounds.body_motion
+            if left:
+                strained_times = np.union1d(strained_times, self.hasty_times(course, body_motion))
             if not left or not len(strained_times):
                 break
             clock = clock_from_slowness(slowness_about(course, strained_times), 1.0 / PLAN_RATE)
             course, body_motion = with_clock(course, self.robot, clock), body_at_clock(body_motion, clock)
             wanted, changed = self.targets(course), slowed_knots(clock, 1.0 / PLAN_RATE)
         return course, body_motion
+
+    def hasty_times(self, course: Course, body_motion: Spline) -> Array:
+        """The times (n,) at which a motor has to give more than it can, but would not if the body moved slower [s]."""
+        over = overloaded_knots(self.robot, course.phases, body_motion)
+        knots = np.flatnonzero(over.any(axis=1))
+        hasty = over[knots] & ~overloaded_at_rest(self.robot, course.phases, body_motion, knots)
+        return body_motion.period * knots[hasty.any(axis=1)].astype(float)
 
 
 def slowness_about(course: Course, strained_times: Array) -> Array:
@@ -239,14 +253,14 @@ def body_at_clock(body_motion: Spline, clock: Array) -> Spline:
     return slow
 
 
-def hips_without_bounce(hips: Array, phases: Sequence[Phase]) -> Array:
+def hips_without_bounce_in_slides(hips: Array, phases: Sequence[Phase]) -> Array:
     """The hips (T, 3) without their bounce where a foot slides, whose load has to be light and steady [m]."""
     times = np.arange(len(hips)) / PLAN_RATE
     share = np.zeros(len(hips))
     for phase in phases:
         if phase.sliding:
             inside = np.minimum(times - phase.start, phase.end - times)
-            share = np.maximum(share, minimum_jerk(1.0 + inside / CALMING_TIME))
+            share = np.maximum(share, minimum_jerk(1.0 + inside / BOUNCE_FADE_TIME))
     calm = hips.copy()
     calm[:, 2] += share * (low_passed(hips[:, 2], PLAN_RATE, BOUNCE_HZ) - hips[:, 2])
     return calm

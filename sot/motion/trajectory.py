@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from sot.control.pose import Pose
 from sot.errors import InputError
-from sot.motion.feet.contacts import Phase
+from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footfalls import Footfalls
 from sot.robots.robot import Robot
 
@@ -81,6 +81,37 @@ class Motion:
         edges = np.cumsum([0] + [part.shape[1] for part in parts])
         object.__setattr__(self, "_table", np.ascontiguousarray(np.hstack(parts)))
         object.__setattr__(self, "_slices", [slice(a, b) for a, b in itertools.pairwise(edges)])
+
+    @staticmethod
+    def standing(robot: Robot, seconds: float, rate: float = 1000.0) -> "Motion":
+        """A robot that stands still in its rest posture, on all feet.
+
+        Args:
+            robot: who stands.
+            seconds: how long.
+            rate: samples per second [Hz].
+
+        Raises:
+            InputError: that is not even one step of the rate.
+        """
+        count = round(seconds * rate) + 1
+        if not (0.0 < rate < np.inf and count > 1):
+            raise InputError(f"a motion of {seconds:g} s at {rate:g} Hz has no two samples")
+        com = pin.centerOfMass(robot.model, robot.model.createData(), robot.rest).copy()
+        still, nothing = np.zeros((count, robot.nv)), np.zeros((count, 3))
+        return Motion(
+            robot=robot,
+            rate=rate,
+            q=np.tile(robot.rest, (count, 1)),
+            v=still,
+            a=still,
+            com=np.tile(com, (count, 1)),
+            com_velocity=nothing,
+            com_acceleration=nothing,
+            zmp=np.tile(com[:2], (count, 1)),
+            momentum=nothing,
+            phases=planted_phases(robot, (count - 1) / rate),
+        )
 
     @property
     def times(self) -> Array:

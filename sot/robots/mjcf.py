@@ -31,6 +31,23 @@ FREE, BALL, SLIDE, HINGE = (
 )
 
 
+def mjcf_spec(path: Path) -> mujoco.MjSpec:
+    """The model as the file says, without textures and skins and what may name things of a scene.
+
+    Raises:
+        ValueError, mujoco.FatalError: MuJoCo cannot read it.
+    """
+    spec = mujoco.MjSpec.from_file(str(path))
+    _drop_what_names_others(spec)
+    for material in spec.materials:
+        material.textures = [""] * len(material.textures)
+    for texture in list(spec.textures):
+        spec.delete(texture)
+    spec.compiler.fusestatic = False
+    spec.compiler.discardvisual = False
+    return spec
+
+
 def compile_mjcf(path: Path, remarks: list[str]) -> mujoco.MjModel:
     """The model as MuJoCo reads the file, with all that is in it but textures and skins.
 
@@ -42,14 +59,7 @@ def compile_mjcf(path: Path, remarks: list[str]) -> mujoco.MjModel:
         InputError: MuJoCo cannot read it.
     """
     try:
-        spec = mujoco.MjSpec.from_file(str(path))
-        _drop_what_names_others(spec)
-        for material in spec.materials:
-            material.textures = [""] * len(material.textures)
-        for texture in list(spec.textures):
-            spec.delete(texture)
-        spec.compiler.fusestatic = False
-        spec.compiler.discardvisual = False
+        spec = mjcf_spec(path)
         try:
             return spec.compile()
         except ValueError as error:

@@ -19,15 +19,20 @@ from sot.robots.robot_file import FEET, GROUPS, POINTS, RobotFile
 from sot.robots.standing import stand
 from sot.robots.tree import Tree
 
-__all__ = ["FEET", "GROUPS", "HANDS", "MODELS", "POINTS", "Robot", "robot_names"]
+__all__ = ["FEET", "GROUPS", "HANDS", "MODELS", "POINTS", "Robot", "robot_names", "shipped_robot_names"]
 
 MODELS = Path(__file__).parent / "models"
 HANDS = ("left_hand", "right_hand")
 
 
 def robot_names() -> tuple[str, ...]:
-    """Names of the robots that come with the project."""
+    """Names of the robots that the project has a file for; the models of some are fetched when first asked for."""
     return tuple(sorted(path.stem for path in MODELS.glob("*.toml")))
+
+
+def shipped_robot_names() -> tuple[str, ...]:
+    """Names of the robots whose models come with the project."""
+    return tuple(name for name in robot_names() if "package" not in RobotFile(MODELS / f"{name}.toml").content)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +122,16 @@ class Robot:
     def mass(self) -> float:
         """Total mass [kg]."""
         return pin.computeTotalMass(self.model)
+
+    @property
+    def height(self) -> float:
+        """From the soles to the top of the head, on straight legs [m]."""
+        data = self.model.createData()
+        pin.framesForwardKinematics(self.model, data, self.rest)
+        hip, knee, ankle, top = (
+            data.oMf[self.point(name)].translation for name in ("left_hip", "left_knee", "left_ankle", "head_top")
+        )
+        return float(top[2] - hip[2] + np.linalg.norm(hip - knee) + np.linalg.norm(knee - ankle) + ankle[2])
 
     def point(self, name: str) -> int:
         """Pinocchio frame of an operational point.

@@ -22,7 +22,8 @@ GROUPS = ("left_leg", "right_leg", "chest", "head", "left_arm", "right_arm")
 LIMITS = ("lower", "upper", "velocity", "acceleration", "acceleration_hard", "effort")
 DYNAMICS = ("armature", "damping", "friction")
 KEYS = {
-    "": ("label", "model", "package", "locked", "rest", "points", "soles", "groups", "limits"),
+    "": ("label", "listed", "model", "package", "locked", "rest", "points", "soles", "groups", "limits"),
+    "listed": ("joints", "mass", "height"),
     "package": ("name", "version", "sha256", "source", "licence"),
     "soles": FEET,
     "groups": GROUPS,

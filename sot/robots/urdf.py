@@ -135,10 +135,10 @@ def _refuse_others(model: pin.Model, path: Path) -> None:
 def _tree(model: pin.Model, geometries: Sequence[pin.GeometryModel], name: str) -> Tree:
     shapes: dict[int, list[Solid | Mesh]] = {}
     for shape in geometries[0].geometryObjects:
-        shapes.setdefault(shape.parentJoint - BASE, []).append(_shape(shape))
+        shapes.setdefault(shape.parentJoint - BASE, []).append(solid_or_mesh(shape))
     looks: dict[int, list[Solid]] = {}
     for shape in geometries[1].geometryObjects:
-        seen = _shape(shape)
+        seen = solid_or_mesh(shape)
         look = replace(seen, name="") if isinstance(seen, Solid) else fitted_primitive([seen])
         looks.setdefault(shape.parentJoint, []).append(look)
     links = []
@@ -200,7 +200,7 @@ def _mended(inertia: pin.Inertia, link: str, remarks: list[str]) -> pin.Inertia:
     return pin.Inertia(inertia.mass, inertia.lever, moments.mean() * np.eye(3))
 
 
-def _shape(shape: pin.GeometryObject) -> Solid | Mesh:
+def solid_or_mesh(shape: pin.GeometryObject) -> Solid | Mesh:
     rgba, place, solid = tuple(shape.meshColor.tolist()), shape.placement, shape.geometry
     match solid:
         case coal.BVHModelBase():

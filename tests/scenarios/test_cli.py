@@ -80,7 +80,7 @@ BAD_STACKS = {
         "from scenarios import stacks\nfrom tasks import CenterOfMass\n\n\ndef stack(robot, motion):\n"
         "    made = stacks.planted_stack(robot, motion)\n"
         "    made.add(CenterOfMass(lambda t: 1 / 0, name='mine'), level='balance')\n    return made\n",
-        "mine.py:7: ZeroDivisionError",
+        "mine.py:7: task 'mine': ZeroDivisionError",
     ),
     "no such point": (
         "from tasks import OperationalPoint\n\n\ndef stack(robot, motion):\n"
@@ -194,7 +194,7 @@ def test_bad_arguments(arguments, expected, folder, capsys):
 
 def test_unwritable_output_is_found_before_any_work(folder, capsys, monkeypatch):
     (folder / "file").write_text("in the way")
-    monkeypatch.setattr(clips, "locate", lambda clip: pytest.fail("looked for the clip"))
+    monkeypatch.setattr(clips, "find_clip", lambda clip: pytest.fail("looked for the clip"))
     status, said = lines(["replay", "groove", "--out", "file/run"], capsys)
     assert status == cli.BAD_INPUT
     assert said.count("\n") == 1
@@ -218,7 +218,7 @@ def test_an_unexpected_error_is_one_line_too(capsys, monkeypatch):
     def broken(clip: str) -> Path:
         raise RuntimeError("a bug\nof two lines")
 
-    monkeypatch.setattr(clips, "locate", broken)
+    monkeypatch.setattr(clips, "find_clip", broken)
     assert lines(["replay", "groove"], capsys) == (
         cli.FAILED,
         "sot: RuntimeError: a bug of two lines; SOT_TRACEBACK=1 shows where\n",
@@ -249,8 +249,20 @@ def test_view_opens_what_a_run_wrote_in_a_window(folder, monkeypatch):
         return Done
 
     monkeypatch.setattr(viewer.subprocess, "run", called)
+    monkeypatch.setenv("DISPLAY", ":0")
     assert cli.main(["view", "."]) == cli.DONE
     assert commands == [[sys.executable, "-m", "rerun", RECORDING_FILE]]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux names its displays so")
+@pytest.mark.parametrize("arguments", [["view", "."], ["replay", "groove", "--view"]])
+def test_without_a_display_the_browser_is_named_before_any_work(arguments, folder, monkeypatch, capsys):
+    (folder / RECORDING_FILE).write_bytes(b"")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    status, said = lines(arguments, capsys)
+    assert (status, said.count("\n")) == (cli.BAD_INPUT, 1)
+    assert "no display" in said and "--web" in said
 
 
 def test_replays_a_second_of_the_clip_that_ships(folder, capsys):

@@ -7,7 +7,6 @@ import pytest
 
 from scenarios.replay import RECORDING_FILE, REPORT_FILE, Replay, replay
 
-JVRC1 = Path(__file__).parents[2] / "docs/examples/jvrc1.toml"
 MOCAP = Path(__file__).parents[2] / "../shared/mocap"
 
 DANCES = {
@@ -17,7 +16,7 @@ DANCES = {
     "groove, weighted": Replay("groove", solver="weighted"),
     "groove, iktc": Replay("groove", solver="iktc"),
     "perfume_A": Replay(str(MOCAP / "perfume_A.bvh")),
-    "perfume_A, JVRC-1": Replay(str(MOCAP / "perfume_A.bvh"), robot=str(JVRC1)),
+    "perfume_A, JVRC-1": Replay(str(MOCAP / "perfume_A.bvh"), robot="jvrc1"),
     "perfume_A, modified robot": Replay(str(MOCAP / "perfume_A.bvh"), robot="hrp2_modified"),
 }
 

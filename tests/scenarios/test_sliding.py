@@ -12,10 +12,10 @@ from solvers import Cascade
 from sot.control.controller import Controller
 from sot.motion import plan, read, recognise
 from sot.motion.feet.slides import SLIDE_FORWARD, SLIDE_SPEED, slide_duration
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", shipped_robot_names())
 def test_each_foot_slides_ahead_in_its_turn(name):
     robot = Robot.load(name)
     motion = sliding.motion(robot, 100.0)

@@ -6,7 +6,6 @@ import pinocchio as pin
 from sim.log import FOOT_FIXED, RunLog
 from sot.motion.body.coordinates import from_configuration
 from sot.motion.body.spline import Spline
-from sot.motion.feet.contacts import planted_phases
 from sot.motion.human.human import Human
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
@@ -18,22 +17,7 @@ HUMAN_RATE = 50.0
 
 def still_motion(robot: Robot, seconds: float) -> Motion:
     """The robot at rest."""
-    count = round(seconds / PERIOD) + 1
-    com = pin.centerOfMass(robot.model, robot.model.createData(), robot.rest)
-    still, nothing = np.zeros((count, robot.nv)), np.zeros((count, 3))
-    return Motion(
-        robot=robot,
-        rate=1.0 / PERIOD,
-        q=np.tile(robot.rest, (count, 1)),
-        v=still,
-        a=still,
-        com=np.tile(com, (count, 1)),
-        com_velocity=nothing,
-        com_acceleration=nothing,
-        zmp=np.tile(com[:2], (count, 1)),
-        momentum=nothing,
-        phases=planted_phases(robot, seconds),
-    )
+    return Motion.standing(robot, seconds, 1.0 / PERIOD)
 
 
 def perfect_log(motion: Motion) -> RunLog:

@@ -6,7 +6,7 @@ import pinocchio as pin
 import pytest
 
 from sim.convert import state_from_mujoco, state_to_mujoco
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tests.sot.robots import urdf_robot
 
 STATES = 100
@@ -20,7 +20,7 @@ def random_states(robot: Robot, count: int, seed: int = 0):
         yield np.concatenate((base, rng.uniform(robot.lower, robot.upper))), rng.normal(size=robot.nv)
 
 
-@pytest.fixture(scope="module", params=[*robot_names(), "urdf"])
+@pytest.fixture(scope="module", params=[*shipped_robot_names(), "urdf"])
 def robot(request, tmp_path_factory) -> Robot:
     if request.param == "urdf":
         return Robot.load(urdf_robot.write(tmp_path_factory.mktemp("robot")))

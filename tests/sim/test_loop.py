@@ -42,6 +42,17 @@ class Impossible(Task):
         return self.make_rows(A, np.ones(2), np.full(2, np.inf))
 
 
+class Spoilt(Task):
+    """Now and then asks for what is no number, or returns rows of another width."""
+
+    def rows(self, tick) -> Rows:
+        k = round(tick.t / PERIOD)
+        A = np.zeros((1, tick.robot.nv - (k == 7)))
+        A[0, -1] = 1.0
+        wanted = np.full(1, np.nan if k in (3, 4) else 0.0)
+        return self.make_rows(A, wanted, wanted)
+
+
 @pytest.fixture
 def motion():
     return still_motion(Robot.load("hrp2"), 10 * PERIOD)
@@ -62,3 +73,28 @@ def test_conflicts_are_explained_after_the_run(motion):
     done = run(Controller(motion.robot, stack, Cascade(), PERIOD), World(motion.robot, PERIOD), motion)
     ((t, rows),) = done.log.conflicts
     assert t == 0.0 and rows.startswith("Impossible: row ") and rows.endswith("lower")
+
+
+def test_values_that_cannot_be_used_are_counted_and_the_robot_stands(motion):
+    stack = stacks.planted_stack(motion.robot, motion)
+    stack.add(Spoilt("spoilt", "rad/s²", "rad"), "spoilt", before="posture")
+    world = World(motion.robot, PERIOD)
+    done = run(Controller(motion.robot, stack, Cascade(), PERIOD), world, motion)
+    log = done.log.trimmed()
+    assert done.fell_at_s is None and log.ticks == 10
+    assert [round(t / PERIOD) for t, _ in log.invalid] == [3, 4, 7]
+    assert all(what.startswith("task 'spoilt': ") for _, what in log.invalid)
+    assert np.flatnonzero(log.status == Status.INVALID).tolist() == [3, 4, 7]
+    assert np.isfinite(log.torque).all() and not log.fallbacks
+    np.testing.assert_allclose(world.state()[0], motion.q[-1], atol=1e-3)
+
+
+def test_a_run_starts_with_what_was_asked_for_at_its_end(motion):
+    """A stack that has run takes changes at once again, before the next run."""
+    robot, stack = motion.robot, stacks.planted_stack(motion.robot, motion)
+    controller = Controller(robot, stack, Cascade(), PERIOD)
+    run(controller, World(robot, PERIOD), motion)
+    stack.remove("waist RPY")
+    assert stack.transition_shares
+    log = run(controller, World(robot, PERIOD), motion).log
+    assert not any("waist RPY" in name for name in log.level_names)

@@ -10,7 +10,7 @@ from sim.world import World
 from solvers import Cascade
 from sot.control.controller import Controller
 from sot.control.pose import Pose
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tasks import OperationalPoint
 from tests.sot.robots import urdf_robot
 from tests.sot.stances import standing_stack
@@ -37,7 +37,7 @@ def stand(world: World, seconds: float) -> None:
         world.step(carry + stiffness * (robot.rest[7:] - q[7:]) - damping * v[6:])
 
 
-@pytest.fixture(scope="module", params=robot_names())
+@pytest.fixture(scope="module", params=shipped_robot_names())
 def standing(request) -> World:
     world = World(Robot.load(request.param))
     stand(world, 0.5)

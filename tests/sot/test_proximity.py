@@ -9,13 +9,13 @@ from sim.world import World
 from sot.control.tick import Tick
 from sot.proximity import Proximity
 from sot.robots.pairs import LIMBS
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tests.sot.states import random_state
 
 STEP = 1e-5
 
 
-@pytest.fixture(params=robot_names())
+@pytest.fixture(params=shipped_robot_names())
 def robot(request):
     return Robot.load(request.param)
 

@@ -8,7 +8,7 @@ import pytest
 from sot.control.contact import Contact
 from sot.control.tick import GRAVITY, Tick
 from sot.polygon import Polygon
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tasks import Balance
 from tests.sot.states import random_state, standing_state
 
@@ -16,7 +16,7 @@ HEIGHT = 0.8
 OMEGA = np.sqrt(GRAVITY / HEIGHT)
 
 
-@pytest.fixture(params=robot_names())
+@pytest.fixture(params=shipped_robot_names())
 def robot(request):
     return Robot.load(request.param)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sot.control.tick import Tick
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tasks.bounds import SOFT_BRAKING_RANGE, AccelerationBounds, JointBounds, TorqueBounds
 from tests.sot.states import random_state
 
@@ -138,7 +138,7 @@ def test_a_slow_joint_is_braked_gently_even_where_it_moves_faster_than_was_comma
         assert -2.0 * (slow + excess) / lag <= high <= -excess / max(lag, period)
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", shipped_robot_names())
 def test_joint_bounds_are_rows_on_the_joint_accelerations(name):
     robot = Robot.load(name)
     q, v = random_state(robot, np.random.default_rng(0))

@@ -8,12 +8,12 @@ from sot.control.contact import Contact
 from sot.control.controller import Controller
 from sot.control.dynamics import Dynamics
 from sot.control.tick import Tick
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tasks import LeastForces
 from tests.sot.stances import leaning, standing_stack
 
 
-@pytest.fixture(params=robot_names())
+@pytest.fixture(params=shipped_robot_names())
 def robot(request):
     return Robot.load(request.param)
 

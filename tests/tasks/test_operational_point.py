@@ -7,13 +7,13 @@ import pytest
 from sot.control.pose import Pose
 from sot.control.tick import Tick
 from sot.errors import InputError
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tasks import OperationalPoint
 from tests.sot.states import random_state
 from tests.tasks.checks import assert_jacobian_and_drift, followed
 
 
-@pytest.fixture(params=robot_names())
+@pytest.fixture(params=shipped_robot_names())
 def robot(request):
     return Robot.load(request.param)
 

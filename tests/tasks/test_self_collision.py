@@ -9,14 +9,14 @@ from solvers import Cascade
 from sot.control.controller import Controller
 from sot.control.tick import Tick
 from sot.proximity import Proximity
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tasks import Posture, SelfCollision
 from tasks.self_collision import LOOK_PERIOD, SPEED_CHANGE_BOUND
 from tests.sot.stances import standing_stack
 from tests.sot.states import random_state
 
 
-@pytest.fixture(params=robot_names())
+@pytest.fixture(params=shipped_robot_names())
 def robot(request):
     return Robot.load(request.param)
 

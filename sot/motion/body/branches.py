@@ -11,7 +11,7 @@ from sot.motion.body.retarget import solve_knots
 Array = NDArray[np.float64]
 
 KEY_FRAME_PERIOD = 0.2  # s, between key frames
-START_POSTURES = 8  # number of postures from which every key frame is solved
+START_POSTURE_COUNT = 8  # number of postures from which every key frame is solved
 FAST_TRAVEL_SHARE = 0.8  # share of the velocity limit above which travel costs more
 TRAVEL_COST, FAST_TRAVEL_COST = (
     0.02,
@@ -29,13 +29,13 @@ def choose_arm_path(part: Part, y: Array, limits: Limits, period: float) -> Arra
     stride = max(1, round(KEY_FRAME_PERIOD / period))
     knots = np.append(np.arange(0, len(y) - 1, stride), len(y) - 1)
     lower, upper = limits.lower[columns], limits.upper[columns]
-    starts = lower + Halton(len(columns), scramble=False).random(START_POSTURES) * (upper - lower)
-    repeated = np.repeat(knots[1:], START_POSTURES)
+    starts = lower + Halton(len(columns), scramble=False).random(START_POSTURE_COUNT) * (upper - lower)
+    repeated = np.repeat(knots[1:], START_POSTURE_COUNT)
     trials = y[repeated]
     trials[:, columns] = np.tile(starts, (len(knots) - 1, 1))
     found, error = solve_knots(part, repeated, trials, limits)
-    found, error = found.reshape(-1, START_POSTURES, len(columns)), error.reshape(-1, START_POSTURES)
-    first = np.broadcast_to(y[0, columns], (1, START_POSTURES, len(columns)))
+    found, error = found.reshape(-1, START_POSTURE_COUNT, len(columns)), error.reshape(-1, START_POSTURE_COUNT)
+    first = np.broadcast_to(y[0, columns], (1, START_POSTURE_COUNT, len(columns)))
     chosen = _best_path(np.vstack([first, found]), error, limits.velocity[columns] * stride * period)
     path = y.copy()
     for i, column in enumerate(columns):

@@ -16,8 +16,8 @@ Array = NDArray[np.float64]
 
 MAX_LEG_EXTENSION = 0.975  # share of its length that a leg may reach; the closed loop needs the rest
 MAX_HIP_ACCELERATION = 2.5  # m/s², of the hips, up and down
-HEIGHT_ERROR = 0.02  # m, deviation that costs as much as a jerk of JERK_ERROR
-JERK_ERROR = 20.0  # m/s³
+ACCEPTED_HEIGHT_ERROR = 0.02  # m, deviation that costs as much as a jerk of ACCEPTED_JERK
+ACCEPTED_JERK = 20.0  # m/s³
 HELD_END_WEIGHT = 1e9  # weight that holds the control points at both ends
 HELD_HEIGHT_ROOM = 1e-4  # m, added to the bound where a height is held
 
@@ -72,8 +72,8 @@ def smooth_height_below(wanted: Array, highest: Array, period: float, held: Spli
     A = sp.vstack([rows(VALUE_STENCIL), rows(np.array([1.0, -2.0, 1.0]) / period**2)], format="csr")
     bend = np.full(length, MAX_HIP_ACCELERATION)
     qp = BandedQP(A, np.concatenate([np.full(length, -np.inf), -bend]), np.concatenate([highest, bend]), 3)
-    value = rows(VALUE_STENCIL / HEIGHT_ERROR)
-    jerk = rows(np.array([-1.0, 3.0, -3.0, 1.0]) / (period**3 * JERK_ERROR))
+    value = rows(VALUE_STENCIL / ACCEPTED_HEIGHT_ERROR)
+    jerk = rows(np.array([-1.0, 3.0, -3.0, 1.0]) / (period**3 * ACCEPTED_JERK))
     hold = sp.diags_array(HELD_END_WEIGHT * np.isin(np.arange(n), [0, 1, 2, n - 3, n - 2, n - 1]))
     H = (value.T @ value + jerk.T @ jerk + hold).todia()
     banded = np.zeros((n, 4))
@@ -81,5 +81,5 @@ def smooth_height_below(wanted: Array, highest: Array, period: float, held: Spli
         banded[: n - apart, apart] = H.diagonal(-apart)
     around = np.concatenate([wanted[:1], wanted, wanted[-1:]])
     around[:3], around[-3:] = start, stop
-    g = value.T @ (value @ around - wanted / HEIGHT_ERROR) + jerk.T @ (jerk @ around)
+    g = value.T @ (value @ around - wanted / ACCEPTED_HEIGHT_ERROR) + jerk.T @ (jerk @ around)
     return Spline(qp.solve(banded, g, around).x[:, None], period)

@@ -19,7 +19,7 @@ KNOT_RATE = 50.0  # Hz
 POINT_WEIGHT = 1.0 / 0.01  # 1/m and 1/rad, of the point's error
 PLANNED_WEIGHT = 1.0 / 0.5  # 1/rad, of the joints' deviation from the plan
 ACCEPTED_JERK = 2000.0  # rad/s³, the jerk that costs as much as an acceptable error
-DAMPING = 20.0  # of a Gauss-Newton step, in the units of squared residuals: a stretched limb is far from linear
+GAUSS_NEWTON_DAMPING = 20.0  # in the units of squared residuals: a stretched limb is far from linear
 GAUSS_NEWTON_STEPS = 40  # number of Gauss-Newton steps
 
 
@@ -57,7 +57,7 @@ def refit_limb(
         limits.velocity[columns],
         limits.acceleration[columns],
         np.full(len(columns), ACCEPTED_JERK),
-        DAMPING,
+        GAUSS_NEWTON_DAMPING,
     )
     limb = Spline.through(planned, 1.0 / KNOT_RATE)
     for _ in range(GAUSS_NEWTON_STEPS):

@@ -13,7 +13,7 @@ from sot.robots.robot import Robot
 Array = NDArray[np.float64]
 
 RANGE_MARGIN = 0.02  # rad, kept free at both ends of a joint's range for the closed loop
-USABLE_SHARE = 0.97  # share of the velocity and acceleration limits that a reference may use
+USABLE_LIMIT_SHARE = 0.97  # share of the velocity and acceleration limits that a reference may use
 LEG_VELOCITY_SHARE = 0.92  # the same share of the legs' velocity limits: feedback needs the rest
 MAX_LEG_EXTENSION = 0.985  # share of its length that a leg may extend to: at full length it can no longer push
 
@@ -34,13 +34,13 @@ class Limits:
         lower = np.minimum(robot.lower + RANGE_MARGIN, rest - RANGE_MARGIN)
         upper = np.maximum(robot.upper - RANGE_MARGIN, rest + RANGE_MARGIN)
         _keep_knees_bent(robot, lower, upper)
-        share = np.full(robot.na, USABLE_SHARE)
+        share = np.full(robot.na, USABLE_LIMIT_SHARE)
         share[list(robot.groups["legs"])] = LEG_VELOCITY_SHARE
         return Limits(
             np.concatenate([-base, lower]),
             np.concatenate([base, upper]),
             np.concatenate([base, share * robot.velocity]),
-            np.concatenate([base, USABLE_SHARE * robot.acceleration]),
+            np.concatenate([base, USABLE_LIMIT_SHARE * robot.acceleration]),
         )
 
 

@@ -21,15 +21,10 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 FOOT_WEIGHT = 1.0 / 0.0001  # 1/m and 1/rad
-COM_WEIGHT = {
-    False: 1.0 / 0.0003,
-    True: 1.0 / 0.00005,
-}  # 1/m, for feet that stand and for feet that step, where support is scarce
+ACCEPTED_SWING_TILT = 0.05  # rad, of a foot in the middle of a swing
+COM_WEIGHT_STANDING, COM_WEIGHT_STEPPING = 1.0 / 0.0003, 1.0 / 0.00005  # 1/m: support is scarce where feet step
 HIP_PLACE_WEIGHT = 1.0 / 0.05  # 1/m, of the hips' horizontal place, where there is no CoM to follow
-HIP_HEIGHT_WEIGHT = {
-    False: 1.0 / 0.05,
-    True: 1.0 / 0.01,
-}  # 1/m, of the hips, for feet that stand and for feet that step
+HIP_HEIGHT_WEIGHT_STANDING, HIP_HEIGHT_WEIGHT_STEPPING = 1.0 / 0.05, 1.0 / 0.01  # 1/m
 PELVIS_WEIGHT = 1.0 / np.array([0.3, 0.3, 0.1])  # 1/rad, about the world's x, y and z
 TRUNK_WEIGHT = 1.0 / 0.05
 CHEST_WEIGHT = 1.0 / 0.15
@@ -63,8 +58,10 @@ class Body:
         self._chains = JointTree(robot)
         self._targets, self._com, self._hips = targets, com, build.hips
         self._waist, self._chest, self._neck = (robot.point(point) for point in ("waist", "chest", "neck"))
-        self._feet_move = any_foot_moves(feet)
-        self._height = HIP_HEIGHT_WEIGHT[self._feet_move] if targets.height is None else 1.0 / targets.height
+        steps = any_foot_moves(feet)
+        self._com_weight = COM_WEIGHT_STEPPING if steps else COM_WEIGHT_STANDING
+        own_height_weight = HIP_HEIGHT_WEIGHT_STEPPING if steps else HIP_HEIGHT_WEIGHT_STANDING
+        self._height = own_height_weight if targets.height is None else 1.0 / targets.height
         self._feet = [(robot.point(foot), path) for foot, path in feet.items()]
 
     def evaluate(self, knots: Indices, y: Array) -> tuple[Array, Array]:
@@ -74,16 +71,16 @@ class Body:
             place = HIP_PLACE_WEIGHT, hips[:, :2], J_hips[:, :2]
         else:
             com, J_com = kinematics.com()
-            place = COM_WEIGHT[self._feet_move], com[:, :2] - self._com[knots], J_com[:, :2]
+            place = self._com_weight, com[:, :2] - self._com[knots], J_com[:, :2]
         tilt, J_tilt = kinematics.orientation_residual(self._waist, wanted.frames["pelvis"][knots])
-        feet = [
-            (FOOT_WEIGHT, *residual)
-            for foot, path in self._feet
-            for residual in (
-                kinematics.position_residual(foot, path.position[knots]),
-                kinematics.orientation_residual(foot, path.rotation[knots]),
-            )
-        ]
+        feet = []
+        for foot, path in self._feet:
+            level = FOOT_WEIGHT / (1.0 + FOOT_WEIGHT * ACCEPTED_SWING_TILT * path.free[knots, None])
+            turn, J_turn = kinematics.orientation_residual(foot, path.rotation[knots])
+            feet += [
+                (FOOT_WEIGHT, *kinematics.position_residual(foot, path.position[knots])),
+                (1.0, level * turn, level[:, None] * J_turn),
+            ]
         return _stacked_residuals(
             *feet,
             place,

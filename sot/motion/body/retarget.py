@@ -10,7 +10,7 @@ from sot.motion.body.spline import LimitedFit, Spline
 
 Array = NDArray[np.float64]
 
-DAMPING = 1e-2  # of a Gauss-Newton step, in the units of squared residuals
+GAUSS_NEWTON_DAMPING = 1e-2  # of a Gauss-Newton step, in the units of squared residuals
 MAX_GAUSS_NEWTON_STEPS = 10  # most Gauss-Newton steps at one knot
 CONVERGED_STEP = 0.05  # rad or m, a step below this ends the iteration, which converges quadratically
 MAX_ACTIVE_SET_ROUNDS = 8  # most changes of the active bounds in one step
@@ -31,7 +31,7 @@ def solve_knots(part: Part, knots: Indices, y: Array, limits: Limits) -> tuple[A
     for _ in range(MAX_GAUSS_NEWTON_STEPS):
         e, J = part.evaluate(knots[left], y[left])
         Jt = J.transpose(0, 2, 1)
-        g, H = (Jt @ e[..., None])[..., 0], Jt @ J + DAMPING * np.eye(len(columns))
+        g, H = (Jt @ e[..., None])[..., 0], Jt @ J + GAUSS_NEWTON_DAMPING * np.eye(len(columns))
         x = y[left[:, None], columns]
         step = _bounded_step(H, g, lower - x, upper - x)
         largest = np.abs(step).max(axis=1)
@@ -90,7 +90,7 @@ class PartFit:
             limits.velocity[columns],
             limits.acceleration[columns],
             smoothness=np.full(len(columns), ACCEPTED_JERK),
-            damping=DAMPING,
+            damping=GAUSS_NEWTON_DAMPING,
             rest_at_end=rest_at_end,
         )
 

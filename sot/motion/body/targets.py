@@ -40,7 +40,7 @@ class Targets:
 
 
 def targets_of_human(human: Human, robot: Robot, build: Build, facing: Array) -> Targets:
-    """Targets from a human that stands over the robot's feet, on the motion's time line, eased in within LEAD.
+    """Targets from a human that stands over the robot's feet, on the motion's time line, eased in within LEAD_IN_TIME.
 
     facing: (T,) heading of the feet, from which the chest is turned [rad].
     """

@@ -59,10 +59,19 @@ def stepping_course(human: Human, robot: Robot, build: Build, contacts: Sequence
 
 
 def with_clock(course: Course, robot: Robot, clock: Array) -> Course:
-    """A stepping course on a slower clock, which shows the times (T,) at the course's frames [s]."""
-    if course.travel is None:
-        raise ValueError("feet that stay have no steps to slow down")
-    return _course_along(travel_at_clock(course.travel, clock), robot)
+    """A course on a slower clock, which shows the times (T,) at the course's frames [s].
+
+    Raises:
+        ValueError: its feet slide, at a speed of their own.
+    """
+    if course.travel is not None:
+        return _course_along(travel_at_clock(course.travel, clock), robot)
+    if len(course.phases) > 1:
+        raise ValueError("feet that slide have a speed of their own")
+    human = course.human
+    times = np.arange(round(clock[-1] * human.rate) + 1) / human.rate
+    slow = standing_course(human.resampled_at(np.interp(times, clock, human.times), human.rate), robot)
+    return replace(slow, clock=np.interp(course.clock, human.times, clock))
 
 
 def _course_along(going: Travel, robot: Robot) -> Course:

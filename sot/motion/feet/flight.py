@@ -21,12 +21,18 @@ class Flight:
 
 
 def find_flights(human: Human) -> tuple[Flight, ...]:
-    """The flights of a human on the motion's time line (see `human_on_time_line`)."""
+    """The flights of a human on the motion's time line (see `human_on_time_line`); who sits or lies does not fly."""
     free = np.all([foot_track(human, side).mode == FREE for side in SIDES], axis=0)
     edges = (
         np.flatnonzero(np.diff(free.astype(np.int8), prepend=0, append=0)).reshape(-1, 2) / human.rate - LEAD_IN_TIME
     )
-    return tuple(Flight(float(start), float(end)) for start, end in edges if end - start >= MIN_FLIGHT_TIME - 1e-9)
+    carried = [(one.start - human.start, one.end - human.start) for one in human.remarks if not one.on_feet]
+    return tuple(
+        Flight(float(start), float(end))
+        for start, end in edges
+        if end - start >= MIN_FLIGHT_TIME - 1e-9
+        and not any(start <= until and end >= since for since, until in carried)
+    )
 
 
 def flight_remark(found: Sequence[Flight], stepping: bool) -> str:

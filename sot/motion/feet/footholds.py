@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
@@ -10,23 +11,24 @@ from numpy.typing import NDArray
 
 from solvers.banded import sparse_qp
 from sot.motion.feet.footwork import Foothold, Step
+from sot.motion.feet.support import ZMP_INSET
 from sot.motion.human.human import SIDES
+from sot.robots.leg_range import EDGES, HEIGHTS, MAX_EXTENSION, directions, flat_foot_distances, normals, support_values
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-MIN_HIP_HEIGHT = 0.90  # leg lengths, of the lowest hips that a stride may ask for
-MAX_LEG_EXTENSION = 0.97  # leg lengths, from hip to ankle in the widest stride
+MAX_SHIFT = 0.1  # leg lengths, from a foot to the body that it carries alone, where a step begins and ends
 SOLE_CLEARANCE = 0.02  # m between the soles
 TOE_OUT_SHARE = 0.8  # of the range of both hips' yaw that the feet may use
 SWING_SPEED_SHARE = 0.5  # of the joints' speed limit, in the mean of a swing, which starts and ends at rest
 TURN_SPEED_SHARE = 0.75  # of the hip's speed limit, in the mean of a turn: the pelvis turns as well
 MIN_PATH_SCALE = 0.25  # of the dancer's path in the robot's size: the shortest that a piece is scaled to
 MAX_FOOTHOLD_OFFSET = 0.13  # m, from the dancer's to the robot's: farther, its price changes
-PRICE_FACTOR, MAX_PRICE = 4.0, 64.0  # by which the price of a foothold that is too far off rises at a time, and its end
-ABANDONED_PRICE = 0.05  # of a foothold that stays too far off at MAX_PRICE
-STRIDE_POLYGON_EDGES = 12  # of the polygon that stands for the circle of reachable footholds
-ACCEPTED_MOVE, ACCEPTED_TURN = 0.01, 0.05  # m and rad, that cost one unit
+FOOTHOLD_PRICE_FACTOR = 4.0  # by which the price of a foothold that is too far off rises at a time
+MAX_FOOTHOLD_PRICE = 64.0  # to which it rises
+GIVEN_UP_FOOTHOLD_PRICE = 0.05  # of a foothold that stays too far off at MAX_FOOTHOLD_PRICE
+UNIT_COST_MOVE, UNIT_COST_TURN = 0.01, 0.05  # m and rad, that cost one unit
 QP_TOLERANCE = 1e-6  # of the programmes' multipliers and residuals
 ROUNDING_ERROR = 1e-12  # m: less is taken for zero
 
@@ -38,16 +40,23 @@ class LegReach:
     Attributes:
         leg_length: of the stretched leg, hip to ankle [m].
         hip_width: distance between the hips [m].
-        max_stride: farthest that one ankle may be from where it is hip_width beside the other [m].
+        max_stride: farthest that one ankle may be from where it is hip_width beside the other, were no joint's range
+            met [m].
+        standing, carrying: foot -> (2 EDGES,) how far its ankle may be from below its hip, along `leg_range.normals`
+            seen from the pelvis, in a stride and with hips as low as need be [m].
         toe_out_range: least and greatest angle from the right foot's heading to the left one's [rad]; toes are turned
             in no further than until knees meet.
         swing_speed, turn_speed: greatest mean speed of a foot in a step [m/s, rad/s].
+        carried_beside: how far beside a foot's ankle, toward the other foot, it can carry the body alone [m].
         soles: foot -> (nc, 2) corners about the point below the ankle [m].
     """
 
     leg_length: float
     hip_width: float
     max_stride: float
+    standing: Mapping[str, Array]
+    carrying: Mapping[str, Array]
+    carried_beside: float
     toe_out_range: tuple[float, float]
     swing_speed: float
     turn_speed: float
@@ -81,10 +90,15 @@ class LegReach:
         for foot, side in zip(robot.feet, SIDES, strict=True):
             pose = data.oMf[robot.point(foot)]
             soles[foot] = np.array([(pose.act(corner) - place(f"{side}_ankle"))[:2] for corner in robot.sole(foot)])
+        distances = {foot: flat_foot_distances(robot, side) for foot, side in zip(robot.feet, SIDES, strict=True)}
+        left, right = soles.values()
         reach = LegReach(
             leg_length=leg,
             hip_width=float(abs(place("left_hip")[1] - place("right_hip")[1])),
-            max_stride=float(2.0 * leg * np.sqrt(MAX_LEG_EXTENSION**2 - MIN_HIP_HEIGHT**2)),
+            max_stride=float(2.0 * leg * np.sqrt(MAX_EXTENSION**2 - HEIGHTS[-1] ** 2)),
+            standing={foot: support_values(rows[-1]) for foot, rows in distances.items()},
+            carrying={foot: support_values(rows.max(axis=0)) for foot, rows in distances.items()},
+            carried_beside=max(0.0, min(-left[:, 1].min(), right[:, 1].max()) - ZMP_INSET[1]),
             toe_out_range=(TOE_OUT_SHARE * sum(lower), TOE_OUT_SHARE * sum(upper)),
             swing_speed=SWING_SPEED_SHARE * float(np.median(rates)) * leg,
             turn_speed=TURN_SPEED_SHARE * min(float(robot.velocity[yaw(side)]) for side in SIDES),
@@ -105,7 +119,7 @@ def _max_toe_in(reach: LegReach, thick: float) -> float:
 
     Feet are as near as soles allow, hips as high as they can be over them: the lower, the farther knees stand out.
     """
-    ahead = 0.5 * reach.leg_length * float(np.sqrt(1.0 - MAX_LEG_EXTENSION**2))
+    ahead = 0.5 * reach.leg_length * float(np.sqrt(1.0 - MAX_EXTENSION**2))
     angles = np.arange(0.0, 0.25 * np.pi, np.deg2rad(1.0))
     wide = [
         max(min_ankle_separation((-angle, angle), reach, np.array([0.0, 1.0])), reach.hip_width) for angle in angles
@@ -155,7 +169,9 @@ def reachable_headings(
         (np.tile([1.0, -1.0], count), (np.repeat(np.arange(count), 2), np.ravel(pairs))), shape=(count, index.count)
     )
     now = differences @ target
-    change = sparse_qp(sp.eye_array(index.count) / ACCEPTED_TURN**2, differences, least - now, most - now, QP_TOLERANCE)
+    change = sparse_qp(
+        sp.eye_array(index.count) / UNIT_COST_TURN**2, differences, least - now, most - now, QP_TOLERANCE
+    )
     return index.split(target + change.x)
 
 
@@ -166,6 +182,7 @@ def reachable_footholds(
     reach: LegReach,
     carried: Mapping[str, Array],
     stiffness: Array,
+    body: Array,
 ) -> tuple[dict[str, list[Foothold]], Array]:
     """The footholds that the legs reach from one another, without crossing or touching, nearest to the wanted ones
     along a path that is scaled by as little as that needs.
@@ -177,8 +194,8 @@ def reachable_footholds(
         Σ v ‖p − w − C (s − 1)‖² + (s − 1)ᵀ K (s − 1).
 
     Legs that cross want two feet where each other's is: rather than that both miss their place by half of that, one
-    after the other of those that do by more than MAX_FOOTHOLD_OFFSET is given up, v = ABANDONED_PRICE instead of 1,
-    until none is left.
+    after the other of those that do by more than MAX_FOOTHOLD_OFFSET is given up, v = GIVEN_UP_FOOTHOLD_PRICE
+    instead of 1, until none is left.
 
     Args:
         wanted: footholds of both feet along the path as it is.
@@ -187,12 +204,14 @@ def reachable_footholds(
         reach: of the robot.
         carried: foot -> (n, 2, K), C [m].
         stiffness: (K, K) of the scales [m²].
+        body: (steps, 2, 2) its place when each foot lifts and when it lands [m].
 
     Returns:
         The footholds, and the scales (K,), MIN_PATH_SCALE to 1.
     """
     index = _FootholdIndex(wanted)
-    rows, least = _reach_rows(index, turned, steps, reach)
+    shifts = _body_shifts(body, wanted, turned, steps, reach)
+    rows, least = _reach_rows(index, turned, steps, reach, shifts)
     target = index.gather({foot: np.array([(stand.x, stand.y) for stand in wanted[foot]]) for foot in wanted}).ravel()
     C = index.gather(carried).reshape(len(target), -1)
     # In the changes, p − w − C (s − 1) and s − 1, each limit and each price is about a few neighbours in time.
@@ -204,16 +223,16 @@ def reachable_footholds(
     upper = np.concatenate([np.full(len(least), np.inf), np.full(count, ROUNDING_ERROR)])
     value = np.ones(index.count)
     while True:
-        H = sp.block_diag([sp.diags_array(np.repeat(value, 2)), stiffness], format="csr") / ACCEPTED_MOVE**2
+        H = sp.block_diag([sp.diags_array(np.repeat(value, 2)), stiffness], format="csr") / UNIT_COST_MOVE**2
         change, scale = np.split(sparse_qp(H, limits, lower, upper, QP_TOLERANCE).x, [spots])
         off = np.linalg.norm(change.reshape(-1, 2), axis=1)
-        far = (off > MAX_FOOTHOLD_OFFSET) & (value > ABANDONED_PRICE)
+        far = (off > MAX_FOOTHOLD_OFFSET) & (value > GIVEN_UP_FOOTHOLD_PRICE)
         if not far.any():
             break
-        if value[far].max() < MAX_PRICE:
-            value[far] *= PRICE_FACTOR
+        if value[far].max() < MAX_FOOTHOLD_PRICE:
+            value[far] *= FOOTHOLD_PRICE_FACTOR
         else:
-            value[np.flatnonzero(far)[(off * (value >= MAX_PRICE))[far].argmax()]] = ABANDONED_PRICE
+            value[np.flatnonzero(far)[(off * (value >= MAX_FOOTHOLD_PRICE))[far].argmax()]] = GIVEN_UP_FOOTHOLD_PRICE
     found = index.split((target + C @ scale + change).reshape(-1, 2))
     return {
         foot: [Foothold(float(x), float(y), float(yaw)) for (x, y), yaw in zip(found[foot], turned[foot], strict=True)]
@@ -221,25 +240,61 @@ def reachable_footholds(
     }, np.clip(1.0 + scale, MIN_PATH_SCALE, 1.0)
 
 
+def _body_shifts(
+    body: Array,
+    wanted: Mapping[str, Sequence[Foothold]],
+    turned: Mapping[str, Array],
+    steps: Sequence[Step],
+    reach: LegReach,
+) -> Array:
+    """How far a body is from the standing foot toward the other one where steps begin and end, (steps, 2, 2) [m].
+
+    Ahead of the foot, half of the way to the other one at most. Beside it, MAX_SHIFT at most: from farther, a robot
+    falls faster than it comes back.
+    """
+    shifts = np.empty((len(steps), 2, 2))
+    for k, (pairs, step) in enumerate(zip(pairwise(standing_pairs(steps)), steps, strict=True)):
+        for end, (left, right) in enumerate(pairs):
+            stands = wanted["left_foot"][left], wanted["right_foot"][right]
+            axes = _axes(turned["left_foot"][left], turned["right_foot"][right])
+            there, here = ((stand.x, stand.y) for stand in (stands if step.foot == "left_foot" else stands[::-1]))
+            off, between = axes @ (body[k, end] - here), axes @ np.subtract(there, here)
+            most = np.array([0.5 * abs(between[0]), MAX_SHIFT * reach.leg_length])
+            shifts[k, end] = np.sign(between) * np.clip(np.sign(between) * off, 0.0, most)
+    return shifts
+
+
+def _axes(left: float, right: float) -> Array:
+    """The axes ahead and to the left (2, 2) of a body over two feet of some headings [rad]."""
+    middle = 0.5 * (left + right)
+    return np.array([[np.cos(middle), np.sin(middle)], [-np.sin(middle), np.cos(middle)]])
+
+
 def _reach_rows(
-    index: "_FootholdIndex", turned: Mapping[str, Array], steps: Sequence[Step], reach: LegReach
+    index: "_FootholdIndex", turned: Mapping[str, Array], steps: Sequence[Step], reach: LegReach, shifts: Array
 ) -> tuple[sp.csr_array, Array]:
     """The constraints `rows @ places >= least` for footholds that stand together and for steps: (m, 2n) and (m,)."""
     parts: list[tuple[int, int, Array, Array]] = []  # two footholds, ways from the second one, least along each
-    circle = 2.0 * np.pi * np.arange(STRIDE_POLYGON_EDGES) / STRIDE_POLYGON_EDGES
-    for left, right in standing_pairs(steps):
+    for k, (left, right) in enumerate(standing_pairs(steps)):
         yaws = turned["left_foot"][left], turned["right_foot"][right]
-        middle = 0.5 * (yaws[0] + yaws[1])
-        across = np.array([-np.sin(middle), np.cos(middle)])
-        angles = middle + circle + np.pi / STRIDE_POLYGON_EDGES
-        ways = np.column_stack([np.cos(angles), np.sin(angles)])
+        axes = _axes(*yaws)
+        across, ways = axes[1], normals() @ axes
         pair = index.number("left_foot", left), index.number("right_foot", right)
-        far = -reach.max_stride * np.cos(np.pi / STRIDE_POLYGON_EDGES) - reach.hip_width * ways @ across
-        parts.append((*pair, across[None], np.array([min_ankle_separation(yaws, reach, across)])))
-        parts.append((*pair, -ways, far))
-    ways = np.column_stack([np.cos(circle), np.sin(circle)])
+        apart = min_ankle_separation(yaws, reach, across)
+        parts.append((*pair, across[None], np.array([apart])))
+        stride = reach.standing["left_foot"] + np.roll(reach.standing["right_foot"], EDGES)
+        far = np.maximum(stride + reach.hip_width * ways @ across, apart * ways @ across)
+        parts.append((*pair, -ways, -far))
+        for number, end in ((k - 1, 1), (k, 0)):
+            if 0 <= number < len(steps):
+                foot = steps[number].foot
+                aside, two = (across, pair) if foot == "left_foot" else (-across, pair[::-1])
+                body = (0.5 * reach.hip_width + reach.carried_beside) * aside + shifts[number, end] @ axes
+                far = reach.carrying[foot] + ways @ body
+                parts.append((*two, -ways, -np.maximum(far, apart * ways @ aside)))
+    ways = directions()
     for before, after, step in index.moves(steps):
-        far = np.full(STRIDE_POLYGON_EDGES, -reach.swing_speed * (step.land - step.lift))
+        far = np.full(EDGES, -reach.swing_speed * (step.land - step.lift))
         parts.append((index.number(step.foot, before), index.number(step.foot, after), ways, far))
     least = np.concatenate([np.empty(0), *(far for *_, far in parts)])
     values = np.vstack([np.empty((0, 4)), *(np.hstack([ways, -ways]) for *_, ways, _ in parts)])

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sot.motion.feet.stance import LEAD_IN_TIME, TAIL_TIME
-from sot.motion.human.human import Human
+from sot.motion.human.human import SIDES, Human
 
 Array = NDArray[np.float64]
 Modes = NDArray[np.int8]
@@ -69,11 +69,13 @@ def foot_track(human: Human, side: str) -> FootTrack:
     ankle, toe = human.points[f"{side}_ankle"], human.points[f"{side}_toe"]
     leg, dt = human.leg, 1.0 / human.rate
     heights, speeds = [], []
-    for point in (ankle, toe):
-        speed = np.linalg.norm(np.gradient(point, dt, axis=0), axis=1)
-        slow = speed <= max(TOUCH_SPEED * leg, float(np.percentile(speed, STANDING_PERCENTILE)))
-        heights.append(point[:, 2] - np.percentile(point[slow, 2], STANDING_PERCENTILE))
-        speeds.append(speed)
+    for point in ("ankle", "toe"):
+        levels = {one: _standing_level(human.points[f"{one}_{point}"], human) for one in SIDES}
+        lowest, own = min(level for level, _ in levels.values()), levels[side]
+        # A foot that never gets down to where the other one stands never stands.
+        floor = own[0] if own[0] - lowest < MIN_STEP_HEIGHT * leg else lowest
+        heights.append(human.points[f"{side}_{point}"][:, 2] - floor)
+        speeds.append(own[1])
     height, speed = np.array(heights), np.array(speeds)
 
     along = (toe - ankle)[:, :2]
@@ -95,6 +97,13 @@ def foot_track(human: Human, side: str) -> FootTrack:
     mode[: round((LEAD_IN_TIME - END_SWING_TIME) * human.rate)] = FIXED
     mode[len(mode) - round((TAIL_TIME - END_SWING_TIME) * human.rate) :] = FIXED
     return FootTrack(place, heading, np.maximum(height.min(axis=0), 0.0), mode)
+
+
+def _standing_level(point: Array, human: Human) -> tuple[float, Array]:
+    """The height [m] of a point (T, 3) of a foot while it stands, and its speed (T,) [m/s]."""
+    speed = np.linalg.norm(np.gradient(point, 1.0 / human.rate, axis=0), axis=1)
+    slow = speed <= max(TOUCH_SPEED * human.leg, float(np.percentile(speed, STANDING_PERCENTILE)))
+    return float(np.percentile(point[slow, 2], STANDING_PERCENTILE)), speed
 
 
 def find_steps(feet: Mapping[str, FootTrack], rate: float, leg: float) -> tuple[Step, ...]:

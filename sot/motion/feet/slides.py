@@ -130,7 +130,9 @@ def paths_with_slides(
         share = glide_share(times[k:] - slide.start - REST_TIME, slide.end - slide.start - 2.0 * REST_TIME)
         way = _poses_along_slide(here, slide, robot, share)
         made[slide.foot] = FootPath(
-            np.concatenate([before.position[:k], way.position]), np.concatenate([before.rotation[:k], way.rotation])
+            np.concatenate([before.position[:k], way.position]),
+            np.concatenate([before.rotation[:k], way.rotation]),
+            before.free,
         )
     return made
 
@@ -156,7 +158,7 @@ def _poses_along_slide(here: pin.SE3, slide: Slide, robot: Robot, share: Array) 
     position = np.tile(here.translation, (len(share), 1))
     position[:, :2] += share[:, None] * (forward * ahead + outward * aside)
     turns = np.array([pin.utils.rotate("z", side * turn * part) for part in share.tolist()])
-    return FootPath(position, turns @ here.rotation)
+    return FootPath(position, turns @ here.rotation, np.zeros(len(share)))
 
 
 def _zmp_excess(robot: Robot, phase: Phase, foot: str, zmp: Array) -> Array:

@@ -23,17 +23,26 @@ HEIGHT_PROFILE_CURVATURE = 28.9  # greatest second derivative of `_height_profil
 
 @dataclass(frozen=True)
 class FootPath:
-    """Where a foot's frame is to be at T knots: `position` (T, 3) [m] and `rotation` (T, 3, 3)."""
+    """Where a foot's frame is to be at T knots.
+
+    Attributes:
+        position: (T, 3) [m].
+        rotation: (T, 3, 3).
+        free: (T,) by how much the foot may tilt: 1 in the middle of a swing, 0 where it stands or slides.
+    """
 
     position: Array
     rotation: Array
+    free: Array
 
 
 def standing_paths(phase: Phase, length: int) -> dict[str, FootPath]:
     """The paths of feet that stay, for a number of knots, where they stand in a phase."""
     return {
         foot: FootPath(
-            np.broadcast_to(pose.translation, (length, 3)).copy(), np.broadcast_to(pose.rotation, (length, 3, 3)).copy()
+            np.broadcast_to(pose.translation, (length, 3)).copy(),
+            np.broadcast_to(pose.rotation, (length, 3, 3)).copy(),
+            np.zeros(length),
         )
         for foot, pose in phase.feet.items()
     }
@@ -90,6 +99,7 @@ def foot_paths(
     rest = _feet_at_rest(robot)
     now = dict.fromkeys(stands, 0)
     ankles = {foot: np.tile([own[0].x, own[0].y, 0.0, own[0].heading], (len(times), 1)) for foot, own in stands.items()}
+    free = {foot: np.zeros(len(times)) for foot in stands}
     other = dict(zip(robot.feet, robot.feet[::-1], strict=True))
     for step, lift in zip(steps, lifts, strict=True):
         here, there = stands[step.foot][now[step.foot] : now[step.foot] + 2]
@@ -104,11 +114,13 @@ def foot_paths(
             MAX_LIFT_ACCELERATION / HEIGHT_PROFILE_CURVATURE * (step.land - step.lift) ** 2,
         )
         track[inside] = _swing_track(here, there, share, max(min(lift, most), SWING_HEIGHT_RANGE[0] * reach.leg_length))
+        free[step.foot][inside] = _height_profile(share)
         track[inside, :2] += _detour(track[inside], anchor, share, step.foot, reach)
     return {
         foot: FootPath(
             track[:, :3] + Rotation.from_euler("z", track[:, 3:]).apply(rest[foot].translation),
             Rotation.from_euler("z", track[:, 3:]).as_matrix() @ rest[foot].rotation,
+            free[foot],
         )
         for foot, track in ankles.items()
     }

@@ -19,9 +19,9 @@ Array = NDArray[np.float64]
 
 BODY_SHIFT_HZ = 1.0  # up to which the body follows a shift of its footholds
 MIN_FOOTFALL_LENGTH = 0.10  # m of a dancer: a shorter step is not counted as a footfall
-OMISSIBLE_LENGTH = 0.115  # leg lengths: a shorter step may be left out where there is no time for it
-OMISSIBLE_TURN, OMISSIBLE_LIFT = 1.0, 0.15  # rad and leg lengths: unless it turns or lifts the foot by more
-MAX_TURN_TIME = 0.4  # s that a step takes at least for the foot's turn, at most
+OMISSIBLE_LENGTH_LEGS = 0.115  # leg lengths: a shorter step may be left out where there is no time for it
+OMISSIBLE_TURN, OMISSIBLE_LIFT_LEGS = 1.0, 0.15  # rad and leg lengths: unless it turns or lifts the foot by more
+MAX_TIME_RESERVED_FOR_TURN = 0.4  # s that a step takes at least for the foot's turn, at most
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Travel:
         scale: length of the path over what leg lengths make of the dancer's, 1 if its strides are in reach.
         path: length of the dancer's way through the room, in the robot's size but not scaled otherwise [m].
         dancer: all steps of the dancer, in the clip's time.
-        footfalls: of the dancer's steps longer than FOOTFALL.
+        footfalls: of the dancer's steps longer than MIN_FOOTFALL_LENGTH.
     """
 
     human: Human
@@ -71,7 +71,7 @@ def plan_travel(human: Human, build: Build, reach: LegReach, contacts: Sequence[
     ratio = build.leg / human.leg
     human = human.scaled(ratio)
     feet = _foot_tracks(human)
-    dancer = find_steps(feet, human.rate, human.leg) if contacts is None else _steps_on_time_line(contacts)
+    dancer = find_steps(feet, human.rate, human.leg) if contacts is None else _steps_in_motion_time(contacts)
     asked = _asked_steps(feet, dancer, human, reach, given=contacts is not None)
     pace = step_tempo(asked, human.times)
     human = _human_over_start(human, footholds(feet, dancer, human.rate), build)
@@ -88,6 +88,7 @@ def plan_travel(human: Human, build: Build, reach: LegReach, contacts: Sequence[
         foot: stance_frames(track, [move for move in moves if move.foot == foot], human.rate)
         for foot, track in feet.items()
     }
+    ends = np.array([(step.lift, step.land) for step in timed]).reshape(-1, 2)
     found, scales = reachable_footholds(
         footholds(_foot_tracks(human), moves, human.rate),
         turned,
@@ -95,6 +96,7 @@ def plan_travel(human: Human, build: Build, reach: LegReach, contacts: Sequence[
         reach,
         {foot: way.carry_at(frames) for foot, frames in asked_at.items()},
         way.stiffness,
+        human.points["waist"][np.round(ends * human.rate).astype(int), :2],
     )
     scaled = _human_shifted(human, way.shift(scales))
     own = footholds(_foot_tracks(scaled), moves, human.rate)
@@ -176,7 +178,7 @@ def _footfalls(
     return tuple(found)
 
 
-def _steps_on_time_line(contacts: Sequence[Step]) -> tuple[Step, ...]:
+def _steps_in_motion_time(contacts: Sequence[Step]) -> tuple[Step, ...]:
     """Steps from the clip's time to the motion's, in order of their middles."""
     late = [Step(step.foot, step.lift + LEAD_IN_TIME, step.land + LEAD_IN_TIME) for step in contacts]
     return tuple(sorted(late, key=lambda step: step.lift + step.land))
@@ -192,12 +194,14 @@ def _asked_steps(
         now[step.foot] += 1
         moved, turned = float(np.hypot(there.x - here.x, there.y - here.y)), abs(there.heading - here.heading)
         lift = _lift_height(feet[step.foot], step, human.rate)
-        least = max(min(moved, reach.max_stride) / reach.swing_speed, min(turned / reach.turn_speed, MAX_TURN_TIME))
+        least = max(
+            min(moved, reach.max_stride) / reach.swing_speed, min(turned / reach.turn_speed, MAX_TIME_RESERVED_FOR_TURN)
+        )
         small = (
             not given
-            and moved < OMISSIBLE_LENGTH * human.leg
+            and moved < OMISSIBLE_LENGTH_LEGS * human.leg
             and turned < OMISSIBLE_TURN
-            and lift < OMISSIBLE_LIFT * human.leg
+            and lift < OMISSIBLE_LIFT_LEGS * human.leg
         )
         moves.append(AskedStep(step, moved, least, small))
     return moves

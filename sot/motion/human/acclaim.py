@@ -52,16 +52,26 @@ def read_acclaim(path: str | Path) -> Capture:
     skeleton, motion = _skeleton_and_motion_files(Path(path))
     bones, turn = _parse_skeleton(skeleton)
     rate, values = _parse_motion(motion, skeleton, bones, turn)
-    positions, rotations = _forward_kinematics(bones, values)
     leaves = sorted(set(range(len(bones))) - {bone.parent for bone in bones})
-    ends = positions[leaves] + np.stack([np.einsum("tij,j->ti", rotations[i], bones[i].offset) for i in leaves])
+    positions, rotations = _with_ends(bones, leaves, values)
     return Capture(
         name=motion.stem,
         rate=rate,
         joints=(*(bone.name for bone in bones), *(f"{bones[leaf].name}_end" for leaf in leaves)),
         parents=(*(bone.parent for bone in bones), *leaves),
-        positions=np.concatenate([positions, ends]).transpose(1, 0, 2),
-        rotations=np.concatenate([rotations, rotations[leaves]]).transpose(1, 0, 2, 3),
+        positions=positions,
+        rotations=rotations,
+        zero_pose=_with_ends(bones, leaves, np.zeros((1, values.shape[1])))[0][0],
+    )
+
+
+def _with_ends(bones: Sequence[_Bone], leaves: Sequence[int], values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (T, J, 3) and rotations (T, J, 3, 3) of the bones' starts and of the ends of the last bones."""
+    positions, rotations = _forward_kinematics(bones, values)
+    ends = positions[leaves] + np.stack([np.einsum("tij,j->ti", rotations[i], bones[i].offset) for i in leaves])
+    return (
+        np.concatenate([positions, ends]).transpose(1, 0, 2),
+        np.concatenate([rotations, rotations[leaves]]).transpose(1, 0, 2, 3),
     )
 
 

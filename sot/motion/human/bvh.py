@@ -44,6 +44,7 @@ def read_bvh(path: str | Path) -> Capture:
         parents=tuple(joint.parent for joint in joints),
         positions=positions,
         rotations=rotations,
+        zero_pose=_forward_kinematics(joints, np.zeros((1, values.shape[1])))[0][0],
     )
 
 

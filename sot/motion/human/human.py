@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from sot.errors import InputError
 
+GRAVITY = 9.81  # m/s²
 SIDES = ("left", "right")
 SEGMENTS: dict[str, tuple[str, str]] = {
     "trunk": ("waist", "neck"),
@@ -27,6 +28,22 @@ SEGMENTS: dict[str, tuple[str, str]] = {
 
 
 @dataclass(frozen=True)
+class Remark:
+    """A sentence on a stretch of a clip: what was mended of it, or what the robot does otherwise.
+
+    Attributes:
+        start, end: of the stretch, in the clip's time [s].
+        words: the sentence.
+        on_feet: whether the dancer's feet carry it there.
+    """
+
+    start: float
+    end: float
+    words: str
+    on_feet: bool = True
+
+
+@dataclass(frozen=True)
 class Human:
     """A human's motion under canonical names, whatever its file called them.
 
@@ -37,12 +54,16 @@ class Human:
             right_ shoulder, elbow, wrist, hip, knee, ankle, toe.
         frames: body -> (T, 3, 3) rotation from body to world of pelvis, chest and head: X forward, Y left, Z up when
             the human stands upright and looks ahead.
+        start: seconds of the clip before the first frame.
+        remarks: on what happens in its frames, in order of time.
     """
 
     name: str
     rate: float
     points: dict[str, np.ndarray]
     frames: dict[str, np.ndarray]
+    start: float = 0.0
+    remarks: tuple[Remark, ...] = ()
 
     @property
     def count(self) -> int:
@@ -74,6 +95,11 @@ class Human:
         bones = [np.linalg.norm(self.points[far] - self.points[near], axis=1) for near, far in ends]
         return float(np.mean(np.median(bones, axis=1)))
 
+    @property
+    def leg_time(self) -> float:
+        """√(leg / g) [s], by which a body of this size gets out of balance."""
+        return float(np.sqrt(self.leg / GRAVITY))
+
     def pelvis_frame(self) -> np.ndarray:
         """(T, 3, 3) rotation from pelvis to world."""
         return self.frames["pelvis"]
@@ -103,10 +129,13 @@ class Human:
         if start < 0 or last - first < 2:
             wanted = f"from {start:g} s" + (f" for {duration:g} s" if duration is not None else "")
             raise InputError(f"{self.name}: nothing {wanted}; the clip lasts {self.duration:.2f} s")
+        begins, ends = self.start + first / self.rate, self.start + (last - 1) / self.rate
         return replace(
             self,
             points={name: position[first:last] for name, position in self.points.items()},
             frames={body: rotation[first:last] for body, rotation in self.frames.items()},
+            start=begins,
+            remarks=tuple(one for one in self.remarks if one.start <= ends and one.end >= begins),
         )
 
     def resampled(self, rate: float) -> "Human":

@@ -6,7 +6,8 @@ from pathlib import Path
 from sot.errors import InputError
 from sot.motion.human.acclaim import read_acclaim
 from sot.motion.human.bvh import read_bvh
-from sot.motion.human.capture import Capture, to_world
+from sot.motion.human.capture import Capture
+from sot.motion.human.world import to_world
 
 READERS: dict[str, Callable[[Path], Capture]] = {
     ".amc": read_acclaim,
@@ -15,8 +16,10 @@ READERS: dict[str, Callable[[Path], Capture]] = {
 }
 
 
-def read(path: str | Path) -> Capture:
-    """Read a motion file, chosen by its ending, into metres, Z up, first heading +X; see `capture.to_world`.
+def read(path: str | Path, up: str | None = None) -> Capture:
+    """Read a motion file, chosen by its ending, into metres, Z up, first heading +X; see `world.to_world`.
+
+    up: the file's up axis, one of `world.UP_AXES`; found in the clip by default.
 
     Raises:
         InputError: no such file, an ending without a reader, or contents that are not a human motion.
@@ -25,4 +28,4 @@ def read(path: str | Path) -> Capture:
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise InputError(f"{path}: cannot read a motion from '{path.suffix}'; supported: {', '.join(sorted(READERS))}")
-    return to_world(reader(path))
+    return to_world(reader(path), up)

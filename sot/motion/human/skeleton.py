@@ -11,6 +11,9 @@ import numpy as np
 from sot.errors import InputError
 from sot.motion.human.capture import Capture
 from sot.motion.human.human import SEGMENTS, SIDES, Human, nearest_rotations
+from sot.motion.human.mending import on_level_floor, without_jumps
+from sot.motion.human.postures import standing
+from sot.toml_file import read_toml
 
 LIMB_JOINTS = {"leg": ("hip", "knee", "ankle"), "arm": ("shoulder", "elbow", "wrist")}
 JOINT_ABOVE_TIP = {"wrist": "elbow", "toe": "ankle"}  # an unnamed tip is the farthest joint below this one
@@ -21,13 +24,14 @@ CANONICAL_JOINTS = (
 )
 HEAD_HEIGHT_RANGE_M = (0.08, 0.30)  # from a human's head joint to the top of the head
 AVERAGE_HEAD_HEIGHT_PER_LEG = 0.2  # over the leg's length
+RECLINED = np.radians(60.0)  # tilt of a trunk from which on a head's direction to look is not level
 AXIS_SNAP_COSINE = np.cos(np.radians(30.0))  # a head's lateral axis within 30° of one of the joint's axes is that axis
 
 JointAliases = Mapping[str, list[str]]
 
 
 def recognise(capture: Capture, mapping: str | Path | Mapping[str, str] | None = None) -> Human:
-    """Name a capture's joints and calibrate its pelvis, chest and head.
+    """Name a capture's joints, calibrate its pelvis, chest and head, and mend what its tracker did wrong.
 
     Joint names are looked up in `skeletons/*.toml`, one file a naming convention, without regard to case, punctuation
     and a prefix that they share; the hierarchy must bear them out. `mapping` replaces the lookup: a TOML file, or its
@@ -40,26 +44,24 @@ def recognise(capture: Capture, mapping: str | Path | Mapping[str, str] | None =
     lies along hips and shoulders and Z along the trunk, and the head is level and looks where the chest does, all on
     average.
 
+    Frames that jump are bridged, a floor that drifts is levelled (`mending`), and who lies is turned upright
+    (`postures`); the human's remarks say so.
+
     Raises:
         InputError: unknown names, or names that contradict the hierarchy or the way the body faces.
     """
     joints = _joints_from_mapping(capture, mapping) if mapping is not None else _joints_from_conventions(capture)
-    return _calibrated_human(capture, joints)
+    return standing(on_level_floor(without_jumps(_calibrated_human(capture, joints))))
 
 
 def naming_conventions() -> dict[str, JointAliases]:
     """Known naming conventions: name -> canonical joint -> the names it may have."""
     folder = files("sot.motion.human") / "skeletons"
     found = sorted((entry for entry in folder.iterdir() if entry.name.endswith(".toml")), key=lambda e: e.name)
-    return {entry.name.removesuffix(".toml"): _parse_aliases(entry.read_text("utf-8"), entry.name) for entry in found}
-
-
-def _parse_aliases(text: str, where: str) -> JointAliases:
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{where}: not a mapping of joints: {error}") from error
-    return _checked_aliases(table, where)
+    return {
+        entry.name.removesuffix(".toml"): _checked_aliases(tomllib.loads(entry.read_text("utf-8")), entry.name)
+        for entry in found
+    }
 
 
 def _checked_aliases(table: Mapping[str, object], where: str) -> JointAliases:
@@ -76,11 +78,7 @@ def _checked_aliases(table: Mapping[str, object], where: str) -> JointAliases:
 
 def _joints_from_mapping(capture: Capture, mapping: str | Path | Mapping[str, str]) -> dict[str, int]:
     if isinstance(mapping, str | Path):
-        try:
-            names = _parse_aliases(Path(mapping).read_text("utf-8"), str(mapping))
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"{mapping}: cannot be read as a mapping of joints: {error}") from error
-        where = str(mapping)
+        names, where = _checked_aliases(read_toml(Path(mapping), "a mapping of joints"), str(mapping)), str(mapping)
     else:
         names, where = _checked_aliases(mapping, "mapping"), "mapping"
     table = {name.lower(): index for index, name in enumerate(capture.joints)}
@@ -196,11 +194,18 @@ def _calibrated_human(capture: Capture, joints: dict[str, int]) -> Human:
     target = {"pelvis": _frame_from_lateral_and_up(points["left_hip"] - points["right_hip"], trunk)}
     target["chest"] = _frame_from_lateral_and_up(points["left_shoulder"] - points["right_shoulder"], trunk)
     target["head"] = _frame_from_lateral_and_up(np.cross(level, target["chest"][:, :, 0]), level)
+    reclined = tilt > RECLINED  # where nobody can tell where level is: the head is taken to go on along the trunk
+    target["head"][reclined] = target["chest"][reclined]
     frames = {}
     for body, joint in (("pelvis", pelvis), ("chest", chest), ("head", joints["head"])):
         turns = capture.rotations[:, joint]
-        to_body = nearest_rotations((turns.swapaxes(1, 2) @ target[body])[upright].mean(axis=0))
-        frames[body] = turns @ (_snap_lateral(to_body) if body == "head" else to_body)
+        seen = upright & np.isfinite(target[body]).all(axis=(1, 2))
+        if not seen.any():
+            raise InputError(
+                f"{capture.name}: where its {body} faces cannot be told: hips or shoulders lie along its trunk"
+            )
+        to_body = nearest_rotations((turns.swapaxes(1, 2) @ target[body])[seen].mean(axis=0))
+        frames[body] = turns @ (_with_snapped_lateral_axis(to_body) if body == "head" else to_body)
     ahead = sum(points[f"{side}_toe"] - points[f"{side}_ankle"] for side in SIDES)
     if np.sum(ahead * frames["pelvis"][:, :, 0]) < 0:
         raise InputError(f"{capture.name}: its toes point backwards; are left and right swapped in the joints' names?")
@@ -234,14 +239,15 @@ def _check_points_apart(capture: Capture, points: dict[str, np.ndarray]) -> None
 
 
 def _frame_from_lateral_and_up(lateral: np.ndarray, up: np.ndarray) -> np.ndarray:
-    """(T, 3, 3) rotations with Y along `lateral` and Z as near as it can be to `up`."""
-    y = lateral / np.linalg.norm(lateral, axis=1, keepdims=True)
-    x = np.cross(y, up)
-    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    """(T, 3, 3) rotations with Y along `lateral` and Z as near as it can be to `up`; nan where these are parallel."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        y = lateral / np.linalg.norm(lateral, axis=1, keepdims=True)
+        x = np.cross(y, up)
+        x /= np.linalg.norm(x, axis=1, keepdims=True)
     return np.stack([x, y, np.cross(x, y)], axis=2)
 
 
-def _snap_lateral(to_head: np.ndarray) -> np.ndarray:
+def _with_snapped_lateral_axis(to_head: np.ndarray) -> np.ndarray:
     """The head's calibration with its lateral axis on the nearest axis of the joint, if that is near enough.
 
     Animators align a head joint with the head's plane of symmetry; yaw and roll become exact so.

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from sot.errors import InputError
+from sot.text_file import read_text
 
 RATE_RANGE_HZ = (5.0, 2000.0)  # what a motion capture system can plausibly have recorded
 AXES = "XYZ"
@@ -19,14 +20,12 @@ def read_lines(path: Path, kind: str) -> list[str]:
         InputError: it cannot be read, is empty or no text.
     """
     try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
-    if not data.strip():
+        text = read_text(path)
+    except InputError as error:
+        raise InputError(f"{error}; give {kind}") from None
+    if not text.strip():
         raise InputError(f"{path}: the file is empty")
-    if b"\0" in data:
-        raise InputError(f"{path}: a binary file, not {kind}")
-    return data.decode("utf-8-sig", errors="replace").splitlines()
+    return text.splitlines()
 
 
 def parse_numbers(where: str, words: Sequence[str], count: int) -> tuple[float, ...]:

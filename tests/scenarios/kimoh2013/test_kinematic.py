@@ -11,7 +11,7 @@ from scenarios.kimoh2013.kinematic import assemble_levels, follow_tasks
 from solvers import Cascade, TaskCorrection
 from sot.control.pose import Pose
 from sot.control.tick import Tick
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tasks import CenterOfMass, JointBounds, OperationalPoint, Posture
 from tests.sot.states import standing_state
 
@@ -91,7 +91,7 @@ def test_follows_without_drift_and_keeps_what_is_above_a_narrowed_knee(robot, so
         assert course.qps.max() == 1
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", shipped_robot_names())
 def test_finds_knee_and_hip_roll(name):
     robot = Robot.load(name)
     assert [robot.joints[joint] for joint in narrowed_joints(robot)] == ["LLEG3", "LLEG1"]

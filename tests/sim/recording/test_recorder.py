@@ -15,7 +15,7 @@ from sim.recording.panels import FRAME_RATE, divergent_component, measured_and_p
 from sim.recording.recorder import write_recording
 from sim.recording.shapes import read_shapes
 from sot.motion.plan import PLAN_RATE, Plan
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tests.sim.runs import PERIOD, perfect_log, same_plan, still_motion
 
 PUSH = Push(t=1.0, force=(80.0, 0.0, 0.0), duration=0.2)
@@ -170,7 +170,7 @@ def test_a_fallen_run_without_a_human_is_recorded_too(tmp_path: Path):
     assert not any(entity.startswith("/world/human") for entity in entities)
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", shipped_robot_names())
 def test_shapes_belong_to_bodies_that_pinocchio_knows(name):
     robot = Robot.load(name)
     shapes = read_shapes(robot)

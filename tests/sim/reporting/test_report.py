@@ -47,8 +47,8 @@ def test_a_perfect_run_has_no_error(motion, log):
     }
     assert made["slides"] == [] and set(made["slide"].values()) == {None}
     assert made["limits"]["self_collision_min_m"] is None
-    counts = {"infeasible_ticks": 0, "fallback_ticks": 0, "max_residual": 0.0}
-    assert made["solver"] == {"name": "cascade", **counts, "conflicts": [], "fallbacks": []}
+    counts = {"infeasible_ticks": 0, "fallback_ticks": 0, "invalid_ticks": 0, "max_residual": 0.0}
+    assert made["solver"] == {"name": "cascade", **counts, "conflicts": [], "fallbacks": [], "invalid": []}
 
 
 def test_has_the_agreed_keys(motion, log):
@@ -68,6 +68,7 @@ def test_has_the_agreed_keys(motion, log):
             "contacts",
         ),
         *("limits", "slide", "slides", "solver", "torque_rms_nm", "torque_saturated", "power_w", "reference_us"),
+        *("command", "seed", "revision"),
     }
     assert set(made["tick_us"]) == {"p50", "p99", "max", "model", "assemble", "solve"}
     assert set(made["tracking"]) == {"mpjpe_mm", "joint_rms_rad", "com_rms_m", "hand_rms_m", "head_rms_rad"}
@@ -225,8 +226,21 @@ def test_solver_counts(log):
     log.status[10:13] = log.hard_status[10:13] = Status.RELAXED
     log.status[13] = log.hard_status[13] = Status.FAILED
     log.status[14] = Status.FAILED  # a lower level only: that of the levels above serves
+    log.status[15] = log.hard_status[15] = Status.INVALID
+    log.invalid = [(0.075, "task 'a': nan")]
     log.residual[20] = 1e-4
-    assert figures.solver(log) == {"infeasible_ticks": 4, "fallback_ticks": 12, "max_residual": pytest.approx(1e-4)}
+    counts = {"infeasible_ticks": 4, "fallback_ticks": 12, "invalid_ticks": 1}
+    assert figures.solver(log) == {**counts, "max_residual": pytest.approx(1e-4)}
+
+
+def test_values_that_cannot_be_used_are_told_by_whom_and_when(motion, log):
+    log.invalid = [(0.5, "task 'a': nan"), (0.6, "the state: nan"), (0.7, "task 'a': nan")]
+    made = run_report(log, INFO, 0.5, motion, same_plan(motion))
+    first, second = made["solver"]["invalid"]
+    assert first == {"what": "task 'a': nan", "ticks": 2, "first_s": 0.5, "last_s": 0.7}
+    assert second["ticks"] == made["solver"]["invalid_ticks"] - 2 == 1
+    assert "The last torque was held in 2 ticks from 0.500 to 0.700 s: task 'a': nan." in made["remarks"]
+    assert "The last torque was held in 1 tick at 0.600 s: the state: nan." in made["remarks"]
 
 
 def test_fallbacks_are_explained_in_a_few_lines(motion, log):

@@ -7,10 +7,10 @@ from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.motion.feet.contacts import planted_phases
 from sot.motion.feet.slides import Slide, phases_with_slides
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", shipped_robot_names())
 def test_contacts_slide_and_stand_again_with_the_phases(name):
     robot = Robot.load(name)
     phases = phases_with_slides(planted_phases(robot, 20.0), [Slide("left_foot", 3.0, 8.0, (0.05, 0.0, 0.0))], robot)

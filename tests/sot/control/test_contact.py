@@ -10,13 +10,13 @@ from scipy.optimize import linprog
 from sot.control.contact import Contact
 from sot.control.pose import Pose
 from sot.control.tick import FrameState, Tick
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tests.sot.states import random_state
 
 FOOT = "left_foot"
 
 
-@pytest.fixture(params=robot_names())
+@pytest.fixture(params=shipped_robot_names())
 def robot(request):
     return Robot.load(request.param)
 

@@ -6,12 +6,12 @@ import pytest
 
 from solvers import Cascade, LevelResult, Solution, Status
 from sot.control.controller import HOLD_DAMPING, Controller
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tests.sot.stances import leaning, standing_stack
 from tests.sot.states import standing_state
 
 
-@pytest.fixture(params=robot_names())
+@pytest.fixture(params=shipped_robot_names())
 def robot(request):
     return Robot.load(request.param)
 

@@ -6,7 +6,7 @@ import pytest
 from solvers import Cascade, Status
 from sot.control.dynamics import Dynamics
 from sot.control.tick import Tick
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tasks import CenterOfMass
 from tests.sot.stances import standing_stack
 from tests.sot.states import standing_state
@@ -14,7 +14,7 @@ from tests.sot.states import standing_state
 FORMS = ("condensed", "full")
 
 
-@pytest.fixture(params=robot_names())
+@pytest.fixture(params=shipped_robot_names())
 def robot(request):
     return Robot.load(request.param)
 

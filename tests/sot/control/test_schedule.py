@@ -9,7 +9,7 @@ from sot.control.controller import Controller
 from sot.control.schedule import Schedule
 from sot.control.stack import Stack
 from sot.errors import InputError
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tasks import CenterOfMass
 from tests.sot.stances import leaning, standing_stack
 
@@ -118,7 +118,7 @@ def torques(robot, share, schedule, mode="fixed"):
     return np.array([command.torque for command in commands]), np.array([c.wrenches[0][2] for c in commands])
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", shipped_robot_names())
 @pytest.mark.parametrize("share", [0.8, 1.0])
 def test_torques_do_not_jump_when_a_foot_is_taken_off_the_floor_or_set_on_it(name, share):
     """The CoM is over the right foot; the left one still carries what costs least."""

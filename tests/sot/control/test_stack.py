@@ -109,3 +109,46 @@ def test_names_are_unique_from_the_start(robot):
     with pytest.raises(InputError, match="two entries named 'left_foot'"):
         Stack([Contact("left_foot", robot.sole("left_foot"))] * 2, [], {})
     Stack([], [], {"first": [Posture(robot, robot.rest[7:], "arms"), Posture(robot, robot.rest[7:], "legs")]})
+
+
+def test_before_it_runs_changes_are_made_at_once(stack):
+    new = task("new")
+    stack.add(new, "first")
+    stack.move("a", "second")
+    assert order(stack) == [("first", ["b", "new"]), ("second", ["c", "a"])]
+    assert new.weight == 1.0 and not stack.transition_shares
+
+
+def test_while_it_runs_changes_are_eased(stack):
+    new, gone = task("new"), stack.task("c")
+    stack.advance(1.0)
+    stack.add(new, "top", before="first", ramp=0.2)
+    assert stack.remove("c", ramp=0.2) is gone
+    assert stack.level_of(new) == "second" and new.weight < 0.1  # rising from below all levels
+    assert stack.level_of(gone) == "second" and stack.transition_shares == {"new": 0.0, "c": 0.0}
+    seen = []
+    for t in np.arange(1.0, 1.22, 0.01):
+        stack.advance(t)
+        if not seen or seen[-1] != stack.level_of(new):
+            seen.append(stack.level_of(new))
+    assert seen == ["second", "first", "top"] and new.weight == 1.0
+    assert stack.level_of(gone) is None and gone.weight == 1.0 and not stack.transition_shares
+
+
+def test_while_it_runs_a_ramp_of_nothing_is_at_once(stack):
+    stack.advance(1.0)
+    stack.add(task("new"), "top", before="first", ramp=0.0)
+    stack.remove("a", ramp=0.0)
+    assert order(stack) == [("top", ["new"]), ("first", ["b"]), ("second", ["c"])]
+
+
+def test_settled_it_is_where_it_was_led_to(stack):
+    stack.advance(1.0)
+    new = task("new")
+    stack.add(new, "top", before="first")
+    stack.remove("a")
+    stack.settle()
+    assert order(stack) == [("top", ["new"]), ("first", ["b"]), ("second", ["c"])]
+    assert new.weight == 1.0 and stack.time is None and not stack.transition_shares
+    stack.remove("b")
+    assert order(stack) == [("top", ["new"]), ("second", ["c"])]

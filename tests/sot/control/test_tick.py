@@ -6,16 +6,19 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from solvers import Cascade
+from sot.control.controller import Controller
 from sot.control.tick import COMPENSATION_RATE_LIMIT, COULOMB_SPEED, Tick, coulomb_speeds
 from sot.errors import InputError
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
+from tests.sot.stances import standing_stack
 from tests.sot.states import random_state, rate, turned
 
 STATES = 3
 
 
 @pytest.fixture(
-    params=[(name, seed) for name in robot_names() for seed in range(STATES)], ids=lambda p: f"{p[0]}-{p[1]}"
+    params=[(name, seed) for name in shipped_robot_names() for seed in range(STATES)], ids=lambda p: f"{p[0]}-{p[1]}"
 )
 def case(request):
     name, seed = request.param
@@ -170,3 +173,22 @@ def test_a_quantity_is_computed_once_per_state(case):
 def test_a_point_that_does_not_exist_is_named():
     with pytest.raises(InputError, match="no point 'tail'"):
         Tick(Robot.load("hrp2")).frame("tail")
+
+
+@pytest.mark.parametrize("form", ["pyramid", "unilateral"])
+def test_forces_of_a_contact_are_where_the_tick_says(form):
+    """What the floor does to each foot, from the solver's φ and the columns alone."""
+    robot = Robot.load("hrp2")
+    stack = standing_stack(robot, form)
+    controller = Controller(robot, stack, Cascade())
+    command = controller(0.0, robot.rest, np.zeros(robot.nv))
+    tick = controller.tick
+    forces = controller.dynamics.decode(command.solution.x).forces
+    assert tick.force_count == len(forces)
+    for foot, wrench in zip(robot.feet, command.wrenches, strict=True):
+        np.testing.assert_allclose(tick.contact(foot).wrench_map(tick) @ forces[tick.force_columns(foot)], wrench)
+    stack.contact("left_foot").mode = "off"
+    left, right = tick.force_columns("left_foot"), tick.force_columns("right_foot")
+    assert left.start == left.stop and right.stop - right.start == tick.force_count
+    with pytest.raises(InputError, match="no contact 'hand': there are left_foot, right_foot"):
+        tick.force_columns("hand")

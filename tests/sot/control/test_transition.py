@@ -74,7 +74,7 @@ def test_a_task_arrives_with_its_own_weight_and_passes_where_it_says(robot):
         level = stack.level_of(task)
         if not seen or seen[-1] != level:
             seen.append(level)
-        assert (ON in schedule.transition_shares) == (1.0 - 1e-9 <= t < 1.199 or 2.0 - 1e-9 <= t < 2.199)
+        assert (ON in stack.transition_shares) == (1.0 - 1e-9 <= t < 1.199 or 2.0 - 1e-9 <= t < 2.199)
     assert seen == [None, "forces", "posture", "head", "own", "head", "posture"]
     assert task.weight == 2.0
     assert stack.level_names.index("own") == stack.level_names.index("head") - 1
@@ -87,7 +87,7 @@ def test_a_change_ends_the_one_before(robot):
         schedule.apply(t, stack)
     assert stack.level_of(task) is None
     assert task.weight == 1.0
-    assert not schedule.transition_shares
+    assert not stack.transition_shares
 
 
 def test_what_cannot_be_changed_says_so_at_once(robot):
@@ -96,3 +96,18 @@ def test_what_cannot_be_changed_says_so_at_once(robot):
         Schedule().add(0.1, arm(robot), "own", before="nowhere").apply(0.2, stack)
     with pytest.raises(InputError, match="a task 'Balance' already"):
         Schedule().add(0.1, Posture(robot, robot.rest[7:], name="Balance"), "own").apply(0.2, stack)
+
+
+def test_a_task_added_in_a_loop_comes_as_with_a_schedule(robot):
+    """The same acceleration at every tick, by `Stack.add` between two ticks."""
+    scheduled = accelerations(
+        robot, Schedule().add(0.1, arm(robot), "own", before="posture"), standing_stack(robot), 0.4
+    )
+    stack = standing_stack(robot)
+    controller, task = Controller(robot, stack, Cascade(), PERIOD), arm(robot)
+    live = []
+    for k in range(len(scheduled)):
+        if k == round(0.1 / PERIOD) + 1:
+            stack.add(task, "own", before="posture")  # since the tick before, at 0.1 s
+        live.append(controller(k * PERIOD, robot.rest, np.zeros(robot.nv)).acceleration)
+    np.testing.assert_allclose(live, scheduled, atol=1e-6)

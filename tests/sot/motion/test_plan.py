@@ -8,7 +8,7 @@ from sot.errors import InputError
 from sot.motion import Human, Plan, plan, read, recognise
 from sot.motion.feet.contacts import Phase, support_polygon
 from sot.motion.likeness import hand_path_ratio, mean_segment_angle_deg
-from sot.motion.plan import CALMING_TIME, PLAN_RATE, hips_without_bounce
+from sot.motion.plan import BOUNCE_FADE_TIME, PLAN_RATE, hips_without_bounce_in_slides
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer
 
@@ -127,8 +127,8 @@ def test_the_hips_keep_their_bounce_but_for_while_a_foot_slides():
     hips = np.column_stack([np.zeros(600), 0.1 * times, 0.8 + 0.02 * np.sin(2.0 * np.pi * 2.0 * times)])
     feet = {"left_foot": pin.SE3.Identity()}
     phases = (Phase(0.0, 4.0, feet), Phase(4.0, 8.0, feet, ("right_foot",)), Phase(8.0, 12.0, feet))
-    calm = hips_without_bounce(hips, phases)
-    away = (times < 4.0 - CALMING_TIME) | (times > 8.0 + CALMING_TIME)
+    calm = hips_without_bounce_in_slides(hips, phases)
+    away = (times < 4.0 - BOUNCE_FADE_TIME) | (times > 8.0 + BOUNCE_FADE_TIME)
     np.testing.assert_array_equal(calm[away], hips[away])
     np.testing.assert_array_equal(calm[:, :2], hips[:, :2])
     assert np.abs(calm[(times > 4.0) & (times < 8.0), 2] - 0.8).max() < 0.002

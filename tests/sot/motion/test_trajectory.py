@@ -5,7 +5,7 @@ import pytest
 from sot.errors import InputError
 from sot.motion.body.coordinates import from_configuration
 from sot.motion.body.spline import Spline
-from sot.motion.feet.contacts import planted_phases
+from sot.motion.feet.contacts import planted_phases, support_polygon
 from sot.motion.plan import sampled_motion
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
@@ -118,3 +118,21 @@ def test_load_refuses_damaged_columns(motion, tmp_path, name, value, message):
     np.savez(path, **content)
     with pytest.raises(InputError, match=message):
         Motion.load(path)
+
+
+def test_standing_is_at_rest_with_its_centre_of_mass_over_its_feet():
+    robot = Robot.load("hrp2")
+    motion = Motion.standing(robot, 0.5, 200.0)
+    assert (len(motion.q), motion.duration, motion.phases[0].end) == (101, 0.5, 0.5)
+    np.testing.assert_array_equal(motion.q, np.tile(robot.rest, (101, 1)))
+    com = pin.centerOfMass(robot.model, robot.model.createData(), robot.rest)
+    np.testing.assert_allclose(motion.com, np.tile(com, (101, 1)))
+    assert support_polygon(robot, motion.phases[0]).margin(motion.zmp[:1])[0] > 0.05
+    for foot in robot.feet:
+        np.testing.assert_allclose(motion.feet[foot](0.2), motion.pose(foot)(0.2).position)
+
+
+@pytest.mark.parametrize(("seconds", "rate"), [(0.0, 100.0), (-1.0, 100.0), (1.0, 0.0), (1e-4, 100.0)])
+def test_standing_needs_some_time(seconds, rate):
+    with pytest.raises(InputError, match="has no two samples"):
+        Motion.standing(Robot.load("hrp2"), seconds, rate)

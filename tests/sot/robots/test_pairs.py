@@ -9,7 +9,7 @@ from sot.motion.body.clearance import Clearance
 from sot.proximity import Proximity
 from sot.robots.models import hrp2
 from sot.robots.pairs import TOUCHING_DISTANCE
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tasks.self_collision import REST_DISTANCE_SHARE, SelfCollision
 from tests.sot.robots.variants import load_variant
 
@@ -19,7 +19,7 @@ def names_of(robot: Robot) -> set[tuple[str, str]]:
     return {(shapes[pair.first].name, shapes[pair.second].name) for pair in robot.shapes.collisionPairs}
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", shipped_robot_names())
 def test_physics_controller_and_plans_have_one_list(name):
     robot = Robot.load(name)
     pairs = names_of(robot)

@@ -5,10 +5,10 @@ import pinocchio as pin
 import pytest
 
 from sot.robots.reading import read_model
-from sot.robots.robot import MODELS, Robot, robot_names
+from sot.robots.robot import MODELS, Robot, shipped_robot_names
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", shipped_robot_names())
 def test_shipped_models_are_what_pinocchio_itself_reads(name):
     """Joints, numbers and shapes equal to rounding."""
     path = MODELS / f"{name}.xml"
@@ -33,7 +33,7 @@ def test_shipped_models_are_what_pinocchio_itself_reads(name):
         np.testing.assert_allclose(np.abs(one), np.abs(another), atol=1e-12)
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", shipped_robot_names())
 def test_rest_is_the_key_frame_of_the_file(name):
     key = read_model(MODELS / f"{name}.xml").key_frames["half_sitting"]
     robot = Robot.load(name)

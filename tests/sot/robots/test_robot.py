@@ -7,13 +7,13 @@ import pinocchio as pin
 import pytest
 
 from sot.errors import InputError
-from sot.robots.robot import FEET, POINTS, Robot, robot_names
+from sot.robots.robot import FEET, POINTS, Robot, shipped_robot_names
 from tests.sot.robots import urdf_robot
 
 
 def test_every_shipped_robot_loads():
-    assert robot_names() == ("hrp2", "hrp2_modified")
-    for name in robot_names():
+    assert shipped_robot_names() == ("hrp2", "hrp2_modified")
+    for name in shipped_robot_names():
         robot = Robot.load(name)
         assert robot.name == name
         assert robot.label.startswith("HRP-2-like")
@@ -43,7 +43,7 @@ def test_robot_is_immutable_and_loaded_once():
         robot.points["waist"] = 0
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", shipped_robot_names())
 def test_groups_partition_the_joints(name):
     robot = Robot.load(name)
     parts = ("left_leg", "right_leg", "chest", "head", "left_arm", "right_arm")
@@ -52,7 +52,7 @@ def test_groups_partition_the_joints(name):
     assert all(robot.joints[k].startswith("RARM") for k in robot.groups["right_arm"])
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", shipped_robot_names())
 def test_soles_lie_flat_on_the_ground_at_rest(name):
     robot = Robot.load(name)
     data = robot.model.createData()

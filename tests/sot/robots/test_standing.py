@@ -9,7 +9,7 @@ import pytest
 from sot.errors import InputError
 from sot.robots.models import hrp2
 from sot.robots.posture import UPRIGHT_POINTS
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 from tests.sot.robots.test_mjcf import same_robot
 from tests.sot.robots.variants import load_variant, write_variant
 
@@ -20,7 +20,7 @@ def placements(robot: Robot, q: np.ndarray) -> dict[str, pin.SE3]:
     return {point: data.oMf[robot.point(point)].copy() for point in robot.points}
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", shipped_robot_names())
 def test_upright_points_have_the_worlds_axes_at_rest(name):
     robot = Robot.load(name)
     at = placements(robot, robot.rest)

@@ -58,7 +58,9 @@ def bodies(robot):
     for foot, inward in zip(robot.feet, (-0.3, 0.3), strict=True):
         pose = data.oMf[robot.point(foot)]
         turned = pin.utils.rotate("z", inward) @ pose.rotation
-        feet[foot] = FootPath(np.tile(pose.translation, (human.count, 1)), np.tile(turned, (human.count, 1, 1)))
+        feet[foot] = FootPath(
+            np.tile(pose.translation, (human.count, 1)), np.tile(turned, (human.count, 1, 1)), np.zeros(human.count)
+        )
     legs = Clearance.of_legs(robot, human.count)
     return Body(robot, build, wanted, feet), ClearBody(robot, build, wanted, feet, legs), legs
 

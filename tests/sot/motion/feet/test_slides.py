@@ -9,14 +9,14 @@ from sot.motion.feet.contacts import planted_phases
 from sot.motion.feet.slides import REST_TIME, Slide, find_slide, paths_with_slides, phases_with_slides, slide_duration
 from sot.motion.feet.support import ZMP_INSET_SLIDING, supports
 from sot.motion.feet.swing import standing_paths
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot, shipped_robot_names
 
 RATE = 50.0
 SECONDS = 40.0
 WAY = (0.08, 0.02, 0.1)
 
 
-@pytest.fixture(params=robot_names())
+@pytest.fixture(params=shipped_robot_names())
 def robot(request):
     return Robot.load(request.param)
 

@@ -17,6 +17,7 @@ from sot.motion.feet.footholds import (
     min_ankle_separation,
     reachable_footholds,
     reachable_headings,
+    standing_pairs,
 )
 from sot.motion.feet.footwork import Foothold, Step
 from sot.motion.feet.path import ScalablePath
@@ -26,6 +27,7 @@ from sot.motion.feet.swing import HEIGHT_PROFILE_CURVATURE, _height_profile
 from sot.motion.feet.tempo import AskedStep, clock_from_slowness, step_tempo
 from sot.motion.feet.timetable import MIN_DOUBLE_SUPPORT_TIME, MIN_STANCE_TIME, MIN_SWING_TIME, retimed_steps
 from sot.motion.feet.travel import travel_at_clock
+from sot.robots.leg_range import EDGES, HEIGHTS, RANGE_MARGIN, flat_foot_distances
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer, walker
 
@@ -150,6 +152,15 @@ def still(wanted):
     return {foot: np.zeros((len(stands), 2, 1)) for foot, stands in wanted.items()}, np.eye(1)
 
 
+def between(wanted, moves):
+    """The places (steps, 2, 2) of a body over the middle between both feet, where steps begin and end."""
+    middles = [
+        0.5 * np.add(*((stand.x, stand.y) for stand in (wanted["left_foot"][left], wanted["right_foot"][right])))
+        for left, right in standing_pairs(moves)
+    ]
+    return np.array(list(pairwise(middles)))
+
+
 def test_a_path_is_scaled_where_its_strides_are_too_long(robot):
     """Two strides of 1.2 m after two of 0.2 m: the first piece of the path keeps its length, the second does not, and
     the footholds stay near their places along it."""
@@ -160,7 +171,13 @@ def test_a_path_is_scaled_where_its_strides_are_too_long(robot):
     carried = {foot: np.array([[list(piece), [0.0, 0.0]] for piece in pieces]) for foot, pieces in ahead.items()}
     moves = [Step(f"{side}_foot", k + 1.0, k + 1.6) for k, side in enumerate(("left", "right", "left", "right"))]
     found, scales = reachable_footholds(
-        wanted, reachable_headings(wanted, moves, reach), moves, reach, carried, 0.15**2 * np.eye(2)
+        wanted,
+        reachable_headings(wanted, moves, reach),
+        moves,
+        reach,
+        carried,
+        0.15**2 * np.eye(2),
+        between(wanted, moves),
     )
     assert scales[0] > 0.9 and scales[1] < 0.5
     for foot, pieces in ahead.items():
@@ -175,7 +192,9 @@ def test_of_two_feet_that_want_each_others_place_one_gets_it(robot):
         "right_foot": [Foothold(0.0, -0.1, 0.0), Foothold(0.0, 0.2, 0.0)],
     }
     moves = (Step("left_foot", 1.0, 1.6), Step("right_foot", 2.0, 2.6))
-    found, _ = reachable_footholds(wanted, reachable_headings(wanted, moves, reach), moves, reach, *still(wanted))
+    found, _ = reachable_footholds(
+        wanted, reachable_headings(wanted, moves, reach), moves, reach, *still(wanted), between(wanted, moves)
+    )
     off = sorted(abs(found[foot][1].y - wanted[foot][1].y) for foot in wanted)
     assert off[0] < 0.15 < off[1]
 
@@ -198,7 +217,7 @@ def test_footholds_out_of_reach_are_moved_into_it(robot):
     }
     moves = (Step("left_foot", 1.0, 1.5), Step("right_foot", 2.0, 2.5), Step("left_foot", 3.0, 3.5))
     turned = reachable_headings(wanted, moves, reach)
-    found, _ = reachable_footholds(wanted, turned, moves, reach, *still(wanted))
+    found, _ = reachable_footholds(wanted, turned, moves, reach, *still(wanted), between(wanted, moves))
     for left, right in ((0, 0), (1, 0), (1, 1), (2, 1)):
         a, b = found["left_foot"][left], found["right_foot"][right]
         assert reach.toe_out_range[0] - 1e-6 < a.heading - b.heading < reach.toe_out_range[1] + 1e-6
@@ -207,6 +226,44 @@ def test_footholds_out_of_reach_are_moved_into_it(robot):
         way = np.array([a.x - b.x, a.y - b.y])
         assert way @ across > min_ankle_separation((a.heading, b.heading), reach, across) - 1e-6
         assert np.linalg.norm(way - reach.hip_width * across) < reach.max_stride + 1e-6
+
+
+def narrow_ankles(robot, degrees):
+    """A robot whose feet roll by no more than that to either side."""
+    lower, upper = robot.lower.copy(), robot.upper.copy()
+    for leg in ("left_leg", "right_leg"):
+        joint = robot.groups[leg][-1]
+        lower[joint], upper[joint] = -np.deg2rad(degrees), np.deg2rad(degrees)
+    return replace(robot, lower=lower, upper=upper)
+
+
+def test_a_flat_foot_stands_where_the_leg_reaches_it(robot):
+    """An ankle that rolls by 15° reaches tan 15° of the hip's height beside where it is below an upright leg."""
+    narrow, outward = narrow_ankles(robot, 15.0), 0.035  # m, from HRP-2's hips to its ankles
+    for row, height in enumerate(HEIGHTS):
+        for side, foot in (("left", 1.0), ("right", -1.0)):
+            beside = flat_foot_distances(narrow, side)[row, EDGES // 4 if foot > 0.0 else 3 * EDGES // 4]
+            most = np.tan(np.deg2rad(15.0) - RANGE_MARGIN) * height * LegReach.of(robot).leg_length + outward
+            assert 0.9 * most < beside < most + 1e-3
+            assert flat_foot_distances(robot, side)[row].max() > 1.2 * beside
+
+
+def test_feet_that_roll_little_stand_closer(robot):
+    """Before a step, the other foot has to carry the body: the less feet roll, the closer they stand."""
+    wanted = {
+        "left_foot": [Foothold(0.0, 0.22, 0.0)],
+        "right_foot": [Foothold(0.0, -0.22, 0.0), Foothold(0.1, -0.19, 0.0)],
+    }
+    moves = (Step("right_foot", 2.0, 3.4),)
+    over_left = np.tile([0.0, 0.2], (1, 2, 1))
+    apart = []
+    for degrees in (35.0, 15.0, 1.0):
+        reach = LegReach.of(narrow_ankles(robot, degrees))
+        turned = reachable_headings(wanted, moves, reach)
+        found, _ = reachable_footholds(wanted, turned, moves, reach, *still(wanted), over_left)
+        apart.append([found["left_foot"][0].y - foothold.y for foothold in found["right_foot"]])
+    assert min(apart[0]) > 0.3 and 0.2 < max(apart[1]) < 0.3
+    assert min(apart[2]) > min_ankle_separation((0.0, 0.0), reach, np.array([0.0, 1.0])) - 1e-6
 
 
 def test_toes_are_turned_in_until_knees_meet(robot):
@@ -229,7 +286,9 @@ def test_footholds_in_reach_stay(robot):
         "right_foot": [Foothold(0.0, -0.1, 0.0)],
     }
     moves = (Step("left_foot", 1.0, 1.6),)
-    found, _ = reachable_footholds(wanted, reachable_headings(wanted, moves, reach), moves, reach, *still(wanted))
+    found, _ = reachable_footholds(
+        wanted, reachable_headings(wanted, moves, reach), moves, reach, *still(wanted), between(wanted, moves)
+    )
     for foot, stands in wanted.items():
         for stand, own in zip(stands, found[foot], strict=True):
             assert (own.x, own.y, own.heading) == pytest.approx((stand.x, stand.y, stand.heading), abs=1e-9)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from sot.errors import InputError
 from sot.motion import read
 from sot.motion.human.bvh import read_bvh
+from tests.sot.motion.human.clips import short_groove
 
 ROOT = Path(__file__).parents[4]
 GROOVE = ROOT / "scenarios/inputs/data/groove.bvh"
@@ -51,12 +52,6 @@ def written(folder: Path, text: str | bytes) -> Path:
     path = folder / "clip.bvh"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     return path
-
-
-def short_groove(frames: int = 4) -> str:
-    head, _, motion = GROOVE.read_text().partition("MOTION\n")
-    rows = motion.splitlines()[2 : 2 + frames]
-    return "\n".join([head + "MOTION", f"Frames: {frames}", "Frame Time: 0.02", *rows, ""])
 
 
 def test_forward_kinematics_by_hand(tmp_path: Path) -> None:

@@ -112,7 +112,7 @@ def test_unknown_names_ask_for_a_mapping(capture: Capture, tmp_path: Path) -> No
         ('left_patella = "LeftLeg"', "'left_patella' is no canonical joint"),
         ("left_knee = 3", "'left_knee' needs a joint's name"),
         ("left_knee = []", "'left_knee' needs a joint's name"),
-        ("left_knee = LeftLeg", "not a mapping of joints"),
+        ("left_knee = LeftLeg", "not a TOML file"),
         ('left_knee = "LeftLeg"', "leaves out head, left_hip"),
     ],
 )

@@ -1,0 +1,1 @@
+"""Robot files for people: guessed from a model, drawn, and checked."""

@@ -1,0 +1,90 @@
+"""`sot bench --robots`: the robots that have a name, each with four dances, and what a robot of its size may be off."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from rich.console import Console
+
+from scenarios.replay import Dance, ProgressCallback, Replay
+from scenarios.suite import Columns, Piece, bench_suite, show
+from sot.errors import InputError
+from sot.robots.robot import Robot, robot_names
+
+GROOVE = Piece("groove", "groove", feet="planted")
+GIVEN = (  # clips of a folder that --mocap names
+    Piece("planted", "perfume_A.bvh", feet="planted"),
+    Piece("stepping 20 s", "perfume_A.bvh", duration=20.0, feet="auto"),
+    Piece("walk", "bandai_walk.bvh", feet="auto"),
+)
+OFF_MM, LEG_M, LEAST_OFF_MM = (
+    15.0,
+    0.6,
+    8.0,
+)  # key bodies may be that far off on a leg of this length, and that at least
+SATURATED = 0.05  # share of ticks in which a joint may have no torque left
+COLUMNS: Columns = (
+    ("tracking.mpjpe_mm", "off mm", 1.0, 1),
+    ("allowed_mm", "allowed", 1.0, 1),
+    ("solver.infeasible_ticks", "infeas", 1.0, 0),
+    ("torque_saturated", "saturated %", 100.0, 1),
+    ("speed", "speed", 1.0, 2),
+)
+JOINTS = "saturated joints"
+
+
+def robot_pieces(mocap: Path | None, robots: Sequence[str] | None = None) -> list[Piece]:
+    """The dances of all robots: a groove, and those that a folder has clips for.
+
+    Raises:
+        InputError: one of the clips is not in the folder.
+    """
+    given = []
+    for piece in GIVEN if mocap is not None else ():
+        path = Path(mocap or "") / piece.clip
+        if not path.is_file():
+            raise InputError(
+                f"{path}: no such clip; `sot bench --robots` needs {', '.join(sorted({p.clip for p in GIVEN}))}"
+            )
+        given.append(Piece(piece.name, str(path), piece.start, piece.duration, feet=piece.feet))
+    return [
+        Piece(f"{robot} {piece.name}", piece.clip, piece.start, piece.duration, robot, piece.feet)
+        for robot in robots or robot_names()
+        for piece in (GROOVE, *given)
+    ]
+
+
+def bench_robots(request: Replay, pieces: Sequence[Piece], out: Path | None, tell: ProgressCallback) -> dict[str, Any]:
+    """Dance them all, as `bench_suite` does.
+
+    A success is upright, no farther off than a robot of its size may be, without a tick whose hard level had to give
+    way, and with torques that saturate rarely, unless the dance was slowed down for them.
+    """
+    return bench_suite(request, pieces, out, tell, COLUMNS, _more, _succeeded)
+
+
+def show_robots(table: Mapping[str, Any], console: Console) -> None:
+    """Print the rows."""
+    show(table, console, COLUMNS, (JOINTS,))
+
+
+def allowed_mm(robot: Robot) -> float:
+    """How far key bodies may be off their reference on average [mm]."""
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.rest)
+    hip, knee, ankle = (data.oMf[robot.point(f"left_{name}")].translation for name in ("hip", "knee", "ankle"))
+    leg = float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee))
+    return max(OFF_MM * leg / LEG_M, LEAST_OFF_MM)
+
+
+def _more(danced: Dance, report: Mapping[str, Any]) -> dict[str, Any]:
+    joints = report.get("saturated_joints") or ()
+    return {"allowed_mm": allowed_mm(danced.motion.robot), JOINTS: ", ".join(joints)}
+
+
+def _succeeded(row: Mapping[str, Any]) -> bool:
+    near = row["tracking.mpjpe_mm"] is not None and row["tracking.mpjpe_mm"] <= row["allowed_mm"]
+    strong = (row["torque_saturated"] or 0.0) <= SATURATED or row["speed"] < 1.0
+    return near and strong and row["solver.infeasible_ticks"] == 0

@@ -1,0 +1,46 @@
+"""A robot's state in a MuJoCo model, in Pinocchio's conventions."""
+
+import mujoco
+import numpy as np
+
+from sim.convert import state_from_mujoco, state_to_mujoco
+from sot.errors import InputError
+from sot.robots.robot import Robot
+
+
+class RobotState:
+    """Reads and writes the state of a robot in MuJoCo's data, whatever else the model has in it.
+
+    Pinocchio: quaternion xyzw, base velocity in the base frame, joints in the order of `Robot.joints`.
+
+    Args:
+        robot: The robot.
+        model, data: MuJoCo's, with a free joint at the robot's base and its other joints by their names.
+
+    Raises:
+        InputError: The model has not all of the robot's joints in their order, or no free joint at its base.
+    """
+
+    def __init__(self, robot: Robot, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        joints = {model.joint(k).name: k for k in range(model.njnt)}
+        missing = [name for name in robot.joints if name not in joints]
+        if missing:
+            raise InputError(f"the MuJoCo model has no joint {', '.join(missing)} of {robot.label}")
+        first = joints[robot.joints[0]]
+        base = int(model.body_jntadr[model.body_rootid[model.jnt_bodyid[first]]])
+        if base < 0 or model.jnt_type[base] != mujoco.mjtJoint.mjJNT_FREE:
+            raise InputError(f"the MuJoCo model has no free joint at the base of {robot.label}")
+        if tuple(model.joint(base + 1 + k).name for k in range(robot.na)) != robot.joints:
+            raise InputError(f"the MuJoCo model has the joints of {robot.label} in another order")
+        q, v = model.jnt_qposadr[base], model.jnt_dofadr[base]
+        # Live views: to ask MuJoCo for its arrays anew takes longer than to read them.
+        self._qpos, self._qvel = data.qpos[q : q + robot.nq], data.qvel[v : v + robot.nv]
+
+    def read(self) -> tuple[np.ndarray, np.ndarray]:
+        """Configuration (nq,) and velocity (nv,), new arrays; not numbers once the physics diverged."""
+        return state_from_mujoco(self._qpos, self._qvel)
+
+    def write(self, q: np.ndarray, v: np.ndarray | None = None) -> None:
+        """Set a configuration (nq,) and a velocity (nv,), at rest unless given; `mujoco.mj_forward` does the rest."""
+        v = np.zeros(len(self._qvel)) if v is None else v
+        self._qpos[:], self._qvel[:] = state_to_mujoco(q, v)

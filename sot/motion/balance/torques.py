@@ -1,0 +1,60 @@
+"""The torques that a planned motion needs: inverse dynamics, the floor's forces shared by the feet that stand."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.ndimage import binary_opening
+
+from sot.motion.body.coordinates import to_pinocchio
+from sot.motion.body.spline import Spline
+from sot.motion.feet.contacts import Phase, phase_indices
+from sot.robots.robot import Robot
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+Flags = NDArray[np.bool_]
+
+PIVOT = 0.05  # m: a moment on a foot costs as much as a force at that distance
+LONG = 3  # knots in a row: a torque beyond its limit for less is left to the controller
+
+
+def planned_torques(robot: Robot, phases: Sequence[Phase], times: Array, q: Array, v: Array, a: Array) -> Array:
+    """The torques (T, na) of the joints in a motion q (T, nq), v (T, nv), a (T, nv) at some times (T,) [N m].
+
+    τ = S (M a + h − Σ Jᵀ w) + d v + c sign v: damping d and friction c of the joints, w the least wrenches on the feet
+    of each time's phase that move the free base as planned. Where no foot stands, the base is left to itself.
+    """
+    model, data = robot.model, robot.model.createData()
+    torques, phase = np.empty((len(times), robot.na)), phase_indices(phases, times)
+    weight = np.repeat([1.0, PIVOT**2], 3)  # of forces and moments, inverse
+    for k in range(len(times)):
+        needed = pin.rnea(model, data, q[k], v[k], a[k]).copy()
+        feet = [robot.point(foot) for foot in phases[int(phase[k])].feet]
+        if feet:
+            pin.computeJointJacobians(model, data, q[k])
+            pin.updateFramePlacements(model, data)
+            J = np.vstack([pin.getFrameJacobian(model, data, foot, pin.LOCAL_WORLD_ALIGNED) for foot in feet])
+            base, share = J[:, :6].T, np.tile(weight, len(feet))
+            needed -= J.T @ (share * (base.T @ np.linalg.solve((base * share) @ base.T, needed[:6])))
+        torques[k] = needed[6:]
+    return torques + robot.damping * v[:, 6:] + robot.friction * np.sign(v[:, 6:])
+
+
+def overloaded_knots(robot: Robot, phases: Sequence[Phase], body_motion: Spline) -> Flags:
+    """Flags (T, na) of the knots and joints of a body motion whose torque is beyond the joint's effort for long."""
+    times: Array = body_motion.period * np.arange(len(body_motion.knots), dtype=float)
+    motion = to_pinocchio(body_motion.knots, body_motion.velocities, body_motion.accelerations)
+    over = np.abs(planned_torques(robot, phases, times, *motion)) > robot.effort
+    long = binary_opening(over, np.ones((LONG, 1)))
+    return np.asarray(long, dtype=bool)
+
+
+def overloaded_at_rest(robot: Robot, phases: Sequence[Phase], body_motion: Spline, knots: Indices) -> Flags:
+    """Flags (n, na) of the joints whose torque exceeds their effort even if the body holds still at some knots (n,)."""
+    q, still = to_pinocchio(*3 * (body_motion.knots[knots],))[0], np.zeros((len(knots), robot.nv))
+    times: Array = body_motion.period * knots.astype(float)
+    torques = planned_torques(robot, phases, times, q, still, still)
+    flags: Flags = np.abs(torques) > robot.effort
+    return flags

@@ -1,0 +1,95 @@
+"""Who sits or lies: told, and turned upright; and who only squats."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sot.motion import Human, Plan, plan, read, recognise
+from sot.motion.human.postures import standing
+from sot.robots.robot import Robot
+from tests.sot.motion.human.clips import Change, changed_groove, lying, on_one_leg, seated
+from tests.sot.motion.human.humans import dancer
+
+
+def danced(tmp_path: Path, change: Change) -> Human:
+    path = tmp_path / "clip.bvh"
+    path.write_text(changed_groove(change))
+    return recognise(read(path))
+
+
+def planned(human: Human) -> Plan:
+    return plan(human.slice(0.0, 1.0), Robot.load("hrp2"), "auto", 200.0)
+
+
+def test_who_sits_throughout_is_danced_standing_and_told(tmp_path: Path) -> None:
+    human = danced(tmp_path, seated)
+    (told,) = human.remarks
+    assert told.words.startswith("The dancer sits from 0.00 to 1.98 s; the robot stands")
+    assert human.points["neck"][:, 2].min() > 0.9  # upright
+    found = planned(human)
+    assert found.remarks == [told.words]
+    assert np.isfinite(found.motion.q).all()
+    assert set(found.motion.phases[0].feet) == {"left_foot", "right_foot"}
+
+
+def test_who_lies_is_turned_upright_and_told(tmp_path: Path) -> None:
+    human = danced(tmp_path, lying)
+    (told,) = human.remarks
+    assert told.words.startswith("The dancer lies from 0.00 to 1.98 s; the robot stands")
+    trunk = human.segment_direction("trunk")
+    assert trunk[:, 2].min() > 0.99
+    feet = [human.points[f"{side}_{joint}"][:, 2] for side in ("left", "right") for joint in ("ankle", "toe")]
+    assert np.abs(np.min(feet, axis=0)).max() < 0.02
+    assert human.frames["head"][:, 2, 2].min() > 0.8  # level, as far as the dance has it so
+    assert planned(human).remarks == [told.words]
+
+
+def test_who_lies_down_in_between_gets_up_smoothly() -> None:
+    human = dancer(8.0)
+    fall = np.clip(np.minimum(human.times - 2.0, 6.0 - human.times), 0.0, 1.0)
+    angle = 0.5 * np.pi * fall
+    turn = np.zeros((human.count, 3, 3))
+    turn[:, 0, 0] = turn[:, 2, 2] = np.cos(angle)
+    turn[:, 0, 2], turn[:, 2, 0] = -np.sin(angle), np.sin(angle)
+    turn[:, 1, 1] = 1.0
+    low = np.column_stack([np.zeros((human.count, 2)), 0.1 * fall])
+    down = replace(
+        human,
+        points={name: np.einsum("tij,tj->ti", turn, place) + low for name, place in human.points.items()},
+        frames={body: turn @ rotation for body, rotation in human.frames.items()},
+    )
+    up = standing(down)
+    (told,) = up.remarks
+    assert 2.5 < told.start < 3.5 and 4.5 < told.end < 5.5
+    middle = slice(round(3.2 * human.rate), round(4.8 * human.rate))
+    assert up.segment_direction("trunk")[middle, 2].min() > 0.95
+    np.testing.assert_array_equal(
+        up.points["neck"][: round(1.5 * human.rate)], down.points["neck"][: round(1.5 * human.rate)]
+    )
+    speed = np.linalg.norm(np.diff(up.points["neck"], axis=0), axis=1) * human.rate
+    assert speed.max() < 4.0
+
+
+@pytest.mark.parametrize("lean", [0.0, 0.5])
+def test_a_deep_squat_over_the_feet_is_no_seat(lean: float) -> None:
+    human = dancer(3.0)
+    points = dict(human.points)
+    drop = np.array([-0.1, 0.0, -0.42])
+    for name in points:
+        if not name.endswith(("ankle", "toe")):
+            points[name] = points[name] + drop
+    for name in ("neck", "chest", "head"):
+        points[name] = points[name] + [lean * 0.4, 0.0, -lean * 0.1]
+    for side in ("left", "right"):
+        points[f"{side}_knee"] = points[f"{side}_ankle"] + [0.26, 0.0, 0.27]
+    squat = replace(human, points=points)
+    assert standing(squat) is squat
+
+
+def test_who_stands_on_one_leg_throughout_is_danced_on_one(tmp_path: Path) -> None:
+    found = planned(danced(tmp_path, on_one_leg))
+    assert found.remarks == []
+    middle = [phase for phase in found.motion.phases if phase.start < 1.5 < phase.end]
+    assert [set(phase.feet) for phase in middle] == [{"left_foot"}]
