@@ -96,7 +96,7 @@ def _standing(posed: PosedModel, leaf: int, lowest: dict[int, float], tolerance:
 
 def sole(posed: PosedModel, foot: int) -> tuple[Array, float]:
     """Corners (n, 3) of what lies on the floor, counterclockwise, and the share of the foot that it covers."""
-    points = posed.surface(posed.touching([foot]))
+    points = posed.underside(posed.touching([foot]))
     floor = float(points[:, 2].min())
     low = points[points[:, 2] < floor + FLATNESS_TOLERANCE]
     hull, whole = _hull(low[:, :2]), _hull(points[:, :2])
