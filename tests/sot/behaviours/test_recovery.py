@@ -73,7 +73,7 @@ def test_a_step_leaves_what_diverges_inside_the_new_support(robot, motion, headi
     xi = tick.com[:2] + tick.com_velocity[:2] / rate
     assert Polygon.hull(np.vstack(list(soles.values()))).margin(xi) < 0.0
     alone = Polygon.hull(next(sole for name, sole in soles.items() if name != foot))
-    z = alone.inset(0.01).nearest(xi)
+    z = alone.inset(0.01).nearest_point(xi)
     xi = z + np.exp(rate * (way.land - PERIOD + 0.04)) * (xi - z)  # when the foot carries
     soles[foot] += moved
     assert Polygon.hull(np.vstack(list(soles.values()))).margin(xi) > 0.02
