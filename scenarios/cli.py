@@ -37,6 +37,7 @@ from scenarios.robots.bench import bench_robots, robot_pieces, show_robots
 from scenarios.robots.check import check
 from scenarios.robots.findings import print_findings, stopping
 from scenarios.robots.new import new, print_evidence
+from scenarios.robots.summary import robot_summary
 from scenarios.studies import MOTION_SCENARIOS, SCENARIOS, default_solver, is_file, run_scenario
 from scenarios.suite import SUITES, bench_suite, suite_pieces
 from scenarios.suite import show as show_suite
@@ -44,7 +45,6 @@ from sim.reporting.report import print_table
 from sot.control import Task
 from sot.errors import InputError
 from sot.robots.robot import Robot, robot_names
-from sot.robots.summary import robot_summary
 
 DONE, FELL, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 TRACEBACK_VARIABLE = "SOT_TRACEBACK"
