@@ -52,18 +52,11 @@ def read_shapes(robot: Robot) -> list[Shape]:
 def _shape(model: mujoco.MjModel, geom: int) -> Shape:
     size, position = model.geom_size[geom].copy(), model.geom_pos[geom].copy()
     w, x, y, z = model.geom_quat[geom]
-    kind = SHAPE_KINDS.get(mujoco.mjtGeom(model.geom_type[geom]))
+    kind = SHAPE_KINDS[mujoco.mjtGeom(model.geom_type[geom])]
     if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_SPHERE:
         size[:] = size[0]
     elif kind in ("capsule", "cylinder"):
         size = np.array([size[0], size[0], size[1]])
-    elif kind is None:
-        size = model.geom_aabb[geom, 3:].copy()
-        rotation = np.zeros(9)
-        mujoco.mju_quat2Mat(rotation, model.geom_quat[geom])
-        position += rotation.reshape(3, 3) @ model.geom_aabb[geom, :3]
-    material = model.geom_matid[geom]
-    rgba = model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom]
-    red, green, blue, alpha = (round(255 * float(channel)) for channel in rgba)
+    red, green, blue, alpha = (round(255 * float(channel)) for channel in model.geom_rgba[geom])
     body = str(model.body(model.geom_bodyid[geom]).name)
-    return Shape(body, kind or "box", size, position, np.array([x, y, z, w]), (red, green, blue, alpha))
+    return Shape(body, kind, size, position, np.array([x, y, z, w]), (red, green, blue, alpha))

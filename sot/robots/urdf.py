@@ -1,7 +1,11 @@
 """A robot from a URDF, which Pinocchio reads: MuJoCo stops at meshes it has no format for."""
 
+import os
+import sys
+import tempfile
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +21,7 @@ from sot.robots.tree import Hinge, Link, Tree
 Array = np.ndarray
 
 BASE = 1  # the joint of the floating base
+STANDARD_ERROR = 2
 
 
 def read_urdf(path: Path, locked: Mapping[str, float], remarks: list[str]) -> tuple[pin.Model, Tree]:
@@ -36,15 +41,18 @@ def read_urdf(path: Path, locked: Mapping[str, float], remarks: list[str]) -> tu
             that turns about no axis, or a link that cannot move as it has no mass.
     """
     folders = [str(folder) for folder in path.resolve().parents]
+    complaints: list[str] = []
     try:
-        model = pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
-        geometries: Sequence[pin.GeometryModel] = [
-            pin.buildGeomFromUrdf(model, str(path), kind, package_dirs=folders)
-            for kind in (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL)
-        ]
         followers = _followers(path, locked)
+        with _complaints_into(complaints):
+            model = pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
+            geometries: Sequence[pin.GeometryModel] = [
+                pin.buildGeomFromUrdf(model, str(path), kind, package_dirs=folders)
+                for kind in (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL)
+            ]
     except (ValueError, RuntimeError, IndexError, ET.ParseError) as error:
-        raise InputError(f"{path}: Pinocchio cannot read it: {' '.join(str(error).split())}") from None
+        reason = "; ".join(complaints) or " ".join(str(error).split())
+        raise InputError(f"{path}: Pinocchio cannot read it: {reason}") from None
     unknown = [joint for joint in locked if not BASE < model.getJointId(joint) < model.njoints]
     if unknown:
         raise InputError(f"{path}: no joint '{unknown[0]}' to lock")
@@ -58,6 +66,23 @@ def read_urdf(path: Path, locked: Mapping[str, float], remarks: list[str]) -> tu
     for joint in range(BASE, model.njoints):
         model.inertias[joint] = _mended(model.inertias[joint], _link_name(model, joint), remarks)
     return model, _tree(model, geometries, path.stem)
+
+
+@contextmanager
+def _complaints_into(complaints: list[str]) -> Iterator[None]:
+    """Collect what the parser beneath Pinocchio writes to the standard error itself, instead of in its exceptions."""
+    sys.stderr.flush()
+    with tempfile.TemporaryFile() as written:
+        shown = os.dup(STANDARD_ERROR)
+        os.dup2(written.fileno(), STANDARD_ERROR)
+        try:
+            yield
+        finally:
+            os.dup2(shown, STANDARD_ERROR)
+            os.close(shown)
+            written.seek(0)
+            lines = written.read().decode(errors="replace").splitlines()
+            complaints += [line.removeprefix("Error:").strip() for line in lines if line.startswith("Error:")]
 
 
 def _followers(path: Path, locked: Mapping[str, float]) -> dict[str, float]:

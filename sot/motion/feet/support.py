@@ -9,10 +9,14 @@ import numpy as np
 from sot.motion.feet.contacts import Phase
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
+from sot.robots.size import leg_length
 
-ZMP_INSET = (0.04, 0.025)  # m along and across the feet, from the edge to the planned ZMP: room for feedback
+ZMP_INSET = (0.0666, 0.0416)  # leg lengths along and across the feet, from the edge to the planned ZMP: for feedback
 MIN_LOAD_SHARE = 0.12  # of the weight, least load of a standing foot once the load has been transferred
-ZMP_INSET_SLIDING = (0.04, 0.045)  # m, the same while a foot slides: its load, far from the other, is never steady
+ZMP_INSET_SLIDING = (
+    0.0666,
+    0.0749,
+)  # leg lengths, the same while a foot slides: its load is never steady
 FORCE_RAMP_TIME = 0.04  # s after a foot lands, and before it lifts off, in which it is not counted on to carry
 LOAD_TRANSFER_TIME = 0.12  # s after and before a change of support in which a foot may carry next to nothing
 
@@ -59,8 +63,15 @@ def supports(robot: Robot, phases: Sequence[Phase]) -> tuple[Support, ...]:
 def _support(robot: Robot, phase: Phase, start: float, share: float) -> Support:
     polygon = loaded_polygon(robot, phase, share)
     forward = np.sum([pose.rotation[:2, 0] for pose in phase.feet.values()], axis=0)
-    inset = ZMP_INSET_SLIDING if phase.sliding else ZMP_INSET
-    return Support(start, polygon, polygon.shrunk(*inset, heading=float(np.arctan2(forward[1], forward[0]))))
+    return Support(
+        start, polygon, polygon.shrunk(*zmp_inset(robot, phase), heading=float(np.arctan2(forward[1], forward[0])))
+    )
+
+
+def zmp_inset(robot: Robot, phase: Phase) -> tuple[float, float]:
+    """How far along and across the feet a planned ZMP keeps from the edges of the support of a phase [m]."""
+    along, across = ZMP_INSET_SLIDING if phase.sliding else ZMP_INSET
+    return along * leg_length(robot), across * leg_length(robot)
 
 
 def loaded_polygon(robot: Robot, phase: Phase, share: float) -> Polygon:

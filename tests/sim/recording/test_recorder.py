@@ -14,7 +14,6 @@ from sim.recording.bodies import body_poses
 from sim.recording.panels import FRAME_RATE, divergent_component, measured_and_planned_dcm
 from sim.recording.recorder import write_recording
 from sim.recording.shapes import read_shapes
-from sot.errors import InputError
 from sot.motion.plan import PLAN_RATE, Plan
 from sot.robots.robot import Robot, shipped_robot_names
 from tests.sim.runs import PERIOD, perfect_log, same_plan, still_motion
@@ -186,28 +185,6 @@ def test_shapes_belong_to_bodies_that_pinocchio_knows(name):
         lows.append(center[2])
     assert 0.0 < min(lows) < 0.1
     assert 1.3 < max(lows) < 1.6
-
-
-def of_file(path: Path) -> Robot:
-    """A robot whose model file is another one."""
-    return replace(Robot.load("hrp2"), path=path)
-
-
-def test_a_mesh_is_shown_by_its_bounding_box(tmp_path: Path):
-    (tmp_path / "mesh.xml").write_text(
-        """<mujoco><asset><mesh name="m" vertex="0 0 0  0.2 0 0  0 0.4 0  0 0 0.6"/></asset><worldbody>
-        <body name="part"><freejoint/><geom type="mesh" mesh="m"/><geom type="sphere" size="0.1" group="3"/></body>
-        </worldbody></mujoco>"""
-    )
-    (shape,) = read_shapes(of_file(tmp_path / "mesh.xml"))
-    assert (shape.body, shape.kind) == ("part", "box")
-    assert np.prod(2 * shape.half_sizes) >= 0.2 * 0.4 * 0.6 / 6
-
-
-def test_a_model_that_mujoco_cannot_read(tmp_path: Path):
-    (tmp_path / "bad.xml").write_text("<mujoco><nonsense/></mujoco>")
-    with pytest.raises(InputError, match=r"bad\.xml: MuJoCo cannot read"):
-        read_shapes(of_file(tmp_path / "bad.xml"))
 
 
 @pytest.mark.parametrize(("rate", "count"), [(60.0, 120), (1000.0, 400), (200.0, 400)])

@@ -131,6 +131,17 @@ def test_what_cannot_be_read_is_refused_in_one_line(toy, tmp_path):
         read_model(alone)
 
 
+def test_the_parsers_own_words_are_in_the_one_line(toy, tmp_path, capfd):
+    path = tmp_path / "toy.urdf"
+    path.write_text(TOY.replace('<child link="finger"/>', '<child link="thumb"/>'))
+    with pytest.raises(InputError, match=r"toy.urdf: .*child link \[thumb\] of joint \[knuckle\] not found"):
+        read_model(path)
+    path.write_text(TOY[:100])
+    with pytest.raises(InputError, match=r"toy.urdf: .*line 1, column"):
+        read_model(path)
+    assert capfd.readouterr() == ("", "")
+
+
 def test_a_follower_is_held_where_its_leader_at_rest_has_it(toy, tmp_path):
     """And a joint that goes round is one without a range."""
     mimic = '<mimic joint="wrist" multiplier="-2" offset="0.3"/></joint></robot>'

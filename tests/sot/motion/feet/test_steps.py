@@ -182,7 +182,10 @@ def test_a_path_is_scaled_where_its_strides_are_too_long(robot):
     assert scales[0] > 0.9 and scales[1] < 0.5
     for foot, pieces in ahead.items():
         for stand, piece in zip(found[foot], pieces, strict=True):
-            assert np.hypot(stand.x - scales @ piece, stand.y - across[foot]) < MAX_FOOTHOLD_OFFSET + 1e-6
+            assert (
+                np.hypot(stand.x - scales @ piece, stand.y - across[foot])
+                < MAX_FOOTHOLD_OFFSET * reach.leg_length + 1e-6
+            )
 
 
 def test_of_two_feet_that_want_each_others_place_one_gets_it(robot):
