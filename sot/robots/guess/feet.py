@@ -39,7 +39,7 @@ class Feet:
 
 
 def find_feet(posed: PosedModel) -> tuple[Feet, Evidence]:
-    """The two lowest leaves of the posed, or what carries them if it stands on the floor, too (a foot with toes).
+    """The two lowest leaves of the tree, or what carries them if it stands on the floor, too (a foot with toes).
 
     Raises:
         InputError: there are no two legs.
@@ -63,7 +63,7 @@ def find_feet(posed: PosedModel) -> tuple[Feet, Evidence]:
     rest = [lowest[leaf] for leaf in leaves if leaf not in legs]
     above = min(rest) - max(lowest[foot] for foot in feet) if rest else np.inf
     sure = apart < LEVEL * height and above > 10.0 * LEVEL * height
-    why = f"the two lowest ends of the posed, {1e3 * apart:.1f} mm apart in height"
+    why = f"the two lowest ends of the tree, {1e3 * apart:.1f} mm apart in height"
     if np.isfinite(above):
         why += f"; the next lowest end is {above:.2f} m higher"
     names = " and ".join(posed.name(foot) for foot in feet)

@@ -1,4 +1,4 @@
-"""The links and joints of a MuJoCo model as a posed, and where its geometry is: what guesses are made from."""
+"""The links and joints of a MuJoCo model in a posture, and where its geometry is: what guesses are made from."""
 
 from collections.abc import Callable, Sequence
 
@@ -90,7 +90,7 @@ class PosedModel:
         return next(link for link in self.ancestry(first) if link in others)
 
     def way(self, start: int, end: int) -> list[int]:
-        """Links from one to another through the posed, both included."""
+        """Links from one to another through the tree, both included."""
         top = self.common_ancestor(start, end)
         up, down = self.ancestry(start), self.ancestry(end)
         return up[: up.index(top) + 1] + down[: down.index(top)][::-1]

@@ -4,11 +4,11 @@ import subprocess
 
 import pytest
 
+from scenarios.robots.summary import robot_summary
 from sot.robots import fetch
 from sot.robots.fetch import Package
 from sot.robots.robot import MODELS, Robot, robot_names, shipped_robot_names
 from sot.robots.robot_file import RobotFile
-from sot.robots.summary import robot_summary
 
 FETCHED = sorted(set(robot_names()) - set(shipped_robot_names()))
 
