@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from sot.robots.reading.tree import Hinge, Tree
 from sot.robots.robot_file import DYNAMICS, RobotFile
-from sot.robots.tree import Hinge, Tree
 
 Array = np.ndarray
 

@@ -6,7 +6,7 @@ from math import atan2, degrees, pi
 import numpy as np
 import pinocchio as pin
 
-from sot.robots.mjcf import KeyFrame
+from sot.robots.reading.mjcf import KeyFrame
 from sot.robots.robot_file import FEET, SIDED, RobotFile, nearest
 
 Array = np.ndarray

@@ -15,9 +15,9 @@ from sot.robots.limits import joint_limits, remark_on_groups, with_limits
 from sot.robots.pairs import collision_pairs, geometry_of, remark_on_pairs
 from sot.robots.posture import rest_angles
 from sot.robots.reading import models_of, read_model
+from sot.robots.reading.tree import Tree
 from sot.robots.robot_file import FEET, GROUPS, POINTS, RobotFile
 from sot.robots.standing import stand
-from sot.robots.tree import Tree
 
 __all__ = ["FEET", "GROUPS", "HANDS", "MODELS", "POINTS", "Robot", "robot_names", "shipped_robot_names"]
 

@@ -13,7 +13,7 @@ from sot.robots.guess.groups import Body
 from sot.robots.guess.points import Points
 from sot.robots.guess.posed_model import PosedModel
 from sot.robots.limits import EFFORT_LEVER, GRAVITY
-from sot.robots.mjcf import joint_efforts
+from sot.robots.reading.mjcf import joint_efforts
 
 NO_VELOCITY = 1e3  # rad/s: what is no less is no limit
 SMALL = 1e-9  # N m s/rad and kg m², of losses that are none

@@ -10,7 +10,7 @@ from sot.errors import InputError
 from sot.robots.models import hrp2
 from sot.robots.posture import UPRIGHT_POINTS
 from sot.robots.robot import Robot, shipped_robot_names
-from tests.sot.robots.test_mjcf import same_robot
+from tests.sot.robots.reading.test_mjcf import same_robot
 from tests.sot.robots.variants import load_variant, write_variant
 
 

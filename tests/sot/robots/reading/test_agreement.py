@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 from sot.errors import InputError
-from sot.robots.agreement import pinocchio_reading, refuse_difference
+from sot.robots.reading.agreement import pinocchio_reading, refuse_difference
 from sot.robots.robot import Robot
 
 

@@ -7,8 +7,8 @@ import pinocchio as pin
 import pytest
 from scipy.spatial import ConvexHull
 
-from sot.robots.solid import FIT_TOLERANCE, HULL_MAX_VERTICES, Mesh, Solid, fitted_primitive, fitted_solid
-from sot.robots.tree import Hinge, Link, Tree
+from sot.robots.reading.solid import FIT_TOLERANCE, HULL_MAX_VERTICES, Mesh, Solid, fitted_primitive, fitted_solid
+from sot.robots.reading.tree import Hinge, Link, Tree
 
 GREY = (0.5, 0.5, 0.5, 1.0)
 

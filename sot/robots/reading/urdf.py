@@ -14,9 +14,9 @@ import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
-from sot.robots.shapes import with_solids
-from sot.robots.solid import Mesh, Solid, fitted_primitive
-from sot.robots.tree import Hinge, Link, Tree
+from sot.robots.reading.shapes import with_solids
+from sot.robots.reading.solid import Mesh, Solid, fitted_primitive
+from sot.robots.reading.tree import Hinge, Link, Tree
 
 Array = np.ndarray
 

@@ -11,10 +11,10 @@ import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
-from sot.robots.pinocchio_model import placement
-from sot.robots.shapes import with_solids
-from sot.robots.solid import GEOMS, VISUAL_GROUP, Mesh, Solid, fitted_primitive
-from sot.robots.tree import Hinge, Link, Tree, unique_name
+from sot.robots.reading.pinocchio_model import placement
+from sot.robots.reading.shapes import with_solids
+from sot.robots.reading.solid import GEOMS, VISUAL_GROUP, Mesh, Solid, fitted_primitive
+from sot.robots.reading.tree import Hinge, Link, Tree, unique_name
 
 Array = np.ndarray
 

@@ -6,8 +6,8 @@ import pinocchio as pin
 import pytest
 
 from sot.errors import InputError
-from sot.robots.mjcf import joint_efforts
 from sot.robots.reading import read_model
+from sot.robots.reading.mjcf import joint_efforts
 from sot.robots.robot import Robot
 from tests.sot.robots.variants import load_variant, write_variant
 

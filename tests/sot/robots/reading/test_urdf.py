@@ -8,7 +8,7 @@ import pytest
 from sim.convert import state_to_mujoco
 from sot.errors import InputError
 from sot.robots.reading import read_model
-from sot.robots.solid import COLLISION_GROUP
+from sot.robots.reading.solid import COLLISION_GROUP
 
 CORNERS = np.array([(x, y, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
 FACES = "3 0 1 3\n3 0 3 2\n3 4 6 7\n3 4 7 5\n3 0 4 5\n3 0 5 1\n3 2 3 7\n3 2 7 6\n3 0 2 6\n3 0 6 4\n3 1 5 7\n3 1 7 3\n"

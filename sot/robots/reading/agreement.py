@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
-from sot.robots.pinocchio_model import placement
+from sot.robots.reading.pinocchio_model import placement
 
 Array = np.ndarray
 
