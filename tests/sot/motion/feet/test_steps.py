@@ -277,7 +277,10 @@ def test_toes_are_turned_in_until_knees_meet(robot):
         for shape in shapes.geometryObjects:
             if shape.name.startswith(("RLEG2", "LLEG2", "RLEG3", "LLEG3")):
                 shape.geometry = coal.Capsule(shape.geometry.radius + more, 2.0 * shape.geometry.halfLength)
-        limits.append(LegReach.of(replace(robot, shapes=shapes)).toe_out_range)
+        results = shapes.createData()
+        pin.computeDistances(robot.model, robot.model.createData(), shapes, results, robot.rest)
+        distances = np.array([result.min_distance for result in results.distanceResults])
+        limits.append(LegReach.of(replace(robot, shapes=shapes, rest_distances=distances)).toe_out_range)
     assert limits[0][0] < limits[1][0] < limits[2][0] <= 0.0
     assert limits[0][1] == limits[1][1] == limits[2][1]
 
