@@ -32,7 +32,7 @@ def leg_length(robot: Robot) -> float:
 
 @lru_cache
 def held_sole(robot: Robot, foot: str) -> Array:
-    """The corners (n, 3), in the foot's frame, of the part of its sole over which the ankle's motors hold the weight [m].
+    """Corners (n, 3), in the foot's frame, of the part of its sole over which the ankle's motors hold the weight [m].
 
     With the weight W at a place r of the sole, a joint about an axis a through o between knee and foot has the torque
     W (a_x (r - o)_y - a_y (r - o)_x).
