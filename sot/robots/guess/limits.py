@@ -22,7 +22,7 @@ EFFORTS = {"hip": 0.3, "knee": 0.4, "ankle": 0.2, "chest": 0.25, "upper arm": 0.
 """Efforts of humanoids of 3 to 95 kg, as shares of weight times leg length, towards their lower end."""
 VELOCITY = 2.0
 """Velocity limit by scale, in √(gravity / leg length)."""
-DAMPED, ROTOR = 0.5, 0.25
+DAMPED, ROTOR = 0.8, 0.5
 """Shares of a motor's effort that damping may take at the velocity guessed, and the rotor's inertia in a reference."""
 
 
@@ -53,7 +53,7 @@ def find_limits(posed: PosedModel, body: Body, points: Points, path: Path) -> tu
     efforts = {j: effort.get(names[j], own_effort[j]) for j in joints}
     damping, armature = ({j: _of_joint(values, posed, j) for j in joints} for values in _losses(posed))
     fastest = VELOCITY * float(np.sqrt(GRAVITY / leg))
-    # At its largest speed a damped motor has no effort left; half of that leaves half of it.
+    # At effort over damping a motor has none left for anything else.
     by_scale = {j: _two_figures(min(fastest, DAMPED * efforts[j] / max(damping[j], SMALL))) for j in joints}
     own = {j: own_velocity.get(name, np.inf) for j, name in names.items()}
     velocity, said_velocity = _filled(

@@ -155,8 +155,8 @@ def test_velocities_come_from_a_urdf_beside_the_model(tmp_path):
 def test_motors_with_damping_and_heavy_rotors_are_not_asked_for_all_of_their_effort(tmp_path):
     text = humanoid().replace('armature="0.02"', 'armature="1" damping="10"')
     content = tomllib.loads(robot_file(guessed(tmp_path, text), tmp_path))
-    assert content["limits"]["velocity"] == 4.0  # 80 N m / 2 / 10
-    assert content["limits"]["acceleration"] == 20.0  # 80 N m / 4 / 1
+    assert content["limits"]["velocity"] == 6.4  # 0.8 · 80 N m / 10
+    assert content["limits"]["acceleration"] == 40.0  # 0.5 · 80 N m / 1
 
 
 @pytest.mark.parametrize(
