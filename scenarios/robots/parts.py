@@ -9,6 +9,7 @@ from scenarios.robots.findings import Finding, Severity
 from scenarios.robots.standing import LEG_JOINTS
 from sot.robots.robot import Robot
 from sot.robots.robot_file import SIDED
+from sot.robots.size import leg_length
 
 STRAIGHT = 0.985  # share of its length beyond which a leg cannot push
 WEAK, USUAL = 0.05, (0.2, 0.6)  # efforts of a leg's joints, as shares of weight times leg length: little, and usual
@@ -45,7 +46,7 @@ def part_findings(robot: Robot) -> Iterator[Finding]:
     yield from _sides(robot, place)
     yield from _groups(robot)
     yield from _legs(robot, place)
-    leg = float(np.linalg.norm(place["left_hip"] - place["left_ankle"]))
+    leg = leg_length(robot)
     strength = robot.mass * GRAVITY * leg
     weak = [
         f"{robot.joints[k]} {robot.effort[k]:g} N m" for k in robot.groups["legs"] if robot.effort[k] < WEAK * strength

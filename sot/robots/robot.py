@@ -123,16 +123,6 @@ class Robot:
         """Total mass [kg]."""
         return pin.computeTotalMass(self.model)
 
-    @property
-    def height(self) -> float:
-        """From the soles to the top of the head, on straight legs [m]."""
-        data = self.model.createData()
-        pin.framesForwardKinematics(self.model, data, self.rest)
-        hip, knee, ankle, top = (
-            data.oMf[self.point(name)].translation for name in ("left_hip", "left_knee", "left_ankle", "head_top")
-        )
-        return float(top[2] - hip[2] + np.linalg.norm(hip - knee) + np.linalg.norm(knee - ankle) + ankle[2])
-
     def point(self, name: str) -> int:
         """Pinocchio frame of an operational point.
 

@@ -60,3 +60,14 @@ def held_sole(robot: Robot, foot: str) -> Array:
         return corners
     vertices = held.vertices
     return np.column_stack([vertices, np.full(len(vertices), corners[:, 2].mean())])
+
+
+def standing_height(robot: Robot) -> float:
+    """From the soles to the top of the head, on straight legs [m]."""
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.rest)
+    hips, ankles = (
+        0.5 * sum(data.oMf[robot.point(f"{side}_{point}")].translation[2] for side in ("left", "right"))
+        for point in ("hip", "ankle")
+    )
+    return float(data.oMf[robot.point("head_top")].translation[2] - hips + leg_length(robot) + ankles)
