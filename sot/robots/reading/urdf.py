@@ -42,12 +42,13 @@ def read_urdf(path: Path, locked: Mapping[str, float], remarks: list[str]) -> tu
     """
     folders = [str(folder) for folder in path.resolve().parents]
     complaints: list[str] = []
+    loader = coal.CachedMeshLoader()  # many files name one mesh twice, to be seen and to collide
     try:
         followers = _followers(path, locked)
         with _complaints_into(complaints):
             model = pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
             geometries: Sequence[pin.GeometryModel] = [
-                pin.buildGeomFromUrdf(model, str(path), kind, package_dirs=folders)
+                pin.buildGeomFromUrdf(model, str(path), kind, package_dirs=folders, mesh_loader=loader)
                 for kind in (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL)
             ]
     except (ValueError, RuntimeError, IndexError, ET.ParseError) as error:
