@@ -33,6 +33,7 @@ COLUMNS: Columns = (
     ("speed", "speed", 1.0, 2),
 )
 JOINTS = "saturated joints"
+NAMED_JOINTS = 4  # that are named, those that saturate most often
 
 
 def robot_pieces(mocap: Path | None, robots: Sequence[str] | None = None) -> list[Piece]:
@@ -80,8 +81,9 @@ def allowed_mm(robot: Robot) -> float:
 
 
 def _more(danced: Dance, report: Mapping[str, Any]) -> dict[str, Any]:
-    joints = report.get("saturated_joints") or ()
-    return {"allowed_mm": allowed_mm(danced.motion.robot), JOINTS: ", ".join(joints)}
+    joints = report["limits"].get("saturated_joints") or {}
+    worst = sorted(joints, key=lambda joint: -joints[joint])[:NAMED_JOINTS]
+    return {"allowed_mm": allowed_mm(danced.motion.robot), JOINTS: ", ".join(worst)}
 
 
 def _succeeded(row: Mapping[str, Any]) -> bool:

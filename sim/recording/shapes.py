@@ -1,10 +1,12 @@
 """The robot's visible shapes, as its model has them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 
+from sim.own_scene import Scene
+from sim.scene import build_model
 from sot.robots.robot import Robot
 
 SHAPE_KINDS = {
@@ -47,6 +49,23 @@ def read_shapes(robot: Robot) -> list[Shape]:
         for geom in range(model.ngeom)
         if model.geom_bodyid[geom] > 0 and model.geom_group[geom] < FIRST_HIDDEN_GROUP
     ]
+
+
+def read_scenery(robot: Robot, scene: Scene) -> list[Shape]:
+    """Visible shapes of a scene that do not move, placed in the world; the floor is not among them."""
+    model = build_model(robot, scene=scene)
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    shapes = []
+    for geom in range(model.ngeom):
+        still = model.body_weldid[model.geom_bodyid[geom]] == 0 and model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE
+        if still and model.geom_group[geom] < FIRST_HIDDEN_GROUP:
+            quaternion = np.empty(4)
+            mujoco.mju_mat2Quat(quaternion, data.geom_xmat[geom])
+            w, x, y, z = quaternion
+            placed = {"position": data.geom_xpos[geom].copy(), "quaternion": np.array([x, y, z, w])}
+            shapes.append(replace(_shape(model, geom), **placed))
+    return shapes
 
 
 def _shape(model: mujoco.MjModel, geom: int) -> Shape:

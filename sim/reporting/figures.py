@@ -16,12 +16,15 @@ from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 
 Figures = dict[str, float | int | None]
+Shares = dict[str, float]
 
 POSE_RATE_HZ = 100.0  # rate at which positions of bodies are compared
 ZMP_INSET_M = 0.010  # least distance of the ZMP from the support's edge that counts as inside
 FOOTFALL_TOLERANCE_M = 0.15  # a footfall within this distance of its place counts as made
 SETTLING_TIME_S = 0.1  # after a planned landing: the foot stands then
 SWITCH_WINDOW_S = 0.06  # before and after a switch of contacts: its ramps
+MOST_NAMED = 6  # joints in a sentence
+AT_LIMIT = 0.999  # of a torque limit: the joint gives all that it can
 SATURATION_RATIO = 0.99  # share of a torque limit from which on a joint counts as saturated
 PUSH_RECOVERY_S = 3.0  # after a push: a robot that still stands then has survived it
 KEY_POINTS = (
@@ -192,6 +195,23 @@ def limits(log: RunLog, robot: Robot) -> Figures:
         "torque_max_excess": _greatest_excess(torque / robot.effort - 1.0),
         "self_collision_min_m": float(distance.min()) if len(distance) else None,
     }
+
+
+def saturated(log: RunLog, robot: Robot) -> tuple[float | None, Shares]:
+    """The share of ticks with a torque at its limit, and that of each joint which ever was, the greatest first."""
+    at_limit = np.abs(log.torque) >= AT_LIMIT * robot.effort
+    shares = at_limit.mean(axis=0) if len(at_limit) else np.zeros(robot.na)
+    joints = {robot.joints[k]: float(shares[k]) for k in np.argsort(-shares, kind="stable") if shares[k] > 0.0}
+    return _mean(at_limit.any(axis=1)), joints
+
+
+def saturation_remark(joints: Shares) -> list[str]:
+    """The sentence that names the joints whose torque was at its limit, if there are any."""
+    if not joints:
+        return []
+    named = [f"{joint} in {100.0 * share:.2g} % of the ticks" for joint, share in list(joints.items())[:MOST_NAMED]]
+    more = f" and {len(joints) - MOST_NAMED} more" if len(joints) > MOST_NAMED else ""
+    return [f"Torques at their limit: {', '.join(named)}{more}."]
 
 
 def solver(log: RunLog) -> Figures:

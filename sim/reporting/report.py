@@ -82,6 +82,7 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
     log = log.trimmed()
     robot = motion.robot
     duration, slid = log.ticks * log.period, slide_figures(log, motion)
+    at_limit, joints_at_limit = figures.saturated(log, robot)
     report = {
         "command": command_line(),
         "seed": info.mismatch.seed,
@@ -112,12 +113,17 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
         "retarget": dict(plan.retarget) if plan else dict.fromkeys(RETARGET_KEYS),
         "steps": figures.steps(log, plan),
         "flights": figures.flights(plan),
-        "remarks": [*robot.remarks, *(plan.remarks if plan else []), *_run_remarks(log)],
+        "remarks": [
+            *robot.remarks,
+            *(plan.remarks if plan else []),
+            *_run_remarks(log),
+            *figures.saturation_remark(joints_at_limit),
+        ],
         "zmp": figures.zmp(log, motion),
         "contacts": figures.contacts(log, robot),
         "slide": worst_of_slides(slid),
         "slides": slid,
-        "limits": figures.limits(log, robot),
+        "limits": figures.limits(log, robot) | {"saturated": at_limit, "saturated_joints": joints_at_limit},
         **figures.effort(log, robot),
         "pushes": figures.pushes(info, duration),
         "mismatch": asdict(info.mismatch),

@@ -210,7 +210,11 @@ class RecoverySchedule(SteppingSchedule):
         outward = (frame.rotation @ self._left[beside])[:2] * (1.0 if foot == self._robot.feet[0] else -1.0)
         inner = max((self._sole_corners(tick, beside) - frame.position[:2]) @ outward)
         inner -= min((self._sole_corners(tick, foot) - swings.position[:2]) @ outward)
-        reach, least, off = self._reach.max_stride, inner + SOLE_CLEARANCE, place - frame.position[:2]
+        reach, least, off = (
+            self._reach.max_stride,
+            inner + SOLE_CLEARANCE * self._reach.leg_length,
+            place - frame.position[:2],
+        )
         off = off + max(0.0, least - off @ outward) * outward
         hip = max(least, self._reach.hip_width) * outward
         return frame.position[:2] + hip + (off - hip) * (reach / max(reach, float(np.linalg.norm(off - hip))))

@@ -1,8 +1,10 @@
 """The plan of a dance, from a human's motion to one that the robot can do: retarget, balance, sample."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import wraps
+from typing import ParamSpec
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +12,14 @@ from numpy.typing import NDArray
 from sot.errors import InputError
 from sot.motion.balance.centroidal import Centroidal
 from sot.motion.balance.rounds import BalanceRounds
-from sot.motion.balance.torques import overloaded_at_rest, overloaded_knots
+from sot.motion.balance.strain import Shortfall, shortfall_remark, shortfalls
+from sot.motion.balance.torques import (
+    Overload,
+    overload_remark,
+    overloaded_at_rest,
+    overloaded_knots,
+    overloads,
+)
 from sot.motion.body.coordinates import to_pinocchio
 from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.body.limits import Limits
@@ -39,10 +48,36 @@ FEET_MODES = ("auto", "steps", "planted")
 PLAN_RATE = 50.0  # knots per second
 MAX_SLOWDOWNS, MAX_FINAL_SLOWDOWNS = 4, 2  # times that a body gets more time, before and after its arms are fitted
 SLOWDOWN_FACTOR, MAX_SLOWNESS = 1.3, 3.0  # by which one slowdown slows, and times slower than the dancer in all
+LOST = 0.1  # leg lengths: a foot that is planned so far off its place makes the robot fall
 LIMB_REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
 BOUNCE_FADE_TIME = 0.5  # s before a slide, in which the hips stop bouncing
 BOUNCE_HZ = 0.5  # slower motion of the hips is no bounce
 CAPTURE_NOISE_HZ = 6.0  # faster motion of a capture is noise
+
+
+Arguments = ParamSpec("Arguments")
+
+
+def _refusing_what_diverges(planner: Callable[Arguments, "Plan"]) -> Callable[Arguments, "Plan"]:
+    """A planner whose plans are finite: a clip for which they are not is refused in one line."""
+
+    @wraps(planner)
+    def planned(*given: Arguments.args, **named: Arguments.kwargs) -> "Plan":
+        try:
+            with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+                found = planner(*given, **named)
+            if np.isfinite(found.motion.q).all() and np.isfinite(found.motion.a).all():
+                return found
+        except np.linalg.LinAlgError:
+            pass
+        human = given[0] if given else named["human"]
+        name = human.name if isinstance(human, Human) else human
+        raise InputError(
+            f"{name}: a motion like it cannot be planned, its numbers grow beyond all bounds: choose another part with"
+            " --start and --duration, or look at the recording"
+        )
+
+    return planned
 
 
 @dataclass(frozen=True)
@@ -60,6 +95,8 @@ class Plan:
         travel: steps and footholds, of feet that may step.
         flights: of the dancer; the robot has a foot on the floor all the time.
         seconds: time that planning took, by step.
+        shortfalls: where the motion's feet or balance are not as planned, in motion time.
+        overloads: joints whose torque would be beyond their effort.
         imitation: the body that looks like the human, joint limits kept, before anything of it is balanced or slowed
             down; coordinates of `sot.motion.body.coordinates` at PLAN_RATE. `sampled_motion` makes one of it, which no
             robot can do.
@@ -75,6 +112,8 @@ class Plan:
     retarget: dict[str, float]
     seconds: dict[str, float]
     imitation: Spline
+    shortfalls: tuple[Shortfall, ...] = ()
+    overloads: tuple[Overload, ...] = ()
 
     @property
     def speed_min(self) -> float:
@@ -85,7 +124,13 @@ class Plan:
     def remarks(self) -> list[str]:
         """What the robot does otherwise than the dancer, a sentence each."""
         told = [one.words for one in self.human.remarks]
-        return [*told, *([flight_remark(self.flights, self.travel is not None)] if self.flights else [])]
+        if self.flights:
+            told.append(flight_remark(self.flights, self.travel is not None))
+        if self.shortfalls:
+            told.append(shortfall_remark(self.shortfalls, lambda t: _clip_time(self.clock, t)))
+        if self.overloads:
+            told.append(overload_remark(self.overloads))
+        return told
 
     @property
     def added_time(self) -> float:
@@ -94,6 +139,7 @@ class Plan:
         return max(0.0, round(added, 9))  # sums of periods: nothing is not always nothing
 
 
+@_refusing_what_diverges
 def plan(
     human: Human,
     robot: Robot,
@@ -118,8 +164,26 @@ def plan(
             the smaller, the more of what the dancer's knees swing is kept, but for while a foot slides.
 
     Raises:
-        InputError: another kind of `feet`, contacts for planted ones, or a slide for others or in too short a clip.
+        InputError: another kind of `feet`, contacts for planted ones, or a slide for others or in too short a clip; or
+            no motion comes near what the clip asks of the feet.
     """
+    try:
+        return _plan(human, robot, feet, rate, contacts, slide, height)
+    except np.linalg.LinAlgError as error:
+        raise InputError(
+            f"no motion of {robot.label} was found for this clip: choose a part of it, or planted feet"
+        ) from error
+
+
+def _plan(
+    human: Human,
+    robot: Robot,
+    feet: str,
+    rate: float,
+    contacts: Sequence[Step] | None,
+    slide: SlideWay | None,
+    height: float | None,
+) -> Plan:
     if feet not in FEET_MODES:
         raise InputError(f"feet '{feet}' are not known: choose one of {', '.join(FEET_MODES)}")
     if contacts is not None and feet == "planted":
@@ -144,9 +208,17 @@ def plan(
     )  # the chest has moved
     course, body_motion = fit.balanced(course, fit.targets(course), body_motion, MAX_FINAL_SLOWDOWNS)
     wanted = fit.targets(course)
-    motion = sampled_motion(robot, body_motion, course.phases, rate)
+    short = shortfalls(robot, course.feet, supports(robot, course.phases), body_motion)
     start, end = round(LEAD_IN_TIME * PLAN_RATE), len(course.clock) - 1 - round(TAIL_TIME * PLAN_RATE)
     span = slice(round(course.clock[start] * PLAN_RATE), round(course.clock[end] * PLAN_RATE) + 1)
+    for one in short:
+        if not one.foot < LOST * fit.build.leg:
+            first, last = (_clip_time(course.clock[start : end + 1], t) for t in (one.start, one.end))
+            raise InputError(
+                f"{robot.label} cannot dance this clip from {first:.1f} to {last:.1f} s: its feet would be "
+                f"{one.foot:.2f} m off their places; choose another part, or planted feet"
+            )
+    motion = sampled_motion(robot, body_motion, course.phases, rate)
     figures = {
         "key_point_rms_m": _key_point_rms(robot, wanted, body_motion, span),
         "frames_per_s": human.count / (retargeted - begun),
@@ -163,7 +235,14 @@ def plan(
         retarget=figures,
         seconds={"retarget": retargeted - begun, "balance": ended - retargeted, "total": ended - begun},
         imitation=imitation,
+        shortfalls=tuple(short),
+        overloads=tuple(overloads(robot, course.phases, body_motion)),
     )
+
+
+def _clip_time(clock: Array, t: float) -> float:
+    """The clip's time when the motion's is t, from the motion's times at the clip's frames `clock` (n,) [s]."""
+    return float(np.interp(t, clock, np.arange(len(clock)) / PLAN_RATE))
 
 
 @dataclass(frozen=True)
@@ -222,7 +301,7 @@ class _Fitter:
 
     def hasty_times(self, course: Course, body_motion: Spline) -> Array:
         """The times (n,) at which a motor has to give more than it can, but would not if the body moved slower [s]."""
-        over = overloaded_knots(self.robot, course.phases, body_motion)
+        over, _ = overloaded_knots(self.robot, course.phases, body_motion)
         knots = np.flatnonzero(over.any(axis=1))
         hasty = over[knots] & ~overloaded_at_rest(self.robot, course.phases, body_motion, knots)
         return body_motion.period * knots[hasty.any(axis=1)].astype(float)

@@ -15,15 +15,16 @@ from sot.motion.balance.centroidal import Centroidal, momentum_maps
 from sot.motion.feet.contacts import Phase
 from sot.motion.feet.support import FORCE_RAMP_TIME
 from sot.robots.robot import Robot
+from sot.robots.size import leg_length
 
 Array = NDArray[np.float64]
 
 RELIED_FRICTION = 0.5 / np.sqrt(2.0)  # coefficient of the pyramid inside the friction cone that a plan relies upon
-SOLE_EDGE = 0.004  # m of a sole's edge that a plan does not rely upon
+SOLE_EDGE = 0.0067  # leg lengths, of a sole's edge that a plan does not rely upon
 USED_FRICTION_SHARE = 0.9  # of the friction moment that a plan may use
 LOAD_RANGE = 0.6, 1.5  # of the weight, least and greatest load on the floor
-MOMENT_WEIGHT = 1.0 / 3.0  # 1/(N m), of the moment beyond friction
-LOAD_WEIGHT = 1.0 / 25.0  # 1/N, of the load beyond its range
+ACCEPTED_MOMENT = 0.0088  # weights times leg lengths, beyond friction
+ACCEPTED_LOAD = 0.044  # weights, beyond the range
 
 
 class Grip:
@@ -35,6 +36,9 @@ class Grip:
         robot: who moves.
         phases: which foot stands where, when.
         times: (T,) of the knots [s].
+
+    Attributes:
+        weights: (2,) of a moment [1/(N m)] and of a load [1/N] that is too much.
     """
 
     def __init__(self, robot: Robot, phases: Sequence[Phase], times: Array):
@@ -44,9 +48,11 @@ class Grip:
             if len(phase.feet) == 1:
                 ((foot, pose),) = phase.feet.items()
                 corners = robot.sole(foot)
-                half = 0.5 * np.ptp(corners, axis=0)[:2] - SOLE_EDGE
+                half = 0.5 * np.ptp(corners, axis=0)[:2] - SOLE_EDGE * leg_length(robot)
                 knots = np.flatnonzero((times > phase.start - FORCE_RAMP_TIME) & (times < phase.end + FORCE_RAMP_TIME))
                 self._alone.append((knots, pose.rotation, pose.act(corners.mean(axis=0)), half))
+        weight = robot.mass * GRAVITY
+        self.weights = 1.0 / (weight * np.array([ACCEPTED_MOMENT * leg_length(robot), ACCEPTED_LOAD]))
         self._asked = np.zeros((len(times), 2), bool)
 
     def excess(self, y: Array, state: Centroidal, first: int = 0) -> tuple[Array, Array]:
@@ -64,13 +70,13 @@ class Grip:
                 moment[:, 2], USED_FRICTION_SHARE * least, USED_FRICTION_SHARE * most
             )
         load = force[:, 2] - np.clip(force[:, 2], LOAD_RANGE[0] * mass * GRAVITY, LOAD_RANGE[1] * mass * GRAVITY)
-        errors = np.column_stack([MOMENT_WEIGHT * turning, LOAD_WEIGHT * load])
+        errors = self.weights * np.column_stack([turning, load])
         asked = self._asked[first : first + len(y)]
         asked |= errors != 0.0
         J = np.zeros((*errors.shape, y.shape[1]))
         used = np.flatnonzero(asked.any(axis=1))
         if len(used):
-            maps = momentum_maps(self._robot, y[used])[:, [5, 2]] * np.array([MOMENT_WEIGHT, LOAD_WEIGHT])[:, None]
+            maps = momentum_maps(self._robot, y[used])[:, [5, 2]] * self.weights[:, None]
             J[used] = maps * asked[used, :, None]
         return errors, J
 

@@ -32,11 +32,11 @@ WINDOW_ITERATIONS = 2  # rounds of a window, before what is not settled is cut i
 WINDOW_ATTEMPTS = 3  # times that it is cut into windows
 WINDOW_OVERLAP_S = 1.2  # before and after what is not settled, that may give way: four time constants of a pendulum
 RELAXATION = 0.75  # of the way from what a round was planned on to what came of it: a full step oscillates
-ZMP_TOLERANCE = 0.005  # m, of the ZMP off its plan: less ends the rounds
+ZMP_TOLERANCE = 0.0083  # leg lengths, of the ZMP off its plan: less ends the rounds
 MAX_STRAINED_SHARE_LEFT = (
     0.5  # of the strained knots, that two rounds may leave: if more are left, further rounds do not help
 )
-ZMP_TOLERANCE_STEPPING = 0.04  # m, of the ZMP off its plan where feet step and nothing is strained
+ZMP_TOLERANCE_STEPPING = 0.0666  # leg lengths, of the ZMP off its plan where feet step and nothing is strained
 
 
 class BalanceRounds:
@@ -167,7 +167,7 @@ class BalanceRounds:
 
     def _round(self, part: slice) -> Flags:
         """Plans and fits a part of the knots once; returns which of them (n,) are not settled by it."""
-        robot, period = self._robot, self.body_motion.period
+        robot, period, leg = self._robot, self.body_motion.period, self._build.leg
         if self._lowers:
             self._lower_hips(part)
         zmp = self._plan_com_and_zmp(part)
@@ -187,12 +187,12 @@ class BalanceRounds:
         self._asked[part] = self._asked[part].toward(state, RELAXATION)
         off = np.abs(state.zmp() - zmp).max(axis=1)
         if not self._steps:
-            self._strain[part] = np.maximum(off - ZMP_TOLERANCE, 0.0)
-            return off > ZMP_TOLERANCE
+            self._strain[part] = np.maximum(off - leg * ZMP_TOLERANCE, 0.0)
+            return off > leg * ZMP_TOLERANCE
         self._strain[part] = strain(robot, self._feet, self._supports, self.body_motion, state, part)
-        if off.max() <= ZMP_TOLERANCE:
+        if off.max() <= leg * ZMP_TOLERANCE:
             return np.zeros(len(off), bool)
-        return (self._strain[part] > 0.0) | (off > ZMP_TOLERANCE_STEPPING)
+        return (self._strain[part] > 0.0) | (off > leg * ZMP_TOLERANCE_STEPPING)
 
     def _body_targets(self) -> Targets:
         """The body's targets, with hips as low as legs have to reach."""

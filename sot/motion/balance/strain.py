@@ -1,6 +1,6 @@
 """What a planned body motion falls short of: feet off their paths, and a zero moment point off the support."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,11 +14,13 @@ from sot.motion.body.spline import Spline
 from sot.motion.feet.support import Support
 from sot.motion.feet.swing import FootPath
 from sot.robots.robot import Robot
+from sot.robots.size import leg_length
 
 Array = NDArray[np.float64]
 
-MIN_ZMP_MARGIN = 0.01  # m, from the ZMP to the edge of the support, for longer than an instant
-MAX_FOOT_ERROR = 0.002  # m, of a foot off its path
+MIN_ZMP_MARGIN = 0.0166  # leg lengths, from the ZMP to the edge of the support, for longer than an instant
+MAX_FOOT_ERROR = 0.0033  # leg lengths, of a foot off its path
+MOST_NAMED = 4  # stretches in a sentence
 JOINED = 0.5  # s: what falls short twice within that time does so once
 
 
@@ -38,6 +40,21 @@ class Shortfall:
     zmp: float
 
 
+def shortfall_remark(found: Sequence[Shortfall], clip_time: Callable[[float], float]) -> str:
+    """The sentence that says where a plan falls short, and by how much: some stretches, one at least.
+
+    clip_time: from the motion's time to the clip's [s].
+    """
+    where = [f"{clip_time(short.start):.1f} to {clip_time(short.end):.1f} s" for short in found[:MOST_NAMED]]
+    more = f" and {len(found) - MOST_NAMED} times more" if len(found) > MOST_NAMED else ""
+    foot, zmp = (1e3 * max(values) for values in ([s.foot for s in found], [s.zmp for s in found]))
+    off = [f"its feet are up to {foot:.0f} mm off their places"] if foot >= 1.0 else []
+    outside = [f"its balance is up to {zmp:.0f} mm outside the soles"] if zmp > 0.0 else []
+    return (
+        f"The robot cannot do all of the clip from {', '.join(where)}{more}: {' and '.join(off + outside)} in the plan."
+    )
+
+
 def strain(
     robot: Robot,
     feet: Mapping[str, FootPath],
@@ -54,10 +71,11 @@ def strain(
     state: its own at the knots of the part.
     """
     margin = _zmp_margins(robot, where, body_motion, state, part)
-    near = np.pad(margin < MIN_ZMP_MARGIN, 1)
+    most, least = MAX_FOOT_ERROR * leg_length(robot), MIN_ZMP_MARGIN * leg_length(robot)
+    near = np.pad(margin < least, 1)
     outside = (margin < 0.0) | (near[1:-1] & (near[:-2] | near[2:]))
-    beyond = _of_knots(np.where(outside, MIN_ZMP_MARGIN - margin, 0.0))
-    return np.maximum(beyond, _foot_errors(robot, feet, body_motion, part) - MAX_FOOT_ERROR)
+    beyond = _of_knots(np.where(outside, least - margin, 0.0))
+    return np.maximum(beyond, _foot_errors(robot, feet, body_motion, part) - most)
 
 
 def shortfalls(
@@ -68,7 +86,7 @@ def shortfalls(
     state = centroidal_state(body_motion, robot)
     outside = np.maximum(_of_knots(-_zmp_margins(robot, where, body_motion, state, everything)), 0.0)
     off = _foot_errors(robot, feet, body_motion, everything)
-    short = np.pad((off > MAX_FOOT_ERROR) | (outside > 0.0), 1)
+    short = np.pad((off > MAX_FOOT_ERROR * leg_length(robot)) | (outside > 0.0), 1)
     joined = binary_closing(short, iterations=round(0.5 * JOINED / period)) | short
     edges = np.flatnonzero(np.diff(joined.astype(np.int8))).reshape(-1, 2).tolist()
     return [

@@ -1,6 +1,7 @@
 """The torques that a planned motion needs: inverse dynamics, the floor's forces shared by the feet that stand."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
@@ -16,6 +17,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 Flags = NDArray[np.bool_]
 
+MOST_NAMED = 6  # joints in a sentence
 PIVOT = 0.05  # m: a moment on a foot costs as much as a force at that distance
 LONG = 3  # knots in a row: a torque beyond its limit for less is left to the controller
 
@@ -42,17 +44,46 @@ def planned_torques(robot: Robot, phases: Sequence[Phase], times: Array, q: Arra
     return torques + robot.damping * v[:, 6:] + robot.friction * np.sign(v[:, 6:])
 
 
-def overloaded_knots(robot: Robot, phases: Sequence[Phase], body_motion: Spline) -> Flags:
-    """Flags (T, na) of the knots and joints of a body motion whose torque is beyond the joint's effort for long."""
+def overloaded_knots(robot: Robot, phases: Sequence[Phase], body_motion: Spline) -> tuple[Flags, Array]:
+    """Flags (T, na) of the knots and joints of a body motion whose torque is beyond the joint's effort for long, and
+    the ratios (T, na) of torque and effort."""
     times: Array = body_motion.period * np.arange(len(body_motion.knots), dtype=float)
     motion = to_pinocchio(body_motion.knots, body_motion.velocities, body_motion.accelerations)
-    over = np.abs(planned_torques(robot, phases, times, *motion)) > robot.effort
-    long = binary_opening(over, np.ones((LONG, 1)))
-    return np.asarray(long, dtype=bool)
+    ratio = np.abs(planned_torques(robot, phases, times, *motion)) / robot.effort
+    return np.asarray(binary_opening(ratio > 1.0, np.ones((LONG, 1))), dtype=bool), ratio
+
+
+@dataclass(frozen=True)
+class Overload:
+    """A joint whose planned torque is beyond its effort for long: the greatest ratio of both, and the share of time."""
+
+    joint: str
+    ratio: float
+    share: float
+
+
+def overloads(robot: Robot, phases: Sequence[Phase], body_motion: Spline) -> list[Overload]:
+    """The joints that a body motion overloads, the greatest share of time first."""
+    over, ratio = overloaded_knots(robot, phases, body_motion)
+    share = over.mean(axis=0)
+    return [
+        Overload(robot.joints[k], float(ratio[over[:, k], k].max()), float(share[k]))
+        for k in np.argsort(-share, kind="stable")
+        if share[k] > 0.0
+    ]
+
+
+def overload_remark(found: Sequence[Overload]) -> str:
+    """The sentence that names the joints that a plan overloads, one at least."""
+    named = [
+        f"{one.joint} {one.ratio:.2g} times in {100.0 * one.share:.2g} % of the time" for one in found[:MOST_NAMED]
+    ]
+    more = f" and {len(found) - MOST_NAMED} more" if len(found) > MOST_NAMED else ""
+    return f"The plan asks motors for more than their effort, even where it is slower: {', '.join(named)}{more}."
 
 
 def overloaded_at_rest(robot: Robot, phases: Sequence[Phase], body_motion: Spline, knots: Indices) -> Flags:
-    """Flags (n, na) of the joints whose torque exceeds their effort even if the body holds still at some knots (n,)."""
+    """Flags (n, na) of the joints that some knots (n,) overload even where the body holds still."""
     q, still = to_pinocchio(*3 * (body_motion.knots[knots],))[0], np.zeros((len(knots), robot.nv))
     times: Array = body_motion.period * knots.astype(float)
     torques = planned_torques(robot, phases, times, q, still, still)

@@ -15,16 +15,17 @@ from sot.motion.feet.support import ZMP_INSET
 from sot.motion.human.human import SIDES
 from sot.robots.leg_range import EDGES, HEIGHTS, MAX_EXTENSION, directions, flat_foot_distances, normals, support_values
 from sot.robots.robot import Robot
+from sot.robots.size import leg_length
 
 Array = NDArray[np.float64]
 
 MAX_SHIFT = 0.1  # leg lengths, from a foot to the body that it carries alone, where a step begins and ends
-SOLE_CLEARANCE = 0.02  # m between the soles
+SOLE_CLEARANCE = 0.0333  # leg lengths between the soles
 TOE_OUT_SHARE = 0.8  # of the range of both hips' yaw that the feet may use
 SWING_SPEED_SHARE = 0.5  # of the joints' speed limit, in the mean of a swing, which starts and ends at rest
 TURN_SPEED_SHARE = 0.75  # of the hip's speed limit, in the mean of a turn: the pelvis turns as well
 MIN_PATH_SCALE = 0.25  # of the dancer's path in the robot's size: the shortest that a piece is scaled to
-MAX_FOOTHOLD_OFFSET = 0.13  # m, from the dancer's to the robot's: farther, its price changes
+MAX_FOOTHOLD_OFFSET = 0.216  # leg lengths, from the dancer's to the robot's: farther, its price changes
 FOOTHOLD_PRICE_FACTOR = 4.0  # by which the price of a foothold that is too far off rises at a time
 MAX_FOOTHOLD_PRICE = 64.0  # to which it rises
 GIVEN_UP_FOOTHOLD_PRICE = 0.05  # of a foothold that stays too far off at MAX_FOOTHOLD_PRICE
@@ -71,14 +72,10 @@ class LegReach:
         def place(point: str) -> Array:
             return data.oMf[robot.point(point)].translation
 
-        def length(side: str) -> float:
-            hip, knee, ankle = (place(f"{side}_{point}") for point in ("hip", "knee", "ankle"))
-            return float(np.linalg.norm(hip - knee) + np.linalg.norm(knee - ankle))
-
         def yaw(side: str) -> int:
             return max(robot.groups[f"{side}_leg"], key=lambda joint: abs(data.J[5, 6 + joint]))
 
-        leg = float(np.mean([length(side) for side in SIDES]))
+        leg = leg_length(robot)
         lower, upper = [], []
         for side, outward in zip(SIDES, (1.0, -1.0), strict=True):
             joint = yaw(side)
@@ -98,7 +95,7 @@ class LegReach:
             max_stride=float(2.0 * leg * np.sqrt(MAX_EXTENSION**2 - HEIGHTS[-1] ** 2)),
             standing={foot: support_values(rows[-1]) for foot, rows in distances.items()},
             carrying={foot: support_values(rows.max(axis=0)) for foot, rows in distances.items()},
-            carried_beside=max(0.0, min(-left[:, 1].min(), right[:, 1].max()) - ZMP_INSET[1]),
+            carried_beside=max(0.0, min(-left[:, 1].min(), right[:, 1].max()) - ZMP_INSET[1] * leg),
             toe_out_range=(TOE_OUT_SHARE * sum(lower), TOE_OUT_SHARE * sum(upper)),
             swing_speed=SWING_SPEED_SHARE * float(np.median(rates)) * leg,
             turn_speed=TURN_SPEED_SHARE * min(float(robot.velocity[yaw(side)]) for side in SIDES),
@@ -226,7 +223,7 @@ def reachable_footholds(
         H = sp.block_diag([sp.diags_array(np.repeat(value, 2)), stiffness], format="csr") / UNIT_COST_MOVE**2
         change, scale = np.split(sparse_qp(H, limits, lower, upper, QP_TOLERANCE).x, [spots])
         off = np.linalg.norm(change.reshape(-1, 2), axis=1)
-        far = (off > MAX_FOOTHOLD_OFFSET) & (value > GIVEN_UP_FOOTHOLD_PRICE)
+        far = (off > MAX_FOOTHOLD_OFFSET * reach.leg_length) & (value > GIVEN_UP_FOOTHOLD_PRICE)
         if not far.any():
             break
         if value[far].max() < MAX_FOOTHOLD_PRICE:
@@ -314,7 +311,7 @@ def min_ankle_separation(yaws: tuple[float, float], reach: LegReach, across: Arr
         cosine, sine = np.cos(yaw), np.sin(yaw)
         corners = reach.soles[foot] @ np.array([[cosine, sine], [-sine, cosine]])
         extents.append(float((corners @ way).max()))
-    return sum(extents) + SOLE_CLEARANCE
+    return sum(extents) + SOLE_CLEARANCE * reach.leg_length
 
 
 class _FootholdIndex:

@@ -13,8 +13,10 @@ Array = NDArray[np.float64]
 
 PATH_HZ = 0.5  # slower motion of the waist is a path through the room, faster is dancing on the spot
 PIECE_TIME = 0.5  # s, length of a piece
-SHORTENING_PRICE = 0.15  # m: a foothold so far off costs as much as one piece scaled to zero
-UNEVENNESS_PRICE = 0.10  # m: a foothold so far off costs as much as one piece scaled to zero beside one at full scale
+SHORTENING_PRICE = 0.25  # leg lengths: a foothold so far off costs as much as one piece scaled to zero
+UNEVENNESS_PRICE = (
+    0.166  # leg lengths: a foothold so far off costs as much as a piece scaled to zero beside one that is not
+)
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,8 @@ class ScalablePath:
         moved = np.diff(at, axis=0)[:, :, None] * share[:, None, :]
         carry = np.concatenate([np.zeros((1, 2, count)), np.cumsum(moved, axis=0)])
         uneven = np.diff(np.eye(count), axis=0)
-        return ScalablePath(carry, SHORTENING_PRICE**2 * np.eye(count) + UNEVENNESS_PRICE**2 * uneven.T @ uneven)
+        stiffness = SHORTENING_PRICE**2 * np.eye(count) + UNEVENNESS_PRICE**2 * uneven.T @ uneven
+        return ScalablePath(carry, human.leg**2 * stiffness)
 
     def carry_at(self, stances: Sequence[NDArray[np.int_]]) -> Array:
         """The mean of `carry` over the frames of each of n stances, (n, 2, K) [m]."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from sot.motion.human.human import SIDES, Human
 from sot.robots.robot import Robot
+from sot.robots.size import leg_length
 from sot.smooth import low_passed
 
 Array = NDArray[np.float64]
@@ -54,7 +55,7 @@ class Build:
 
         hips = np.mean([place(f"{side}_hip") for side in SIDES], axis=0)
         return Build(
-            leg=float(np.mean([length(*(f"{side}_{p}" for p in ("hip", "knee", "ankle"))) for side in SIDES])),
+            leg=leg_length(robot),
             arm=float(np.mean([length(*(f"{side}_{p}" for p in ("shoulder", "elbow", "wrist"))) for side in SIDES])),
             breadth=length("left_shoulder", "right_shoulder"),
             hips=data.oMf[robot.point("waist")].actInv(hips),

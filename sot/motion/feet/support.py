@@ -1,25 +1,35 @@
 """The support polygon over time: where the zero moment point may be, over the feet that carry."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sot.motion.feet.contacts import Phase
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
+from sot.robots.size import held_sole, leg_length
 
-ZMP_INSET = (0.04, 0.025)  # m along and across the feet, from the edge to the planned ZMP: room for feedback
+Array = NDArray[np.float64]
+
+ZMP_INSET = (0.0666, 0.0416)  # leg lengths along and across the feet, from the edge to the planned ZMP: for feedback
 MIN_LOAD_SHARE = 0.12  # of the weight, least load of a standing foot once the load has been transferred
-ZMP_INSET_SLIDING = (0.04, 0.045)  # m, the same while a foot slides: its load, far from the other, is never steady
+ZMP_INSET_SLIDING = (
+    0.0666,
+    0.0749,
+)  # leg lengths, the same while a foot slides: its load is never steady
 FORCE_RAMP_TIME = 0.04  # s after a foot lands, and before it lifts off, in which it is not counted on to carry
 LOAD_TRANSFER_TIME = 0.12  # s after and before a change of support in which a foot may carry next to nothing
 
 
 @dataclass(frozen=True)
 class Support:
-    """The support from `start` on [s]: the polygon of the soles, and its `inset`, which a plan may use."""
+    """The support from `start` on [s]: the polygon of the soles, and its `inset`, which a plan may use.
+
+    The inset is where the ankles' motors hold the weight, too.
+    """
 
     start: float
     polygon: Polygon
@@ -57,23 +67,36 @@ def supports(robot: Robot, phases: Sequence[Phase]) -> tuple[Support, ...]:
 
 
 def _support(robot: Robot, phase: Phase, start: float, share: float) -> Support:
-    polygon = loaded_polygon(robot, phase, share)
+    polygon = loaded_polygon(robot.soles, phase, share)
     forward = np.sum([pose.rotation[:2, 0] for pose in phase.feet.values()], axis=0)
-    inset = ZMP_INSET_SLIDING if phase.sliding else ZMP_INSET
-    return Support(start, polygon, polygon.shrunk(*inset, heading=float(np.arctan2(forward[1], forward[0]))))
+    inset = polygon.shrunk(*zmp_inset(robot, phase), heading=float(np.arctan2(forward[1], forward[0])))
+    soles = {foot: held_sole(robot, foot) for foot in phase.feet}
+    if any(soles[foot] is not robot.sole(foot) for foot in phase.feet):
+        held = loaded_polygon(soles, phase, share)
+        both = Polygon(np.vstack([inset.normals, held.normals]), np.concatenate([inset.offsets, held.offsets]))
+        inset = both if len(both.vertices) else held
+    return Support(start, polygon, inset)
 
 
-def loaded_polygon(robot: Robot, phase: Phase, share: float) -> Polygon:
+def zmp_inset(robot: Robot, phase: Phase) -> tuple[float, float]:
+    """How far along and across the feet a planned ZMP keeps from the edges of the support of a phase [m]."""
+    along, across = ZMP_INSET_SLIDING if phase.sliding else ZMP_INSET
+    return along * leg_length(robot), across * leg_length(robot)
+
+
+def loaded_polygon(soles: Mapping[str, Array], phase: Phase, share: float) -> Polygon:
     """The polygon of ZMPs with which every standing foot carries at least a share of the weight.
 
     A foot that carries next to nothing slides and tilts under the least moment: standing, it should stand.
+
+    soles: foot -> corners (nc, 3) in its frame [m].
     """
-    soles = [np.array([pose.act(corner)[:2] for corner in robot.sole(foot)]) for foot, pose in phase.feet.items()]
-    most = 1.0 - share * (len(soles) - 1)
+    placed = [np.array([pose.act(corner)[:2] for corner in soles[foot]]) for foot, pose in phase.feet.items()]
+    most = 1.0 - share * (len(placed) - 1)
     corners = []
-    for heavy in range(len(soles)):
+    for heavy in range(len(placed)):
         points = np.zeros((1, 2))
-        for foot, sole in enumerate(soles):
+        for foot, sole in enumerate(placed):
             part = (most if foot == heavy else share) * sole
             points = (points[:, None] + part[None]).reshape(-1, 2)
         corners.append(points)

@@ -53,6 +53,7 @@ def find_limits(posed: PosedModel, body: Body, points: Points, path: Path) -> tu
     efforts = {j: effort.get(names[j], own_effort[j]) for j in joints}
     damping, armature = ({j: _of_joint(values, posed, j) for j in joints} for values in _losses(posed))
     fastest = VELOCITY * float(np.sqrt(GRAVITY / leg))
+    # At its largest speed a damped motor has no effort left; half of that leaves half of it.
     by_scale = {j: _two_figures(min(fastest, DAMPED * efforts[j] / max(damping[j], SMALL))) for j in joints}
     own = {j: own_velocity.get(name, np.inf) for j, name in names.items()}
     velocity, said_velocity = _filled(
@@ -65,8 +66,9 @@ def find_limits(posed: PosedModel, body: Body, points: Points, path: Path) -> tu
     said = [*said_effort, *said_velocity]
     if slow:
         low, high = (f(acceleration[name] for name in slow) for f in (min, max))
+        values = f"{low:g}" if low == high else f"{low:g} to {high:g}"
         why = f"more would take over {100 * ROTOR:.0f} % of the effort for the rotors' inertia"
-        said.append(Evidence("acceleration", f"{low:g} to {high:g} rad/s² of {len(slow)} joints", why, Sureness.LIKELY))
+        said.append(Evidence("acceleration", f"{values} rad/s² of {len(slow)} joints", why, Sureness.LIKELY))
     return Limits(effort, velocity, acceleration), said
 
 
@@ -94,7 +96,7 @@ def _filled(
         low, high = min(guessed.values()), max(guessed.values())
         which = "all joints" if len(guessed) == len(names) else ", ".join(guessed)
         values = f"{low:g} {unit}" if low == high else f"{low:g} to {high:g} {unit}"
-        why = "by scale, since the model has none: look them up in the maker's data"
+        why = "by scale and damping, since the model has none: look them up in the maker's data"
         said.append(Evidence(f"{kind} limits", f"{values} for {which}", why, Sureness.UNSURE))
     return found | guessed, said
 

@@ -80,6 +80,7 @@ def test_has_the_agreed_keys(motion, log):
     }
     assert set(made["limits"]) == {
         *("position_max_excess_rad", "velocity_max_excess", "torque_max_excess", "self_collision_min_m"),
+        *("saturated", "saturated_joints"),
     }
 
 
@@ -210,6 +211,22 @@ def test_effort(motion, log):
     assert spent["power_w"] == pytest.approx(60.0)
     assert spent["torque_saturated"] == pytest.approx(40 / log.ticks)
     assert spent["torque_rms_nm"] == pytest.approx(np.sqrt(np.mean(log.torque**2)))
+
+
+def test_saturated_joints_are_named(motion, log):
+    robot = motion.robot
+    log.torque[:40, 3] = -robot.effort[3]
+    log.torque[20:80, 7] = 0.9995 * robot.effort[7]
+    log.torque[:, 2] = 0.99 * robot.effort[2]
+    at_limit, joints = figures.saturated(log, robot)
+    assert at_limit == pytest.approx(80 / log.ticks)
+    assert list(joints.items()) == [
+        (robot.joints[7], pytest.approx(60 / log.ticks)),
+        (robot.joints[3], pytest.approx(40 / log.ticks)),
+    ]
+    (said,) = figures.saturation_remark(joints)
+    assert robot.joints[7] in said and robot.joints[3] in said and robot.joints[2] not in said
+    assert figures.saturation_remark({}) == []
 
 
 def test_pushes_survived_and_not():

@@ -73,7 +73,7 @@ def test_a_step_leaves_what_diverges_inside_the_new_support(robot, motion, headi
     xi = tick.com[:2] + tick.com_velocity[:2] / rate
     assert Polygon.hull(np.vstack(list(soles.values()))).margin(xi) < 0.0
     alone = Polygon.hull(next(sole for name, sole in soles.items() if name != foot))
-    z = alone.inset(0.01).nearest(xi)
+    z = alone.inset(0.01).nearest_point(xi)
     xi = z + np.exp(rate * (way.land - PERIOD + 0.04)) * (xi - z)  # when the foot carries
     soles[foot] += moved
     assert Polygon.hull(np.vstack(list(soles.values()))).margin(xi) > 0.02
@@ -87,6 +87,7 @@ def test_the_foot_that_steps_is_one_that_the_other_lets_go(robot, motion):
 
 def test_legs_neither_cross_nor_reach_too_far(robot, motion):
     reach, steps = LegReach.of(robot), 0
+    clearance = SOLE_CLEARANCE * reach.leg_length
     width = robot.sole("right_foot")[:, 1].max() - robot.sole("left_foot")[:, 1].min()  # of the inner halves
     for heading in np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False):
         for speed in (0.6, 0.9):
@@ -94,9 +95,9 @@ def test_legs_neither_cross_nor_reach_too_far(robot, motion):
             for foot, way in ways(stack).items():
                 beside, side = ("right_foot", 1.0) if foot == "left_foot" else ("left_foot", -1.0)
                 off = way.landing_place - moving(robot, stack, (0.0, 0.0)).frame(beside).position[:2]
-                assert side * off[1] > width + SOLE_CLEARANCE - 1e-6
+                assert side * off[1] > width + clearance - 1e-6
                 assert (
-                    np.linalg.norm(off - (0.0, side * max(reach.hip_width, width + SOLE_CLEARANCE)))
+                    np.linalg.norm(off - (0.0, side * max(reach.hip_width, width + clearance)))
                     < reach.max_stride + 1e-6
                 )
                 steps += 1

@@ -4,7 +4,7 @@ import pytest
 from scipy.optimize import linprog
 
 from sot.motion.balance.centroidal import Centroidal, momentum_maps
-from sot.motion.balance.grip import MOMENT_WEIGHT, RELIED_FRICTION, USED_FRICTION_SHARE, Grip, yaw_moment_range
+from sot.motion.balance.grip import RELIED_FRICTION, USED_FRICTION_SHARE, Grip, yaw_moment_range
 from sot.motion.body.coordinates import from_configuration, to_pinocchio
 from sot.motion.body.spline import Spline
 from sot.motion.feet.contacts import Phase, planted_phases
@@ -71,7 +71,8 @@ def test_what_a_foot_cannot_hold_is_told_with_the_accelerations_that_change_it(r
     times = PERIOD * np.arange(60)
     y, state = twist.knots, centroidal(robot, twist)
     assert not Grip(robot, [both], times).excess(y, state)[0][:, 0].any()
-    errors, jacobians = Grip(robot, [alone], times).excess(y, state)
+    grip = Grip(robot, [alone], times)
+    errors, jacobians = grip.excess(y, state)
     over = np.flatnonzero(errors[:, 0])
     assert len(over) and len(over) < 60
     np.testing.assert_array_equal(np.flatnonzero(jacobians[:, 0].any(axis=1)), over)
@@ -83,5 +84,5 @@ def test_what_a_foot_cannot_hold_is_told_with_the_accelerations_that_change_it(r
     accelerations[k] -= J * errors[k, 0] / (J @ J)
     mended = Centroidal.along(robot, *to_pinocchio(y, twist.velocities, accelerations))
     before, after = (s.rate[k, 5] for s in (state, mended))
-    assert MOMENT_WEIGHT * (before - after) == pytest.approx(errors[k, 0], rel=1e-6)
+    assert grip.weights[0] * (before - after) == pytest.approx(errors[k, 0], rel=1e-6)
     assert USED_FRICTION_SHARE < 1.0

@@ -7,7 +7,7 @@ from sot.motion.balance.programme import plan_balance
 from sot.motion.body.coordinates import from_configuration, to_pinocchio
 from sot.motion.body.spline import Spline
 from sot.motion.feet.contacts import Phase, phase_indices, planted_phases, support_polygon
-from sot.motion.feet.support import ZMP_INSET, Support
+from sot.motion.feet.support import Support, zmp_inset
 from sot.robots.robot import Robot
 
 PERIOD = 0.02
@@ -47,9 +47,11 @@ def test_plan_keeps_the_zmp_inside_and_ends_at_rest_over_the_middle(robot, dance
     phases = planted_phases(robot, 4.0)
     polygon = support_polygon(robot, phases[0])
     assert polygon.margin(motion.zmp()).min() < 0.0
-    plan = plan_balance(motion, motion.com[:, :2], [Support(0.0, polygon, polygon.shrunk(*ZMP_INSET))], PERIOD)
+    plan = plan_balance(
+        motion, motion.com[:, :2], [Support(0.0, polygon, polygon.shrunk(*zmp_inset(robot, phases[0])))], PERIOD
+    )
     assert plan.excursion < 1e-5
-    assert polygon.shrunk(*ZMP_INSET).margin(plan.zmp).min() > -1e-5
+    assert polygon.shrunk(*zmp_inset(robot, phases[0])).margin(plan.zmp).min() > -1e-5
     height, offset = motion.pendulum()
     np.testing.assert_allclose(plan.zmp, plan.com.knots - height[:, None] * plan.com.accelerations + offset)
     np.testing.assert_allclose(plan.com.knots[0], motion.com[0, :2], atol=1e-5)
@@ -67,8 +69,10 @@ def test_plan_leaves_the_inset_only_where_it_must(robot):
     motion = Centroidal(com, np.zeros((length, 6)), rate, robot.mass)
     phases = planted_phases(robot, length * PERIOD)
     polygon = support_polygon(robot, phases[0])
-    plan = plan_balance(motion, com[:, :2], [Support(0.0, polygon, polygon.shrunk(*ZMP_INSET))], PERIOD)
-    outside = polygon.shrunk(*ZMP_INSET).margin(plan.zmp) < -1e-5
+    plan = plan_balance(
+        motion, com[:, :2], [Support(0.0, polygon, polygon.shrunk(*zmp_inset(robot, phases[0])))], PERIOD
+    )
+    outside = polygon.shrunk(*zmp_inset(robot, phases[0])).margin(plan.zmp) < -1e-5
     assert plan.excursion > 0.01
     assert outside[0] and not outside[10:].any()
 

@@ -10,6 +10,7 @@ from sot.motion.feet.slides import REST_TIME, Slide, find_slide, paths_with_slid
 from sot.motion.feet.support import ZMP_INSET_SLIDING, supports
 from sot.motion.feet.swing import standing_paths
 from sot.robots.robot import Robot, shipped_robot_names
+from sot.robots.size import leg_length
 
 RATE = 50.0
 SECONDS = 40.0
@@ -102,4 +103,4 @@ def test_beside_a_slide_the_zmp_is_planned_further_inside(robot, phases):
     where = supports(robot, made)
     alone = next(support for support in where if 5.0 <= support.start < 11.0 or abs(support.start - 5.0) < 0.1)
     margins = alone.polygon.margin(alone.inset.vertices)
-    assert margins.min() >= min(ZMP_INSET_SLIDING) - 1e-9
+    assert margins.min() >= min(ZMP_INSET_SLIDING) * leg_length(robot) - 1e-9

@@ -182,7 +182,10 @@ def test_a_path_is_scaled_where_its_strides_are_too_long(robot):
     assert scales[0] > 0.9 and scales[1] < 0.5
     for foot, pieces in ahead.items():
         for stand, piece in zip(found[foot], pieces, strict=True):
-            assert np.hypot(stand.x - scales @ piece, stand.y - across[foot]) < MAX_FOOTHOLD_OFFSET + 1e-6
+            assert (
+                np.hypot(stand.x - scales @ piece, stand.y - across[foot])
+                < MAX_FOOTHOLD_OFFSET * reach.leg_length + 1e-6
+            )
 
 
 def test_of_two_feet_that_want_each_others_place_one_gets_it(robot):
@@ -274,7 +277,10 @@ def test_toes_are_turned_in_until_knees_meet(robot):
         for shape in shapes.geometryObjects:
             if shape.name.startswith(("RLEG2", "LLEG2", "RLEG3", "LLEG3")):
                 shape.geometry = coal.Capsule(shape.geometry.radius + more, 2.0 * shape.geometry.halfLength)
-        limits.append(LegReach.of(replace(robot, shapes=shapes)).toe_out_range)
+        results = shapes.createData()
+        pin.computeDistances(robot.model, robot.model.createData(), shapes, results, robot.rest)
+        distances = np.array([result.min_distance for result in results.distanceResults])
+        limits.append(LegReach.of(replace(robot, shapes=shapes, rest_distances=distances)).toe_out_range)
     assert limits[0][0] < limits[1][0] < limits[2][0] <= 0.0
     assert limits[0][1] == limits[1][1] == limits[2][1]
 
