@@ -68,7 +68,7 @@ def compile_mjcf(path: Path, remarks: list[str]) -> mujoco.MjModel:
             link = _element(str(error))
             spec.compiler.balanceinertia = True
             compiled = spec.compile()
-            remarks.append(f"the inertia of link '{link}' is none that a body can have (A + B < C): mended")
+            remarks.append(f"inertias that no body can have (A + B < C) are mended, as of link {link}")
             return compiled
     except (ValueError, mujoco.FatalError) as error:
         raise InputError(_complaint(path, str(error))) from None
