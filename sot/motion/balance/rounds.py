@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
+from sot.motion.balance.com_reach import ComReach
 from sot.motion.balance.grip import Grip
 from sot.motion.balance.programme import plan_balance
 from sot.motion.balance.relief import RelievedBody
@@ -78,6 +79,7 @@ class BalanceRounds:
         self._legs = Clearance.of_legs(robot, wanted.length)
         self._lowers = self._steps and wanted.height is None
         times: Array = body_motion.period * np.arange(wanted.length, dtype=float)
+        self._com_reach = ComReach(robot, build, feet)
         self._relieved_phases = phases if relieved else None
         self._grip = Grip(robot, phases, times) if self._steps else None
         self._state = centroidal_state(self.body_motion, robot)
@@ -206,7 +208,9 @@ class BalanceRounds:
 
     def _plan_com_and_zmp(self, part: slice) -> Array:
         """Plans the CoM over a part of the knots; the ZMP (n, 2) there."""
-        wanted, period, held = self._wanted_com[part], self._com.period, self._held_ends(self._com, part)
+        y, com = self.body_motion.knots[part], self._state.com[part, :2]
+        wanted = self._com_reach.nearest(self._wanted_com[part], com, y, part.start)
+        period, held = self._com.period, self._held_ends(self._com, part)
         plan = plan_balance(self._asked[part], wanted, self._supports, period, period * part.start, held)
         self._com.control[part.start : part.stop + 2] = plan.com.control
         return plan.zmp
