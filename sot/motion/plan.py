@@ -1,10 +1,8 @@
 """The plan of a dance, from a human's motion to one that the robot can do: retarget, balance, sample."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import wraps
-from typing import ParamSpec
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,31 +51,6 @@ LIMB_REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is bal
 BOUNCE_FADE_TIME = 0.5  # s before a slide, in which the hips stop bouncing
 BOUNCE_HZ = 0.5  # slower motion of the hips is no bounce
 CAPTURE_NOISE_HZ = 6.0  # faster motion of a capture is noise
-
-
-Arguments = ParamSpec("Arguments")
-
-
-def _refusing_what_diverges(planner: Callable[Arguments, "Plan"]) -> Callable[Arguments, "Plan"]:
-    """A planner whose plans are finite: a clip for which they are not is refused in one line."""
-
-    @wraps(planner)
-    def planned(*given: Arguments.args, **named: Arguments.kwargs) -> "Plan":
-        try:
-            with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-                found = planner(*given, **named)
-            if np.isfinite(found.motion.q).all() and np.isfinite(found.motion.a).all():
-                return found
-        except np.linalg.LinAlgError:
-            pass
-        human = given[0] if given else named["human"]
-        name = human.name if isinstance(human, Human) else human
-        raise InputError(
-            f"{name}: a motion like it cannot be planned, its numbers grow beyond all bounds: choose another part with"
-            " --start and --duration, or look at the recording"
-        )
-
-    return planned
 
 
 @dataclass(frozen=True)
@@ -139,7 +112,6 @@ class Plan:
         return max(0.0, round(added, 9))  # sums of periods: nothing is not always nothing
 
 
-@_refusing_what_diverges
 def plan(
     human: Human,
     robot: Robot,
@@ -168,11 +140,16 @@ def plan(
             no motion comes near what the clip asks of the feet.
     """
     try:
-        return _plan(human, robot, feet, rate, contacts, slide, height)
-    except np.linalg.LinAlgError as error:
-        raise InputError(
-            f"no motion of {robot.label} was found for this clip: choose a part of it, or planted feet"
-        ) from error
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            planned = _plan(human, robot, feet, rate, contacts, slide, height)
+        if np.isfinite(planned.motion.q).all() and np.isfinite(planned.motion.a).all():
+            return planned
+    except np.linalg.LinAlgError:
+        pass
+    raise InputError(
+        f"{human.name}: no motion of {robot.label} was found for it, numbers grow beyond all bounds: choose another part "
+        "with --start and --duration, or --feet planted"
+    )
 
 
 def _plan(
