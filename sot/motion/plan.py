@@ -147,8 +147,8 @@ def plan(
     except np.linalg.LinAlgError:
         pass
     raise InputError(
-        f"{human.name}: no motion of {robot.label} was found for it, numbers grow beyond all bounds: choose another part "
-        "with --start and --duration, or --feet planted"
+        f"{human.name}: no motion of {robot.label} was found for it, numbers grow beyond all bounds: choose another"
+        " part with --start and --duration, or --feet planted"
     )
 
 
