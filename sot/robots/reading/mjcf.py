@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -59,7 +60,8 @@ def compile_mjcf(path: Path, remarks: list[str]) -> mujoco.MjModel:
         InputError: MuJoCo cannot read it.
     """
     try:
-        spec = mjcf_spec(path)
+        with _warnings_into(remarks):
+            spec = mjcf_spec(path)
         try:
             return spec.compile()
         except ValueError as error:
@@ -72,6 +74,17 @@ def compile_mjcf(path: Path, remarks: list[str]) -> mujoco.MjModel:
             return compiled
     except (ValueError, mujoco.FatalError) as error:
         raise InputError(_complaint(path, str(error))) from None
+
+
+@contextmanager
+def _warnings_into(remarks: list[str]) -> Iterator[None]:
+    """Collect what MuJoCo would write into a file beside the user's."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda warning: remarks.append(f"MuJoCo warns of the model: {warning}"))
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)
 
 
 def _drop_what_names_others(spec: mujoco.MjSpec) -> None:
