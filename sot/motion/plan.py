@@ -1,10 +1,8 @@
 """The plan of a dance, from a human's motion to one that the robot can do: retarget, balance, sample."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import wraps
-from typing import ParamSpec
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,31 +51,6 @@ LIMB_REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is bal
 BOUNCE_FADE_TIME = 0.5  # s before a slide, in which the hips stop bouncing
 BOUNCE_HZ = 0.5  # slower motion of the hips is no bounce
 CAPTURE_NOISE_HZ = 6.0  # faster motion of a capture is noise
-
-
-Arguments = ParamSpec("Arguments")
-
-
-def _refusing_what_diverges(planner: Callable[Arguments, "Plan"]) -> Callable[Arguments, "Plan"]:
-    """A planner whose plans are finite: a clip for which they are not is refused in one line."""
-
-    @wraps(planner)
-    def planned(*given: Arguments.args, **named: Arguments.kwargs) -> "Plan":
-        try:
-            with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-                found = planner(*given, **named)
-            if np.isfinite(found.motion.q).all() and np.isfinite(found.motion.a).all():
-                return found
-        except np.linalg.LinAlgError:
-            pass
-        human = given[0] if given else named["human"]
-        name = human.name if isinstance(human, Human) else human
-        raise InputError(
-            f"{name}: a motion like it cannot be planned, its numbers grow beyond all bounds: choose another part with"
-            " --start and --duration, or look at the recording"
-        )
-
-    return planned
 
 
 @dataclass(frozen=True)
@@ -139,7 +112,6 @@ class Plan:
         return max(0.0, round(added, 9))  # sums of periods: nothing is not always nothing
 
 
-@_refusing_what_diverges
 def plan(
     human: Human,
     robot: Robot,
@@ -168,11 +140,16 @@ def plan(
             no motion comes near what the clip asks of the feet.
     """
     try:
-        return _plan(human, robot, feet, rate, contacts, slide, height)
-    except np.linalg.LinAlgError as error:
-        raise InputError(
-            f"no motion of {robot.label} was found for this clip: choose a part of it, or planted feet"
-        ) from error
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            planned = _plan(human, robot, feet, rate, contacts, slide, height)
+        if np.isfinite(planned.motion.q).all() and np.isfinite(planned.motion.a).all():
+            return planned
+    except np.linalg.LinAlgError:
+        pass
+    raise InputError(
+        f"{human.name}: no motion of {robot.label} was found for it, numbers grow beyond all bounds: choose another"
+        " part with --start and --duration, or --feet planted"
+    )
 
 
 def _plan(
@@ -202,11 +179,13 @@ def _plan(
         course = fit.with_slide(course, imitation, slide)
         wanted, imitation = fit.unbalanced_body(course)
     retargeted = time.perf_counter()
-    course, body_motion = fit.balanced(course, wanted, imitation, MAX_SLOWDOWNS, rough=True)
+    course, body_motion, relieved = fit.balanced(course, wanted, imitation, MAX_SLOWDOWNS, fresh=True, relieved=False)
     body_motion = fit_limbs(
         robot, fit.targets(course), fit.limits, body_motion, LIMB_REFIT_STEPS
     )  # the chest has moved
-    course, body_motion = fit.balanced(course, fit.targets(course), body_motion, MAX_FINAL_SLOWDOWNS)
+    course, body_motion, _ = fit.balanced(
+        course, fit.targets(course), body_motion, MAX_FINAL_SLOWDOWNS, fresh=False, relieved=relieved
+    )
     wanted = fit.targets(course)
     short = shortfalls(robot, course.feet, supports(robot, course.phases), body_motion)
     start, end = round(LEAD_IN_TIME * PLAN_RATE), len(course.clock) - 1 - round(TAIL_TIME * PLAN_RATE)
@@ -277,34 +256,46 @@ class _Fitter:
         return with_slides(course, self.robot, [find_slide(self.robot, course.phases, zmp, PLAN_RATE, way)])
 
     def balanced(
-        self, course: Course, wanted: Targets, body_motion: Spline, slowdowns: int, rough: bool = False
-    ) -> tuple[Course, Spline]:
-        """The course, slowed down where body or motors cannot follow, and the balanced motion of the body.
+        self, course: Course, wanted: Targets, body_motion: Spline, slowdowns: int, fresh: bool, relieved: bool
+    ) -> tuple[Course, Spline, bool]:
+        """The course, slowed down where body or motors cannot follow, the balanced motion of the body, and whether its
+        posture relieves the motors of legs that stand alone.
 
-        slowdowns: times that it is slowed down at most.
-        rough: the body is fresh from `unbalanced_body`.
+        slowdowns: times that it is slowed down, or its posture changed to relieve motors, at most.
+        fresh: the body is that of `unbalanced_body`.
+        relieved: its posture relieves motors already.
         """
-        changed = None
-        slides = any(phase.sliding for phase in course.phases)
-        for left in range(0 if slides else slowdowns, -1, -1):
-            rounds = BalanceRounds(self.robot, self.build, wanted, course.feet, course.phases, self.limits, body_motion)
-            strained_times = rounds.balance_all(rough) if changed is None else rounds.balance_about(changed)
+        changed, period = None, 1.0 / PLAN_RATE
+        for left in range(0 if any(phase.sliding for phase in course.phases) else slowdowns, -1, -1):
+            rounds = BalanceRounds(
+                self.robot, self.build, wanted, course.feet, course.phases, self.limits, body_motion, relieved
+            )
+            strained_times = rounds.balance_all(fresh) if changed is None else rounds.balance_about(changed)
             body_motion = rounds.body_motion
-            if left:
-                strained_times = np.union1d(strained_times, self.hasty_times(course, body_motion))
-            if not left or not len(strained_times):
+            if not left:
                 break
-            clock = clock_from_slowness(slowness_about(course, strained_times), 1.0 / PLAN_RATE)
+            hasty, heavy = self.overloaded(course, body_motion)
+            if heavy.any() and not relieved:
+                changed, relieved = heavy, True
+                continue
+            slower = np.union1d(strained_times, period * np.flatnonzero(hasty))
+            if not len(slower):
+                break
+            clock = clock_from_slowness(slowness_about(course, slower), period)
             course, body_motion = with_clock(course, self.robot, clock), body_at_clock(body_motion, clock)
-            wanted, changed = self.targets(course), slowed_knots(clock, 1.0 / PLAN_RATE)
-        return course, body_motion
+            wanted, changed = self.targets(course), slowed_knots(clock, period)
+        return course, body_motion, relieved
 
-    def hasty_times(self, course: Course, body_motion: Spline) -> Array:
-        """The times (n,) at which a motor has to give more than it can, but would not if the body moved slower [s]."""
+    def overloaded(self, course: Course, body_motion: Spline) -> tuple[Flags, Flags]:
+        """Flags of the knots (T,) at which motors give more than they can, but would not if the body moved slower; and
+        of those at which a leg's give more than they can."""
         over, _ = overloaded_knots(self.robot, course.phases, body_motion)
         knots = np.flatnonzero(over.any(axis=1))
-        hasty = over[knots] & ~overloaded_at_rest(self.robot, course.phases, body_motion, knots)
-        return body_motion.period * knots[hasty.any(axis=1)].astype(float)
+        hasty: Flags = np.any(over, axis=1, keepdims=True)[:, 0]
+        heavy: Flags = np.any(over[:, list(self.robot.groups["legs"])], axis=1, keepdims=True)[:, 0]
+        still = over[knots] & overloaded_at_rest(self.robot, course.phases, body_motion, knots)
+        hasty[knots] = np.any(over[knots] & ~still, axis=1)
+        return hasty, heavy
 
 
 def slowness_about(course: Course, strained_times: Array) -> Array:

@@ -12,7 +12,7 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-HELD_SHARE = 0.9  # of an ankle's effort, that holds the weight: the rest is for the motion and the closed loop
+HELD_SHARE = 0.8  # of an ankle's effort, that holds the weight: the rest is for the motion and the closed loop
 LEVEL = 0.2  # of an axis' length, its part in the floor's plane: a more upright one holds no weight
 ROUNDING_M = 1e-9
 
@@ -32,7 +32,7 @@ def leg_length(robot: Robot) -> float:
 
 @lru_cache
 def held_sole(robot: Robot, foot: str) -> Array:
-    """Corners (n, 3), in the foot's frame, of the part of its sole over which the ankle's motors hold the weight [m].
+    """Corners (n, 3), in the foot's frame, of the part of its sole over which its ankle holds the weight [m].
 
     With the weight W at a place r of the sole, a joint about an axis a through o between knee and foot has the torque
     W (a_x (r - o)_y - a_y (r - o)_x).

@@ -8,13 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
+from sot.motion.balance.com_reach import ComReach
 from sot.motion.balance.grip import Grip
 from sot.motion.balance.programme import plan_balance
+from sot.motion.balance.relief import RelievedBody
 from sot.motion.balance.strain import centroidal_state, strain
 from sot.motion.body.clearance import Clearance, ClearBody
 from sot.motion.body.height import reachable_hip_height, smooth_height_below
 from sot.motion.body.limits import Limits
-from sot.motion.body.parts import Body
+from sot.motion.body.parts import Body, Part
 from sot.motion.body.retarget import PartFit, solve_knots
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import Targets
@@ -58,6 +60,7 @@ class BalanceRounds:
         phases: Sequence[Phase],
         limits: Limits,
         body_motion: Spline,
+        relieved: bool = False,
     ):
         """
         Args:
@@ -68,6 +71,7 @@ class BalanceRounds:
             phases: which stand where, when.
             limits: of the joints.
             body_motion: motion to start from.
+            relieved: whether its posture is to relieve the motors of a leg that stands alone.
         """
         self.body_motion = Spline(body_motion.control.copy(), body_motion.period)
         self._robot, self._build, self._human, self._feet, self._limits = robot, build, wanted, feet, limits
@@ -75,6 +79,8 @@ class BalanceRounds:
         self._legs = Clearance.of_legs(robot, wanted.length)
         self._lowers = self._steps and wanted.height is None
         times: Array = body_motion.period * np.arange(wanted.length, dtype=float)
+        self._com_reach = ComReach(robot, build, feet)
+        self._relieved_phases = phases if relieved else None
         self._grip = Grip(robot, phases, times) if self._steps else None
         self._state = centroidal_state(self.body_motion, robot)
         self._asked = deepcopy(self._state)
@@ -171,7 +177,9 @@ class BalanceRounds:
         if self._lowers:
             self._lower_hips(part)
         zmp = self._plan_com_and_zmp(part)
-        body = ClearBody(robot, self._build, self._body_targets(), self._feet, self._legs, self._com.knots)
+        body: Part = ClearBody(robot, self._build, self._body_targets(), self._feet, self._legs, self._com.knots)
+        if self._relieved_phases:
+            body = RelievedBody(body, robot, self._relieved_phases, period)
         control, y = slice(part.start, part.stop + 2), self.body_motion.knots[part]
         if len(y) not in self._fits:
             self._fits[len(y)] = PartFit(
@@ -200,7 +208,9 @@ class BalanceRounds:
 
     def _plan_com_and_zmp(self, part: slice) -> Array:
         """Plans the CoM over a part of the knots; the ZMP (n, 2) there."""
-        wanted, period, held = self._wanted_com[part], self._com.period, self._held_ends(self._com, part)
+        y, com = self.body_motion.knots[part], self._state.com[part, :2]
+        wanted = self._com_reach.nearest(self._wanted_com[part], com, y, part.start)
+        period, held = self._com.period, self._held_ends(self._com, part)
         plan = plan_balance(self._asked[part], wanted, self._supports, period, period * part.start, held)
         self._com.control[part.start : part.stop + 2] = plan.com.control
         return plan.zmp

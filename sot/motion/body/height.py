@@ -10,6 +10,7 @@ from solvers.banded import BandedQP
 from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.body.spline import VALUE_STENCIL, Spline
 from sot.motion.feet.swing import FootPath
+from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -23,14 +24,14 @@ HELD_HEIGHT_ROOM = 1e-4  # m, added to the bound where a height is held
 
 
 def reachable_hip_height(robot: Robot, y: Array, feet: Mapping[str, FootPath]) -> Array:
-    """Greatest height (T,) of the waist frame [m] from which both legs reach their feet.
+    """Greatest height (T,) of the middle of the hips [m] from which both legs reach their feet.
 
     Args:
         y: (T, nv) coordinates, of which the base's place and orientation count.
         feet: where the feet are to be.
     """
     kinematics = Kinematics(JointTree(robot), y)
-    waist = y[:, 2]
+    middle = np.mean([kinematics.frame_pose(robot.point(f"{side}_hip"))[1][:, 2] for side in SIDES], axis=0)
     highest = np.full(len(y), np.inf)
     for foot, path in feet.items():
         side = foot.removesuffix("_foot")
@@ -43,7 +44,7 @@ def reachable_hip_height(robot: Robot, y: Array, feet: Mapping[str, FootPath]) -
         target = path.position + np.einsum("tij,tj->ti", path.rotation, own)
         flat = np.sum((hip - target)[:, :2] ** 2, axis=1)
         above = np.sqrt(np.maximum((MAX_LEG_EXTENSION * leg) ** 2 - flat, 0.0))
-        highest = np.minimum(highest, target[:, 2] + above - (hip[:, 2] - waist))
+        highest = np.minimum(highest, target[:, 2] + above - (hip[:, 2] - middle))
     return highest
 
 

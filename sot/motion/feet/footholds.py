@@ -23,6 +23,8 @@ MAX_SHIFT = 0.1  # leg lengths, from a foot to the body that it carries alone, w
 SOLE_CLEARANCE = 0.0333  # leg lengths between the soles
 TOE_OUT_SHARE = 0.8  # of the range of both hips' yaw that the feet may use
 SWING_SPEED_SHARE = 0.5  # of the joints' speed limit, in the mean of a swing, which starts and ends at rest
+SWING_ACCELERATION_SHARE = 0.6  # of the joints' acceleration limit, where a swing has most of it
+LEAST_JERK_PEAK = 5.77  # of a swing's acceleration, over its length and the square of its time: see `smooth.ease`
 TURN_SPEED_SHARE = 0.75  # of the hip's speed limit, in the mean of a turn: the pelvis turns as well
 MIN_PATH_SCALE = 0.25  # of the dancer's path in the robot's size: the shortest that a piece is scaled to
 MAX_FOOTHOLD_OFFSET = 0.216  # leg lengths, from the dancer's to the robot's: farther, its price changes
@@ -48,6 +50,7 @@ class LegReach:
         toe_out_range: least and greatest angle from the right foot's heading to the left one's [rad]; toes are turned
             in no further than until knees meet.
         swing_speed, turn_speed: greatest mean speed of a foot in a step [m/s, rad/s].
+        swing_acceleration: greatest of a foot in a step [m/s²].
         carried_beside: how far beside a foot's ankle, toward the other foot, it can carry the body alone [m].
         soles: foot -> (nc, 2) corners about the point below the ankle [m].
     """
@@ -60,8 +63,17 @@ class LegReach:
     carried_beside: float
     toe_out_range: tuple[float, float]
     swing_speed: float
+    swing_acceleration: float
     turn_speed: float
     soles: Mapping[str, Array]
+
+    def swing_length(self, time: float) -> float:
+        """How far a foot gets in a step of some time [s] within its speed and acceleration [m]."""
+        return min(self.swing_speed * time, self.swing_acceleration / LEAST_JERK_PEAK * time**2)
+
+    def swing_time(self, length: float) -> float:
+        """The least time of a step of some length [m] within its speed and acceleration [s]."""
+        return max(length / self.swing_speed, float(np.sqrt(LEAST_JERK_PEAK / self.swing_acceleration * length)))
 
     @staticmethod
     def of(robot: Robot) -> "LegReach":
@@ -82,7 +94,7 @@ class LegReach:
             ends = np.sort(outward * np.sign(data.J[5, 6 + joint]) * np.array([robot.lower[joint], robot.upper[joint]]))
             lower.append(ends[0])
             upper.append(ends[1])
-        rates = robot.velocity[list(robot.groups["legs"])]
+        legs = list(robot.groups["legs"])
         soles = {}
         for foot, side in zip(robot.feet, SIDES, strict=True):
             pose = data.oMf[robot.point(foot)]
@@ -97,7 +109,8 @@ class LegReach:
             carrying={foot: support_values(rows.max(axis=0)) for foot, rows in distances.items()},
             carried_beside=max(0.0, min(-left[:, 1].min(), right[:, 1].max()) - ZMP_INSET[1] * leg),
             toe_out_range=(TOE_OUT_SHARE * sum(lower), TOE_OUT_SHARE * sum(upper)),
-            swing_speed=SWING_SPEED_SHARE * float(np.median(rates)) * leg,
+            swing_speed=SWING_SPEED_SHARE * float(np.median(robot.velocity[legs])) * leg,
+            swing_acceleration=SWING_ACCELERATION_SHARE * float(np.median(robot.acceleration[legs])) * leg,
             turn_speed=TURN_SPEED_SHARE * min(float(robot.velocity[yaw(side)]) for side in SIDES),
             soles=soles,
         )
@@ -291,7 +304,7 @@ def _reach_rows(
                 parts.append((*two, -ways, -np.maximum(far, apart * ways @ aside)))
     ways = directions()
     for before, after, step in index.moves(steps):
-        far = np.full(EDGES, -reach.swing_speed * (step.land - step.lift))
+        far = np.full(EDGES, -reach.swing_length(step.land - step.lift))
         parts.append((index.number(step.foot, before), index.number(step.foot, after), ways, far))
     least = np.concatenate([np.empty(0), *(far for *_, far in parts)])
     values = np.vstack([np.empty((0, 4)), *(np.hstack([ways, -ways]) for *_, ways, _ in parts)])

@@ -195,7 +195,7 @@ def _asked_steps(
         moved, turned = float(np.hypot(there.x - here.x, there.y - here.y)), abs(there.heading - here.heading)
         lift = _lift_height(feet[step.foot], step, human.rate)
         least = max(
-            min(moved, reach.max_stride) / reach.swing_speed, min(turned / reach.turn_speed, MAX_TIME_RESERVED_FOR_TURN)
+            reach.swing_time(min(moved, reach.max_stride)), min(turned / reach.turn_speed, MAX_TIME_RESERVED_FOR_TURN)
         )
         small = (
             not given

@@ -9,7 +9,7 @@ import pinocchio as pin
 from scipy.spatial import ConvexHull, QhullError
 
 from sot.errors import InputError
-from sot.robots.reading.mjcf import mjcf_spec
+from sot.robots.reading.mjcf_file import mjcf_spec
 from sot.robots.reading.solid import Solid, fitted_primitive
 from sot.robots.reading.urdf import solid_or_mesh
 

@@ -11,7 +11,8 @@ import pinocchio as pin
 
 from sot.errors import InputError
 from sot.robots.reading.agreement import mujoco_reading, pinocchio_reading, refuse_difference, seeded_poses
-from sot.robots.reading.mjcf import KeyFrame, compile_mjcf, find_robot
+from sot.robots.reading.mjcf import KeyFrame, find_robot
+from sot.robots.reading.mjcf_file import compile_mjcf
 from sot.robots.reading.pinocchio_model import pinocchio_model
 from sot.robots.reading.tree import Tree
 from sot.robots.reading.urdf import read_urdf

@@ -47,7 +47,7 @@ def test_a_plan_that_diverges_is_refused_in_one_line(tmp_path: Path, monkeypatch
         raise np.linalg.LinAlgError("Singular matrix")
 
     monkeypatch.setattr(sys.modules["sot.motion.plan"], "fit_limbs", diverging)
-    with pytest.raises(InputError, match="clip: a motion like it cannot be planned"):
+    with pytest.raises(InputError, match="clip: no motion of HRP-2-like was found for it"):
         plan(human, Robot.load("hrp2"), "planted", 200.0)
 
 

@@ -204,4 +204,11 @@ def test_an_inertia_that_no_body_has_is_mended_with_a_remark(tmp_path):
     end = text.index('"', at + 13)
     (tmp_path / "hrp2.xml").write_text(text[:at] + 'fullinertia="0.0001 0.0001 0.01 0 0 0' + text[end:])
     (remark,) = Robot.load(path).remarks
-    assert remark.startswith("the inertia of link 'LARM6_LINK' is none that a body can have")
+    assert remark == "inertias that no body can have (A + B < C) are mended, as of link LARM6_LINK"
+
+
+def test_what_mujoco_warns_of_is_a_remark_and_no_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    robot = load_variant(tmp_path, [('<material name="', '<material specular="nan" name="')])
+    assert robot.remarks == ("MuJoCo warns of the model: XML contains a 'NaN'. Please check it carefully.",)
+    assert not list(tmp_path.glob("MUJOCO_LOG*"))
