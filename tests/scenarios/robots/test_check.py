@@ -81,7 +81,7 @@ FAULTS = {  # changes of the file, changes of the model, severity, what is found
         {},
         Severity.STOPS,
         "has 5 joints: it cannot hold a flat foot",
-        "groups.left_leg",
+        "left leg",
     ),
     "narrow ankles": (
         {r"\Z": "\n[limits.lower]\nLLEG5 = -0.02\n[limits.upper]\nLLEG5 = 0.02\n"},
