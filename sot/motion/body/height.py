@@ -16,6 +16,7 @@ from sot.robots.robot import Robot
 Array = NDArray[np.float64]
 
 MAX_LEG_EXTENSION = 0.975  # share of its length that a leg may reach; the closed loop needs the rest
+END_ACCELERATION_SHARE = 0.5  # of the acceleration, with which hips may come down from the ends
 MAX_HIP_ACCELERATION = 2.5  # m/s², of the hips, up and down
 ACCEPTED_HEIGHT_ERROR = 0.02  # m, deviation that costs as much as a jerk of ACCEPTED_JERK
 ACCEPTED_JERK = 20.0  # m/s³
@@ -57,7 +58,9 @@ def smooth_height_below(wanted: Array, highest: Array, period: float, held: Spli
     n = length + 2
     if held is None:
         ends = np.minimum(wanted, highest)[[0, -1]]
-        start, stop, highest = ends[:1], ends[1:], np.maximum(highest, ends.min())
+        start, stop = ends[:1], ends[1:]
+        fallen = 0.5 * END_ACCELERATION_SHARE * MAX_HIP_ACCELERATION * (period * np.arange(length)) ** 2
+        highest = np.maximum(highest, np.maximum(start - fallen, stop - fallen[::-1]))
     else:
         start, stop, highest = held.control[:3, 0], held.control[-3:, 0], highest.copy()
         edge = [0, 1, -2, -1]
