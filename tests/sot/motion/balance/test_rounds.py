@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -94,3 +96,34 @@ def test_a_body_played_slower_in_between_is_the_same_before_and_after(walk):
     later = body_at_clock(walk.whole, clock)
     np.testing.assert_allclose(later.knots[:199], walk.whole.knots[:199], atol=1e-12)
     np.testing.assert_allclose(later.knots[240:], walk.whole.knots[220:], atol=1e-12)
+
+
+def test_feet_out_of_reach_are_told_and_rounds_over_them_end(walk):
+    """A foot asked for 0.8 m beside its path: rounds get worse and are undone, and the body stays where it was."""
+    robot, build, wanted, feet, phases, limits = walk.given
+    away = feet["left_foot"].position.copy()
+    away[150:190, 1] += 0.8
+    far = feet | {"left_foot": replace(feet["left_foot"], position=away)}
+    rounds = BalanceRounds(robot, build, wanted, far, phases, limits, walk.whole)
+    strained = rounds.balance_all()
+    assert len(strained) and strained.min() < 150 * PERIOD < 189 * PERIOD <= strained.max()
+    assert np.abs(rounds.body_motion.knots[:, :6] - walk.whole.knots[:, :6]).max() < 1.0
+
+
+def test_a_round_that_is_worse_is_undone(walk):
+    rounds = BalanceRounds(*walk.given, walk.whole)
+    rounds.balance_all()
+    before = rounds.body_motion.control.copy()
+    part = slice(100, 200)
+
+    def spoil(part):
+        rounds.body_motion.control[part] += 1.0
+        rounds._strain[part] = 1.0
+        return np.ones(part.stop - part.start, bool)
+
+    rounds._round = spoil
+    left, worse = rounds._improve(part, np.zeros(100, bool), 3)
+    assert worse and not left.any()
+    np.testing.assert_array_equal(rounds.body_motion.control, before)
+    rounds._round = lambda part: np.linalg.cholesky(-np.eye(2))
+    assert rounds._improve(part, np.zeros(100, bool), 3)[1]
