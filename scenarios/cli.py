@@ -34,19 +34,17 @@ from scenarios.replay import (
     retarget,
 )
 from scenarios.robots.bench import bench_robots, robot_pieces, show_robots
-from scenarios.robots.check import check
-from scenarios.robots.findings import print_findings, stopping
-from scenarios.robots.new import new, print_evidence
+from scenarios.robots.commands import robot_app
+from scenarios.robots.summary import robot_summary
 from scenarios.studies import MOTION_SCENARIOS, SCENARIOS, default_solver, is_file, run_scenario
 from scenarios.suite import SUITES, bench_suite, suite_pieces
 from scenarios.suite import show as show_suite
+from scenarios.terminal import BAD_INPUT, DONE, FAILED, FELL, INTERRUPTED, messages, output
 from sim.reporting.report import print_table
 from sot.control import Task
 from sot.errors import InputError
 from sot.robots.robot import Robot, robot_names
-from sot.robots.summary import robot_summary
 
-DONE, FELL, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 TRACEBACK_VARIABLE = "SOT_TRACEBACK"
 
 app = typer.Typer(
@@ -54,11 +52,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-robot_app = typer.Typer(help="Make a robot file from a model, and see whether it will work.", no_args_is_help=True)
 app.add_typer(robot_app, name="robot")
-PIPE_WIDTH_COLUMNS = 200
-"""Columns of tables that are not printed on a terminal, where nobody can make the window wider."""
-output, messages = Console(width=None if sys.stdout.isatty() else PIPE_WIDTH_COLUMNS), Console(stderr=True)
 
 Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .npz) or a name of `sot list clips`.")]
 RobotName = Annotated[str, typer.Option("--robot", help="A name of `sot list robots`, or a robot file (.toml).")]
@@ -291,28 +285,6 @@ def bench_command(
     else:
         show_bench(figures, output, others)
     return FELL if figures["fell"] else DONE
-
-
-@robot_app.command("new")
-def robot_new_command(
-    model: Annotated[Path, typer.Argument(help="A humanoid's model (.xml, .urdf).")],
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="File to write; MODEL.toml by default.")] = None,
-) -> int:
-    """Guess the robot file of a model, say how sure that is, draw it, and check it."""
-    written = new(model, out)
-    print_evidence(written.found, output)
-    output.print(f"\nWritten: {written.file}, {written.picture}\n", soft_wrap=True)
-    return robot_check_command(str(written.file))
-
-
-@robot_app.command("check")
-def robot_check_command(
-    robot: Annotated[str, typer.Argument(metavar="FILE", help="A robot file (.toml), or a name of `sot list robots`.")],
-) -> int:
-    """Say all that will not work of a robot file; exit status 2 if something stops it."""
-    findings = check(robot)
-    print_findings(findings, output)
-    return BAD_INPUT if stopping(findings) else DONE
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -86,6 +86,7 @@ class Dance:
         motion: the reference.
         plan: how the reference came from a human; None if it came from a file.
         edits: a line for each edit of the dance.
+        scene: what was in the world besides robot and floor.
     """
 
     run: Run
@@ -93,11 +94,12 @@ class Dance:
     motion: Motion
     plan: Plan | None
     edits: tuple[str, ...] = ()
+    scene: Scene | None = None
 
     def write_recording(self, path: Path) -> float:
         """Write the recording; returns how long that took [s]."""
         begun = perf_counter()
-        recorder.write_recording(path, self.run.log, self.info, self.motion, self.plan)
+        recorder.write_recording(path, self.run.log, self.info, self.motion, self.plan, self.scene)
         return perf_counter() - begun
 
 
@@ -195,7 +197,7 @@ def run_motion(
         mismatch=request.mismatch,
         pushes=request.pushes,
     )
-    return Dance(done, info, motion, planned, told)
+    return Dance(done, info, motion, planned, told, scene)
 
 
 def composed_stack(

@@ -162,7 +162,8 @@ def _figures_row(
     report = write_outputs(danced, folder, tell)
     row: dict[str, Any] = {"ending": UPRIGHT if not report["fell"] else f"fell at {report['fell_at_s']:.1f} s"}
     row |= more(danced, report)
-    row["speed"] = report["speed"] * (1.0 - report["stretched_s"] / report["duration_s"])
+    ended = not report["fell"]
+    row["speed"] = report["speed"] * (1.0 - report["stretched_s"] / report["duration_s"]) if ended else None
     if danced.plan is not None:
         row["planning_ratio"] = danced.plan.seconds["total"] / danced.motion.duration
     return row | {place: figure_at(report, place) for place, *_ in columns if place not in (*row, "planning_ratio")}

@@ -135,3 +135,8 @@ def test_09_eases_a_task_in_and_out():
     np.testing.assert_allclose(places[-1], places[0], atol=0.03)
     assert example["stack"].level_of(example["hand"]) is None
     assert example["world"].state()[0][2] == pytest.approx(example["robot"].rest[2], abs=0.005)
+
+
+@pytest.mark.parametrize("package", sorted(PACKAGES))
+def test_packages_say_that_they_carry_types(package):
+    assert (FOLDER.parents[1] / package / "py.typed").is_file()

@@ -4,14 +4,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import pinocchio as pin
 from rich.console import Console
 
 from scenarios.replay import Dance, ProgressCallback, Replay
 from scenarios.suite import Columns, Piece, bench_suite, show
 from sot.errors import InputError
 from sot.robots.robot import Robot, robot_names
+from sot.robots.size import leg_length
 
 GROOVE = Piece("groove", "groove", feet="planted")
 GIVEN = (  # clips of a folder that --mocap names
@@ -33,6 +32,7 @@ COLUMNS: Columns = (
     ("speed", "speed", 1.0, 2),
 )
 JOINTS = "saturated joints"
+NAMED_JOINTS = 4  # that are named, those that saturate most often
 
 
 def robot_pieces(mocap: Path | None, robots: Sequence[str] | None = None) -> list[Piece]:
@@ -72,16 +72,13 @@ def show_robots(table: Mapping[str, Any], console: Console) -> None:
 
 def allowed_mm(robot: Robot) -> float:
     """How far key bodies may be off their reference on average [mm]."""
-    data = robot.model.createData()
-    pin.framesForwardKinematics(robot.model, data, robot.rest)
-    hip, knee, ankle = (data.oMf[robot.point(f"left_{name}")].translation for name in ("hip", "knee", "ankle"))
-    leg = float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee))
-    return max(OFF_MM * leg / LEG_M, LEAST_OFF_MM)
+    return max(OFF_MM * leg_length(robot) / LEG_M, LEAST_OFF_MM)
 
 
 def _more(danced: Dance, report: Mapping[str, Any]) -> dict[str, Any]:
-    joints = report.get("saturated_joints") or ()
-    return {"allowed_mm": allowed_mm(danced.motion.robot), JOINTS: ", ".join(joints)}
+    joints = report["limits"].get("saturated_joints") or {}
+    worst = sorted(joints, key=lambda joint: -joints[joint])[:NAMED_JOINTS]
+    return {"allowed_mm": allowed_mm(danced.motion.robot), JOINTS: ", ".join(worst)}
 
 
 def _succeeded(row: Mapping[str, Any]) -> bool:

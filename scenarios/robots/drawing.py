@@ -60,7 +60,8 @@ def draw(found: Guess, path: Path) -> None:
         OSError: the file cannot be written.
     """
     x, y, z = np.eye(3)
-    outline = found.posed.surface(found.posed.touching(found.posed.links))
+    posed = found.posed
+    outline = posed.surface([*posed.touching(posed.links), *posed.seen(posed.links)])
     low, high = outline.min(axis=0), outline.max(axis=0)
     middle = 0.5 * (low + high)
     scale = min(HIGH / (high[2] - low[2]), (WIDE - 2 * LABELS) / max(high[0] - low[0], high[1] - low[1]))

@@ -6,15 +6,16 @@ import numpy as np
 import pinocchio as pin
 
 from scenarios.robots.findings import Finding, Severity
-from scenarios.robots.standing import LEG_JOINTS
 from sot.robots.robot import Robot
 from sot.robots.robot_file import SIDED
+from sot.robots.size import leg_length
 
 STRAIGHT = 0.985  # share of its length beyond which a leg cannot push
 WEAK, USUAL = 0.05, (0.2, 0.6)  # efforts of a leg's joints, as shares of weight times leg length: little, and usual
 GRAVITY = 9.81  # m/s²
 
 REMEDIES: Mapping[str, tuple[Severity, str]] = {
+    "cannot hold a flat foot": (Severity.STOPS, "none: six joints a leg are needed to dance; others walk on lines"),
     "joints in no group": (Severity.WARNS, "put them into a group, or into [locked] if they are not to move"),
     "springs": (Severity.WARNS, "expect torques that are too large or too small there"),
     "couplings": (Severity.WARNS, "put the joints that follow into [locked]; parallel mechanisms become their joints"),
@@ -38,14 +39,14 @@ def remark_findings(robot: Robot) -> Iterator[Finding]:
 
 
 def part_findings(robot: Robot) -> Iterator[Finding]:
-    """Points on the wrong side, groups that do not move their limb, legs that cannot hold a foot, and weak motors."""
+    """Points on the wrong side, groups that do not move their limb, straight legs, and weak motors."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
     place = {name: data.oMf[frame].translation for name, frame in robot.points.items()}
     yield from _sides(robot, place)
     yield from _groups(robot)
     yield from _legs(robot, place)
-    leg = float(np.linalg.norm(place["left_hip"] - place["left_ankle"]))
+    leg = leg_length(robot)
     strength = robot.mass * GRAVITY * leg
     weak = [
         f"{robot.joints[k]} {robot.effort[k]:g} N m" for k in robot.groups["legs"] if robot.effort[k] < WEAK * strength
@@ -84,11 +85,6 @@ def _groups(robot: Robot) -> Iterator[Finding]:
 
 def _legs(robot: Robot, place: Mapping[str, np.ndarray]) -> Iterator[Finding]:
     for side in ("left", "right"):
-        joints = robot.groups[f"{side}_leg"]
-        if len(joints) < LEG_JOINTS:
-            what = f"the leg has {len(joints)} joints: it cannot hold a flat foot in place under a body that moves"
-            remedy = "none: six joints a leg are needed to dance; robots with fewer walk on points or lines"
-            yield Finding(Severity.STOPS, what, f"groups.{side}_leg", remedy)
         hip, knee, ankle = (place[f"{side}_{name}"] for name in ("hip", "knee", "ankle"))
         length = float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee))
         if np.linalg.norm(ankle - hip) > STRAIGHT * length:

@@ -8,11 +8,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from scenarios.robots.findings import Finding, Severity
+from sot.robots.limits import FOOT_FREEDOMS
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-LEG_JOINTS = 6  # that hold a foot in place and orientation under a body that moves
 STEPS = 40  # of the search for a posture over one foot
 STEP = 0.01  # m, of the pelvis in one of them
 REACHED = 2e-3  # m and rad, of feet that are where they should be
@@ -40,7 +40,7 @@ def stances(robot: Robot) -> Iterator[Stance]:
     """Standing on both feet at rest and, if legs have joints enough, on either one, the other still on the floor."""
     yield Stance(robot.feet, robot.rest, _torques(robot, robot.rest, robot.feet), True)
     for foot in robot.feet:
-        if len(robot.groups[foot.replace("foot", "leg")]) < LEG_JOINTS:
+        if len(robot.groups[foot.replace("foot", "leg")]) < FOOT_FREEDOMS:
             continue
         q, reached = _over(robot, foot)
         yield Stance((foot,), q, _torques(robot, q, (foot,)), reached)

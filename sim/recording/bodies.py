@@ -40,6 +40,16 @@ def send_robot(
     columns.over_time(entity, times, *moving)
 
 
+def send_scenery(columns: Columns, entity: str, shapes: list[Shape]) -> None:
+    """Send shapes that stay where they are."""
+    for kind in sorted({shape.kind for shape in shapes}):
+        alike = [shape for shape in shapes if shape.kind == kind]
+        rotations = Rotation.from_quat([shape.quaternion for shape in alike]).as_matrix()[None]
+        places = np.array([shape.position for shape in alike])[None]
+        columns.static(f"{entity}/{kind}", _shape_archetype(alike, None))
+        columns.over_time(f"{entity}/{kind}", np.zeros(1), _pose_columns(alike, places, rotations))
+
+
 def _shape_archetype(alike: list[Shape], ghost_color: Color | None) -> rr.AsComponents:
     """Sizes and colours of shapes of one kind."""
     sizes = np.array([shape.half_sizes for shape in alike])

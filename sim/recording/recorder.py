@@ -9,10 +9,12 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from sim.log import RunInfo, RunLog
+from sim.own_scene import Scene
 from sim.recording.blueprint import layout
 from sim.recording.columns import Columns
 from sim.recording.forces import METRES_PER_NEWTON
 from sim.recording.panels import run_tabs
+from sim.recording.shapes import read_scenery
 from sim.recording.visuals import send_visuals
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
@@ -20,7 +22,9 @@ from sot.robots.robot import Robot
 from sot.whole_file import atomic_write
 
 
-def write_recording(path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Plan | None) -> None:
+def write_recording(
+    path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Plan | None, scene: Scene | None = None
+) -> None:
     """Write a run to a rerun recording (`.rrd`), which appears under its name once it is complete.
 
     Args:
@@ -29,12 +33,14 @@ def write_recording(path: Path, log: RunLog, info: RunInfo, motion: Motion, plan
         info: facts about the run.
         motion: the reference.
         plan: how the reference came from a human, if it is known.
+        scene: what was in the world besides robot and floor; what does not move of it is shown.
     """
     log, robot = log.trimmed(), motion.robot
     panels = run_tabs(log, motion, plan)
     blueprint = layout(motion, panels, bool(log.conflicts))
     with open_recording(path, f"{info.clip}, {robot.label}", _about_text(info, robot), blueprint) as columns:
-        send_visuals(columns, log, info, motion, plan.human if plan else None)
+        scenery = [] if scene is None else read_scenery(robot, scene)
+        send_visuals(columns, log, info, motion, plan.human if plan else None, scenery)
         for tab in panels:
             for plot in tab.plots:
                 plot.send(columns)

@@ -1,10 +1,12 @@
 """The robot's visible shapes, as its model has them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 
+from sim.own_scene import Scene
+from sim.scene import build_model
 from sot.robots.robot import Robot
 
 SHAPE_KINDS = {
@@ -49,21 +51,31 @@ def read_shapes(robot: Robot) -> list[Shape]:
     ]
 
 
+def read_scenery(robot: Robot, scene: Scene) -> list[Shape]:
+    """Visible shapes of a scene that do not move, placed in the world; the floor is not among them."""
+    model = build_model(robot, scene=scene)
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    shapes = []
+    for geom in range(model.ngeom):
+        still = model.body_weldid[model.geom_bodyid[geom]] == 0 and model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE
+        if still and model.geom_group[geom] < FIRST_HIDDEN_GROUP:
+            quaternion = np.empty(4)
+            mujoco.mju_mat2Quat(quaternion, data.geom_xmat[geom])
+            w, x, y, z = quaternion
+            placed = {"position": data.geom_xpos[geom].copy(), "quaternion": np.array([x, y, z, w])}
+            shapes.append(replace(_shape(model, geom), **placed))
+    return shapes
+
+
 def _shape(model: mujoco.MjModel, geom: int) -> Shape:
     size, position = model.geom_size[geom].copy(), model.geom_pos[geom].copy()
     w, x, y, z = model.geom_quat[geom]
-    kind = SHAPE_KINDS.get(mujoco.mjtGeom(model.geom_type[geom]))
+    kind = SHAPE_KINDS[mujoco.mjtGeom(model.geom_type[geom])]
     if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_SPHERE:
         size[:] = size[0]
     elif kind in ("capsule", "cylinder"):
         size = np.array([size[0], size[0], size[1]])
-    elif kind is None:
-        size = model.geom_aabb[geom, 3:].copy()
-        rotation = np.zeros(9)
-        mujoco.mju_quat2Mat(rotation, model.geom_quat[geom])
-        position += rotation.reshape(3, 3) @ model.geom_aabb[geom, :3]
-    material = model.geom_matid[geom]
-    rgba = model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom]
-    red, green, blue, alpha = (round(255 * float(channel)) for channel in rgba)
+    red, green, blue, alpha = (round(255 * float(channel)) for channel in model.geom_rgba[geom])
     body = str(model.body(model.geom_bodyid[geom]).name)
-    return Shape(body, kind or "box", size, position, np.array([x, y, z, w]), (red, green, blue, alpha))
+    return Shape(body, kind, size, position, np.array([x, y, z, w]), (red, green, blue, alpha))

@@ -6,12 +6,12 @@ import numpy as np
 import rerun as rr
 
 from sim.log import RunInfo, RunLog, nearest_frames
-from sim.recording.bodies import send_robot
+from sim.recording.bodies import send_robot, send_scenery
 from sim.recording.columns import COLORS, Columns
 from sim.recording.footing import send_footing
 from sim.recording.forces import send_forces, send_pushes
 from sim.recording.panels import FRAME_RATE
-from sim.recording.shapes import read_shapes
+from sim.recording.shapes import Shape, read_shapes
 from sot.motion.human.human import SEGMENTS, SIDES, Human
 from sot.motion.trajectory import Motion
 
@@ -27,13 +27,16 @@ BONES = (
 )
 
 
-def send_visuals(columns: Columns, log: RunLog, info: RunInfo, motion: Motion, human: Human | None) -> None:
+def send_visuals(
+    columns: Columns, log: RunLog, info: RunInfo, motion: Motion, human: Human | None, scenery: list[Shape]
+) -> None:
     """Send everything in the 3D view at `FRAME_RATE`."""
     rows = log.rows_at(FRAME_RATE)
     times = log.time[rows]
     shapes = read_shapes(motion.robot)
     columns.static("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     send_floor(columns, motion)
+    send_scenery(columns, "world/scene", scenery)
     send_robot(columns, "world/robot", motion.robot, shapes, times, log.q[rows])
     send_name(columns, "world/robot", motion.robot.label, times, log.q[rows, :2])
     send_forces(columns, log, motion.robot, rows)

@@ -17,6 +17,7 @@ from sim.reporting.provenance import command_line, revision
 from sim.reporting.slides import slide_figures, worst_of_slides
 from sot.motion.plan import Plan
 from sot.motion.trajectory import Motion
+from sot.proximity import overlap_remarks
 from sot.whole_file import atomic_write
 
 SIGNIFICANT_DIGITS = 6
@@ -116,6 +117,7 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
         "remarks": [
             *robot.remarks,
             *(plan.remarks if plan else []),
+            *overlap_remarks(robot, motion.times, motion.q),
             *_run_remarks(log),
             *figures.saturation_remark(joints_at_limit),
         ],

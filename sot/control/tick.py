@@ -17,7 +17,10 @@ Mode = Literal["fixed", "sliding", "off"]
 
 GRAVITY = 9.81
 COULOMB_SPEED = 0.1
-"""Joint speed [rad/s] over which the Coulomb friction that is compensated changes sign: a step would chatter."""
+"""Least joint speed [rad/s] over which the Coulomb friction that is compensated changes sign: a step would chatter."""
+COMPENSATION_RATE_LIMIT = 100.0
+"""Bound of the rate [1/s] at which compensated friction speeds a joint up that has none: where the joint is light, the
+compensation changes sign over a larger speed."""
 
 
 @dataclass(slots=True)
@@ -90,6 +93,7 @@ class Tick:
         # Live views of where Pinocchio writes: to ask it for them anew takes longer than to compute what is in them.
         self.M, self.com = data.M, data.com[0]
         self._forces, self._base, self._A_g = data.nle, data.oMi[1].rotation, data.Ag
+        self._coulomb_speeds = coulomb_speeds(robot)
         self._J, self.mass = data.J, robot.mass
         self.h, self.com_jacobian = np.empty(robot.nv), np.empty((3, robot.nv))
         self.com_velocity, self.com_drift = np.empty(3), np.empty(3)
@@ -108,7 +112,7 @@ class Tick:
         pin.nonLinearEffects(model, data, q, v)
         pin.updateFramePlacements(model, data)
         self.finite = _write_bias_and_com(
-            *(self._forces, self._base, self._A_g, self.mass, v, robot.damping, robot.friction),
+            *(self._forces, self._base, self._A_g, self.mass, v, robot.damping, robot.friction, self._coulomb_speeds),
             *(self.h, self.com_jacobian, self.com_velocity, self.com_drift),
         )
         self._frames.clear()
@@ -210,6 +214,19 @@ def _momentum_excess_per_weight(momentum: Array, planned: Array, weight: float) 
     return np.array(((momentum[4] - planned[1]) / weight, (planned[0] - momentum[3]) / weight))
 
 
+def coulomb_speeds(robot: Robot) -> Array:
+    """Speeds over which each joint's compensated Coulomb friction changes sign, shape (na,) [rad/s].
+
+    The compensation f tanh(v / s) adds at most f / s to a speed's rate over its inertia, f / (s I). Were the joint's
+    friction less than the model's, that would be positive feedback: s bounds it. I is the least inertia that the joint
+    can feel, 1 / (M⁻¹)ᵢᵢ, all others left free, at rest.
+    """
+    M = pin.crba(robot.model, robot.model.createData(), robot.rest)
+    M = np.triu(M) + np.triu(M, 1).T
+    inertias = 1.0 / np.diag(np.linalg.inv(M))[6:]
+    return np.maximum(COULOMB_SPEED, robot.friction / (COMPENSATION_RATE_LIMIT * inertias))
+
+
 @compiled
 def _write_bias_and_com(
     forces: Array,
@@ -219,6 +236,7 @@ def _write_bias_and_com(
     v: Array,
     damping: Array,
     friction: Array,
+    coulomb_speeds: Array,
     h: Array,
     com_jacobian: Array,
     com_velocity: Array,
@@ -232,7 +250,7 @@ def _write_bias_and_com(
     h[:] = forces
     total = 0.0
     for k in range(len(damping)):
-        h[6 + k] += damping[k] * v[6 + k] + friction[k] * np.tanh(v[6 + k] / COULOMB_SPEED)
+        h[6 + k] += damping[k] * v[6 + k] + friction[k] * np.tanh(v[6 + k] / coulomb_speeds[k])
     for i in range(3):
         com_velocity[i] = 0.0
         for k in range(len(v)):

@@ -140,11 +140,16 @@ def plan(
             no motion comes near what the clip asks of the feet.
     """
     try:
-        return _plan(human, robot, feet, rate, contacts, slide, height)
-    except np.linalg.LinAlgError as error:
-        raise InputError(
-            f"no motion of {robot.label} was found for this clip: choose a part of it, or planted feet"
-        ) from error
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            planned = _plan(human, robot, feet, rate, contacts, slide, height)
+        if np.isfinite(planned.motion.q).all() and np.isfinite(planned.motion.a).all():
+            return planned
+    except np.linalg.LinAlgError:
+        pass
+    raise InputError(
+        f"{human.name}: no motion of {robot.label} was found for it, numbers grow beyond all bounds: choose another"
+        " part with --start and --duration, or --feet planted"
+    )
 
 
 def _plan(

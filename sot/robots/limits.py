@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from sot.robots.reading.tree import Hinge, Tree
 from sot.robots.robot_file import DYNAMICS, RobotFile
-from sot.robots.tree import Hinge, Tree
 
 Array = np.ndarray
 
@@ -14,6 +14,8 @@ UNLIMITED_RANGE = (-np.pi, np.pi)
 """Range [rad] in which a joint is danced that nothing limits; in the physics it has no end."""
 EFFORT_LEVER = 10.0
 """A torque that would hold the whole robot on a lever of this length [m] is no limit."""
+FOOT_FREEDOMS = 6
+"""Of a foot's place and orientation, which take as many joints to hold."""
 ASYMMETRY_RATIO = 0.01
 """Difference between left and right that is told, of the larger of the two."""
 GRAVITY = 9.81
@@ -102,6 +104,12 @@ def remark_on_groups(
     left_over = [name for k, name in enumerate(names) if k not in grouped]
     if left_over:
         remarks.append(f"joints in no group keep still: {', '.join(left_over)}")
+    for side in ("left", "right"):
+        joints = len(groups[f"{side}_leg"])
+        if joints < FOOT_FREEDOMS:
+            remarks.append(
+                f"the {side} leg has {joints} joints: it cannot hold a flat foot in place under a moving body"
+            )
     for limb in ("leg", "arm"):
         left, right = groups[f"left_{limb}"], groups[f"right_{limb}"]
         if len(left) != len(right):

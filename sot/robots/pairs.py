@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 import pinocchio as pin
 
-from sot.robots.tree import Tree
+from sot.robots.reading.tree import Tree
 
 LIMBS = ("left_arm", "right_arm", "left_leg", "right_leg")
 BASE_JOINT = 1

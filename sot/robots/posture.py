@@ -6,7 +6,7 @@ from math import atan2, degrees, pi
 import numpy as np
 import pinocchio as pin
 
-from sot.robots.mjcf import KeyFrame
+from sot.robots.reading.mjcf import KeyFrame
 from sot.robots.robot_file import FEET, SIDED, RobotFile, nearest
 
 Array = np.ndarray
@@ -92,6 +92,6 @@ def standing_rotation(file: RobotFile, rotation: Array, positions: Mapping[str, 
         raise file.error("the toes look backwards where the left side is at +Y: are left and right swapped?")
     if quarters:
         remarks.append(
-            f"the robot's left side is {degrees(yaw):.0f}° from +Y in its model: it is turned to look along +X"
+            f"the robot's left side is {abs(degrees(yaw)):.0f}° from +Y in its model: it is turned to look along +X"
         )
     return np.rint(turn) @ rotation

@@ -15,9 +15,9 @@ from sot.robots.limits import joint_limits, remark_on_groups, with_limits
 from sot.robots.pairs import collision_pairs, geometry_of, remark_on_pairs
 from sot.robots.posture import rest_angles
 from sot.robots.reading import models_of, read_model
+from sot.robots.reading.tree import Tree
 from sot.robots.robot_file import FEET, GROUPS, POINTS, RobotFile
 from sot.robots.standing import stand
-from sot.robots.tree import Tree
 
 __all__ = ["FEET", "GROUPS", "HANDS", "MODELS", "POINTS", "Robot", "robot_names", "shipped_robot_names"]
 
@@ -122,16 +122,6 @@ class Robot:
     def mass(self) -> float:
         """Total mass [kg]."""
         return pin.computeTotalMass(self.model)
-
-    @property
-    def height(self) -> float:
-        """From the soles to the top of the head, on straight legs [m]."""
-        data = self.model.createData()
-        pin.framesForwardKinematics(self.model, data, self.rest)
-        hip, knee, ankle, top = (
-            data.oMf[self.point(name)].translation for name in ("left_hip", "left_knee", "left_ankle", "head_top")
-        )
-        return float(top[2] - hip[2] + np.linalg.norm(hip - knee) + np.linalg.norm(knee - ankle) + ankle[2])
 
     def point(self, name: str) -> int:
         """Pinocchio frame of an operational point.

@@ -32,7 +32,7 @@ def leg_length(robot: Robot) -> float:
 
 @lru_cache
 def held_sole(robot: Robot, foot: str) -> Array:
-    """The corners (n, 3), in the foot's frame, of the part of its sole over which its ankle holds the weight [m].
+    """Corners (n, 3), in the foot's frame, of the part of its sole over which its ankle holds the weight [m].
 
     With the weight W at a place r of the sole, a joint about an axis a through o between knee and foot has the torque
     W (a_x (r - o)_y - a_y (r - o)_x).
@@ -60,3 +60,14 @@ def held_sole(robot: Robot, foot: str) -> Array:
         return corners
     vertices = held.vertices
     return np.column_stack([vertices, np.full(len(vertices), corners[:, 2].mean())])
+
+
+def standing_height(robot: Robot) -> float:
+    """From the soles to the top of the head, on straight legs [m]."""
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.rest)
+    hips, ankles = (
+        0.5 * sum(data.oMf[robot.point(f"{side}_{point}")].translation[2] for side in ("left", "right"))
+        for point in ("hip", "ankle")
+    )
+    return float(data.oMf[robot.point("head_top")].translation[2] - hips + leg_length(robot) + ankles)

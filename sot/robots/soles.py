@@ -7,9 +7,9 @@ import numpy as np
 import pinocchio as pin
 from scipy.spatial import ConvexHull, QhullError
 
+from sot.robots.reading.solid import Solid
+from sot.robots.reading.tree import Tree
 from sot.robots.robot_file import FEET, RobotFile
-from sot.robots.solid import Solid
-from sot.robots.tree import Tree
 
 Array = np.ndarray
 

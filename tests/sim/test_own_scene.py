@@ -6,7 +6,7 @@ import pytest
 
 from sim import RobotState, World, build_model
 from sot.errors import InputError
-from sot.robots import Robot, robot_names
+from sot.robots import Robot, shipped_robot_names
 
 TABLE = """
 <mujoco>
@@ -24,7 +24,7 @@ def table(spec):
     spec.worldbody.add_geom(name="table", type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.2, 0.4, 0.02], pos=[0.7, 0.0, 0.6])
 
 
-@pytest.fixture(params=robot_names())
+@pytest.fixture(params=shipped_robot_names())
 def robot(request):
     return Robot.load(request.param)
 
@@ -87,7 +87,7 @@ def test_a_model_without_the_robot_says_what_is_missing():
     [
         ("<mujoco><worldbody><gem/></worldbody></mujoco>", "scene: MuJoCo cannot read it: .*gem"),
         ("<mujoco><worldbody>", "scene: MuJoCo cannot read it"),
-        ("<mujoco><worldbody><geom type='box'/></worldbody></mujoco>", "MuJoCo cannot read it and the scene"),
+        ("<mujoco><worldbody><geom type='box'/></worldbody></mujoco>", "cannot compile it and the scene"),
     ],
 )
 def test_a_scene_that_mujoco_cannot_read_is_one_line(scene, message):

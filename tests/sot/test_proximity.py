@@ -7,7 +7,7 @@ import pytest
 
 from sim.world import World
 from sot.control.tick import Tick
-from sot.proximity import Proximity
+from sot.proximity import Proximity, overlap_remarks
 from sot.robots.pairs import LIMBS
 from sot.robots.robot import Robot, shipped_robot_names
 from tests.sot.states import random_state
@@ -85,3 +85,13 @@ def test_jacobian_against_finite_differences(robot):
         assert (J[:, :6] == 0.0).all()
         compared += np.count_nonzero(apart_enough)
     assert compared > 1000
+
+
+def test_a_motion_whose_shapes_overlap_is_told(robot):
+    times = np.arange(0.0, 2.0, 0.005)
+    q = np.tile(robot.rest, (len(times), 1))
+    assert overlap_remarks(robot, times, q) == []
+    elbow, shoulder = (7 + robot.joints.index(name) for name in ("RARM3", "RARM2"))
+    q[200:, elbow], q[200:, shoulder] = -2.0, 1.2  # the forearm through the chest
+    (said,) = overlap_remarks(robot, times, q)
+    assert "RARM5_LINK_0" in said and "CHEST" in said and "mm into each other at 1.00 s" in said

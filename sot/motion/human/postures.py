@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 STEEP = np.radians(60.0)  # tilt of a trunk that lies, and of the thighs of who sits
+UPSIDE_DOWN = np.radians(120.0)  # tilt of a trunk on its head or hands
 LYING_HEIGHT = 0.35  # leg lengths above the floor: the waist of who lies is below
 SITTING_HEIGHT = 0.75  # the same of who sits, on a chair
 FLOOR_SITTING_HEIGHT = 0.3  # the same of who sits on the floor
@@ -26,13 +27,12 @@ TRUNK_CENTRE = 0.55  # of the way from waist to neck
 
 
 def standing(human: Human) -> Human:
-    """The human turned upright where it lies, with a remark for each stretch in which it lies or sits.
+    """The human turned upright where it lies or is upside down, with a remark for each stretch of that or of sitting.
 
     Who sits stays as it is: its hips are as low as they are, and the robot's as low as it can have them.
     """
-    lies, sits = _postures(human)
     shortest = LASTING * human.leg_time
-    lying, sitting = (_lasting(flags, shortest * human.rate) for flags in (lies, sits))
+    lying, inverted, sitting = (_lasting(flags, shortest * human.rate) for flags in _postures(human))
     remarks = [
         Remark(
             human.start + first / human.rate,
@@ -43,28 +43,30 @@ def standing(human: Human) -> Human:
         )
         for found, verb, instead in (
             (lying, "lies", "stands, as if the dancer had been turned upright"),
+            (inverted, "is upside down", "stands, as if the dancer had been turned upright"),
             (sitting, "sits", "stands, its knees bent as far as that allows"),
         )
         for first, last in found
     ]
     if not remarks:
         return human
-    upright = _turned_upright(human, lying) if lying else human
+    upright = _turned_upright(human, [*lying, *inverted]) if lying or inverted else human
     return replace(upright, remarks=(*human.remarks, *sorted(remarks, key=lambda remark: remark.start)))
 
 
-def _postures(human: Human) -> tuple[Flags, Flags]:
-    """The frames (T,) in which a human lies, and those in which it sits."""
+def _postures(human: Human) -> tuple[Flags, Flags, Flags]:
+    """The frames (T,) in which a human lies, in which it is upside down, and in which it sits."""
     points, leg = human.points, human.leg
     trunk = points["neck"] - points["waist"]
     tilt = np.arctan2(np.linalg.norm(trunk[:, :2], axis=1), trunk[:, 2])
     height = points["waist"][:, 2] / leg
     lies: Flags = (tilt > STEEP) & (height < LYING_HEIGHT)
+    inverted: Flags = (tilt > UPSIDE_DOWN) & ~lies
     thighs = [points[f"{side}_hip"] - points[f"{side}_knee"] for side in SIDES]
     level = np.all([np.arctan2(np.linalg.norm(t[:, :2], axis=1), t[:, 2]) > STEEP for t in thighs], axis=0)
     carried = (height < FLOOR_SITTING_HEIGHT) | (_beside_feet(human) > UNSUPPORTED * leg)
     sits: Flags = (tilt <= STEEP) & level & (height < SITTING_HEIGHT) & carried
-    return lies, sits
+    return lies, inverted, sits
 
 
 def _beside_feet(human: Human) -> Array:

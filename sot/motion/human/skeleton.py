@@ -12,6 +12,7 @@ from sot.errors import InputError
 from sot.motion.human.capture import Capture
 from sot.motion.human.human import SEGMENTS, SIDES, Human, nearest_rotations
 from sot.motion.human.mending import on_level_floor, without_jumps
+from sot.motion.human.plausibility import check_plausible
 from sot.motion.human.postures import standing
 from sot.toml_file import read_toml
 
@@ -48,10 +49,11 @@ def recognise(capture: Capture, mapping: str | Path | Mapping[str, str] | None =
     (`postures`); the human's remarks say so.
 
     Raises:
-        InputError: unknown names, or names that contradict the hierarchy or the way the body faces.
+        InputError: unknown names, names that contradict the hierarchy or the way the body faces, or a body that no
+            human has.
     """
     joints = _joints_from_mapping(capture, mapping) if mapping is not None else _joints_from_conventions(capture)
-    return standing(on_level_floor(without_jumps(_calibrated_human(capture, joints))))
+    return standing(on_level_floor(check_plausible(without_jumps(_calibrated_human(capture, joints)))))
 
 
 def naming_conventions() -> dict[str, JointAliases]:

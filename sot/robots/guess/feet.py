@@ -39,7 +39,7 @@ class Feet:
 
 
 def find_feet(posed: PosedModel) -> tuple[Feet, Evidence]:
-    """The two lowest leaves of the posed, or what carries them if it stands on the floor, too (a foot with toes).
+    """The two lowest leaves of the tree, or what carries them if it stands on the floor, too (a foot with toes).
 
     Raises:
         InputError: there are no two legs.
@@ -63,7 +63,7 @@ def find_feet(posed: PosedModel) -> tuple[Feet, Evidence]:
     rest = [lowest[leaf] for leaf in leaves if leaf not in legs]
     above = min(rest) - max(lowest[foot] for foot in feet) if rest else np.inf
     sure = apart < LEVEL * height and above > 10.0 * LEVEL * height
-    why = f"the two lowest ends of the posed, {1e3 * apart:.1f} mm apart in height"
+    why = f"the two lowest ends of the tree, {1e3 * apart:.1f} mm apart in height"
     if np.isfinite(above):
         why += f"; the next lowest end is {above:.2f} m higher"
     names = " and ".join(posed.name(foot) for foot in feet)
@@ -96,7 +96,7 @@ def _standing(posed: PosedModel, leaf: int, lowest: dict[int, float], tolerance:
 
 def sole(posed: PosedModel, foot: int) -> tuple[Array, float]:
     """Corners (n, 3) of what lies on the floor, counterclockwise, and the share of the foot that it covers."""
-    points = posed.surface(posed.touching([foot]))
+    points = posed.underside(posed.touching([foot]))
     floor = float(points[:, 2].min())
     low = points[points[:, 2] < floor + FLATNESS_TOLERANCE]
     hull, whole = _hull(low[:, :2]), _hull(points[:, :2])

@@ -180,6 +180,8 @@ def _evidence(posed: PosedModel, body: Body, reach: float, toes: set[int], coupl
         said.append(Evidence(f"{pair}s", counts, why, Sureness.SURE if fits else Sureness.UNSURE))
     chest, head = groups["chest"], groups["head"]
     between = f"the joints between {posed.name(body.pelvis)} and {posed.name(body.chest)}"
+    if body.pelvis == body.chest:
+        between = f"legs and arms go from one link, {posed.name(body.chest)}"
     said.append(Evidence("chest", _named(posed, chest), between, Sureness.SURE))
     why = "the highest branch in the middle of the trunk" if head else "no branch in the middle above the shoulders"
     said.append(Evidence("head", _named(posed, head), why, Sureness.SURE if head else Sureness.LIKELY))

@@ -13,7 +13,7 @@ from sot.robots.guess.groups import Body
 from sot.robots.guess.points import Points
 from sot.robots.guess.posed_model import PosedModel
 from sot.robots.limits import EFFORT_LEVER, GRAVITY
-from sot.robots.mjcf import joint_efforts
+from sot.robots.reading.mjcf import joint_efforts
 
 NO_VELOCITY = 1e3  # rad/s: what is no less is no limit
 SMALL = 1e-9  # N m s/rad and kg m², of losses that are none
@@ -22,7 +22,7 @@ EFFORTS = {"hip": 0.3, "knee": 0.4, "ankle": 0.2, "chest": 0.25, "upper arm": 0.
 """Efforts of humanoids of 3 to 95 kg, as shares of weight times leg length, towards their lower end."""
 VELOCITY = 2.0
 """Velocity limit by scale, in √(gravity / leg length)."""
-DAMPED, ROTOR = 0.5, 0.25
+DAMPED, ROTOR = 0.8, 0.5
 """Shares of a motor's effort that damping may take at the velocity guessed, and the rotor's inertia in a reference."""
 
 
@@ -53,6 +53,7 @@ def find_limits(posed: PosedModel, body: Body, points: Points, path: Path) -> tu
     efforts = {j: effort.get(names[j], own_effort[j]) for j in joints}
     damping, armature = ({j: _of_joint(values, posed, j) for j in joints} for values in _losses(posed))
     fastest = VELOCITY * float(np.sqrt(GRAVITY / leg))
+    # At effort over damping a motor has none left for anything else.
     by_scale = {j: _two_figures(min(fastest, DAMPED * efforts[j] / max(damping[j], SMALL))) for j in joints}
     own = {j: own_velocity.get(name, np.inf) for j, name in names.items()}
     velocity, said_velocity = _filled(
@@ -65,8 +66,9 @@ def find_limits(posed: PosedModel, body: Body, points: Points, path: Path) -> tu
     said = [*said_effort, *said_velocity]
     if slow:
         low, high = (f(acceleration[name] for name in slow) for f in (min, max))
+        values = f"{low:g}" if low == high else f"{low:g} to {high:g}"
         why = f"more would take over {100 * ROTOR:.0f} % of the effort for the rotors' inertia"
-        said.append(Evidence("acceleration", f"{low:g} to {high:g} rad/s² of {len(slow)} joints", why, Sureness.LIKELY))
+        said.append(Evidence("acceleration", f"{values} rad/s² of {len(slow)} joints", why, Sureness.LIKELY))
     return Limits(effort, velocity, acceleration), said
 
 
@@ -94,7 +96,7 @@ def _filled(
         low, high = min(guessed.values()), max(guessed.values())
         which = "all joints" if len(guessed) == len(names) else ", ".join(guessed)
         values = f"{low:g} {unit}" if low == high else f"{low:g} to {high:g} {unit}"
-        why = "by scale, since the model has none: look them up in the maker's data"
+        why = "by scale and damping, since the model has none: look them up in the maker's data"
         said.append(Evidence(f"{kind} limits", f"{values} for {which}", why, Sureness.UNSURE))
     return found | guessed, said
 

@@ -42,10 +42,14 @@ class Points:
 def find_points(posed: PosedModel, body: Body) -> tuple[Points, list[Evidence]]:
     """Points of a robot in its model's configuration, looking along x."""
     places, bends, evidence = dict[str, Point](), dict[str, int](), list[Evidence]()
-    for side in ("left", "right"):
-        bends[f"{side}_leg"] = _leg(posed, body, side, places, evidence)
-    for side in ("left", "right"):
-        bends[f"{side}_arm"] = _arm(posed, body, side, places, evidence)
+    for limb, what in (("leg", "hips, knees, ankles"), ("arm", "shoulders, elbows, wrists")):
+        said = []
+        for side in ("left", "right"):
+            bends[f"{side}_{limb}"], why, sureness = (_leg if limb == "leg" else _arm)(posed, body, side, places)
+            said.append((sureness, why))
+        middle = " and ".join(posed.joint_name(bends[f"{side}_{limb}"]) for side in ("left", "right"))
+        found = f"{what.split(', ')[1]} turn about {middle}"
+        evidence.append(Evidence(what, found, said[0][1], max(said, key=lambda each: list(Sureness).index(each[0]))[0]))
     _trunk(posed, body, places, evidence)
     return Points(places, bends), evidence
 
@@ -115,7 +119,7 @@ def _limb(posed: PosedModel, joints: Sequence[int], end: Array) -> tuple[Array, 
     return start, middle, used, off
 
 
-def _leg(posed: PosedModel, body: Body, side: str, places: dict[str, Point], evidence: list[Evidence]) -> int:
+def _leg(posed: PosedModel, body: Body, side: str, places: dict[str, Point]) -> tuple[int, str, Sureness]:
     joints, foot = list(body.groups[f"{side}_leg"]), body.feet[side]
     corners, _ = sole(posed, foot)
     hip, knee, used, off = _limb(posed, joints, posed.axis(joints[-1])[0])
@@ -128,19 +132,14 @@ def _leg(posed: PosedModel, body: Body, side: str, places: dict[str, Point], evi
     places[f"{side}_foot"] = Point(foot, np.array([ankle[0], ankle[1], floor]))
     places[f"{side}_toe"] = Point(foot, np.array([front, ankle[1], floor]))
     hips = ", ".join(posed.joint_name(j) for j in used)
-    evidence.append(
-        Evidence(
-            f"{side} hip, knee, ankle",
-            f"the knee is {posed.joint_name(joints[knee])}",
-            f"hip where the axes of {hips} meet ({1e3 * off:.0f} mm off), ankle where those below the knee do "
-            f"({1e3 * miss:.0f} mm off)",
-            Sureness.SURE if knee == 3 and len(below) == 2 else Sureness.UNSURE,
-        )
+    why = (
+        f"hip where the axes of {hips} meet ({1e3 * off:.0f} mm off), ankle where those below the knee do "
+        f"({1e3 * miss:.0f} mm off)"
     )
-    return joints[knee]
+    return joints[knee], why, Sureness.SURE if knee == 3 and len(below) == 2 else Sureness.UNSURE
 
 
-def _arm(posed: PosedModel, body: Body, side: str, places: dict[str, Point], evidence: list[Evidence]) -> int:
+def _arm(posed: PosedModel, body: Body, side: str, places: dict[str, Point]) -> tuple[int, str, Sureness]:
     joints, hand = list(body.groups[f"{side}_arm"]), body.hands[side]
     carried = posed.subtree(hand)
     skin = posed.surface(posed.touching(carried))
@@ -165,15 +164,7 @@ def _arm(posed: PosedModel, body: Body, side: str, places: dict[str, Point], evi
     places[f"{side}_wrist"] = Point(hand, wrist)
     places[f"{side}_hand"] = Point(hand, _palm(skin, places[f"{side}_elbow"].at, wrist))
     meet = ", ".join(posed.joint_name(j) for j in used)
-    evidence.append(
-        Evidence(
-            f"{side} shoulder, elbow, wrist",
-            f"the elbow is {posed.joint_name(joints[elbow])}",
-            f"shoulder where the axes of {meet} meet ({1e3 * off:.0f} mm off); {why}",
-            sureness,
-        )
-    )
-    return joints[elbow]
+    return joints[elbow], f"shoulder where the axes of {meet} meet ({1e3 * off:.0f} mm off); {why}", sureness
 
 
 def _palm(skin: Array, elbow: Array, wrist: Array) -> Array:

@@ -1,6 +1,6 @@
-"""The links and joints of a MuJoCo model as a posed, and where its geometry is: what guesses are made from."""
+"""The links and joints of a MuJoCo model in a posture, and where its geometry is: what guesses are made from."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
@@ -90,7 +90,7 @@ class PosedModel:
         return next(link for link in self.ancestry(first) if link in others)
 
     def way(self, start: int, end: int) -> list[int]:
-        """Links from one to another through the posed, both included."""
+        """Links from one to another through the tree, both included."""
         top = self.common_ancestor(start, end)
         up, down = self.ancestry(start), self.ancestry(end)
         return up[: up.index(top) + 1] + down[: down.index(top)][::-1]
@@ -138,7 +138,11 @@ class PosedModel:
 
     def surface(self, geoms: Sequence[int]) -> Array:
         """Points (n, 3) on the surfaces of geoms: corners, and samples of what is round, its lowest points included."""
-        return np.vstack([np.zeros((0, 3)), *(self._surface(g) for g in geoms)])
+        return np.vstack([np.zeros((0, 3)), *(self._surface(g, _directions_around) for g in geoms)])
+
+    def underside(self, geoms: Sequence[int]) -> Array:
+        """Points (n, 3) of geoms that a floor may touch: of what is round the lowest one only."""
+        return np.vstack([np.zeros((0, 3)), *(self._surface(g, _direction_down) for g in geoms)])
 
     def distance(self, first: Sequence[int], second: Sequence[int], most: float) -> float:
         """Least distance of what can touch of some links and of others [m], negative where they overlap; `most` if they
@@ -153,7 +157,7 @@ class PosedModel:
                     apart = min(apart, float(found))
         return apart
 
-    def _surface(self, geom: int) -> Array:
+    def _surface(self, geom: int, directions: Callable[[Array], Array]) -> Array:
         place, turn = self.data.geom_xpos[geom], self.data.geom_xmat[geom].reshape(3, 3)
         size, kinds = self.model.geom_size[geom], mujoco.mjtGeom
         match self.model.geom_type[geom]:
@@ -162,13 +166,13 @@ class PosedModel:
             case kinds.mjGEOM_BOX:
                 local = size * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
             case kinds.mjGEOM_SPHERE:
-                local = size[0] * _ball(turn)
+                local = size[0] * directions(turn)
             case kinds.mjGEOM_ELLIPSOID:
-                ways = _ball(turn) * size  # support points: S² n / |S n|
+                ways = directions(turn) * size  # support points: S² n / |S n|
                 local = ways * size / np.linalg.norm(ways, axis=1, keepdims=True)
             case kinds.mjGEOM_CAPSULE:
                 ends = np.array([[0.0, 0.0, size[1]], [0.0, 0.0, -size[1]]])
-                local = np.vstack([end + size[0] * _ball(turn) for end in ends])
+                local = np.vstack([end + size[0] * directions(turn) for end in ends])
             case kinds.mjGEOM_CYLINDER:
                 rim = _rim(turn) * size[0]
                 along = np.array([0.0, 0.0, size[1]])
@@ -193,13 +197,18 @@ class PosedModel:
         return float(self.model.body_subtreemass[link])
 
 
-def _ball(turn: Array) -> Array:
+def _directions_around(turn: Array) -> Array:
     """Directions (n, 3) all round, in a frame whose place in the world is known: straight down is one of them."""
     k = np.arange(ROUND_SAMPLES) + 0.5
     z = 1.0 - 2.0 * k / ROUND_SAMPLES
     across, angle = np.sqrt(1.0 - z * z), k * np.pi * (3.0 - np.sqrt(5.0))
     ways = np.column_stack([across * np.cos(angle), across * np.sin(angle), z])
     return np.vstack([ways, np.vstack([np.eye(3), -np.eye(3)]) @ turn])
+
+
+def _direction_down(turn: Array) -> Array:
+    """Straight down (1, 3), in the same way."""
+    return -turn[2:]
 
 
 def _rim(turn: Array) -> Array:

@@ -27,7 +27,8 @@ HANGING = 0.7  # least downward part of an upper arm's direction
 INSIDE = 0.05  # rad, that joints keep from their ends
 SIDES, LEG = ("left", "right"), ("hip", "knee", "ankle")
 LEAN = 0.1  # share of the leg: the ankles are no farther before or behind the hips
-STARTS = 24  # of an arm's search
+STARTS = 24  # of an arm's search, at most
+HANGS = 0.1  # residual with which the search is over
 STEPS, DAMPING = 60, 1e-6
 POSTURE = 0.05  # weight of a joint's own angle against the limb's direction
 CLOSE = 1e-3  # residual of a posture that is reached
@@ -68,8 +69,9 @@ def find_rest(posed: PosedModel, body: Body, points: Points, start: Array) -> tu
     if named is not None:
         return named
     posture = _Posture(posed, body, points, start)
-    legs, knee = posture.bend_legs()
+    posture.bend_legs()
     arms = posture.hang_arms()
+    legs, knee = posture.bend_legs()  # under the centre of mass with the arms where they are now
     posed.place(posture.qpos)
     flat = stands_flat(posed, list(body.feet.values()), body.height)
     said = [
@@ -274,11 +276,17 @@ class _Posture:
             random = np.random.default_rng(0)
             ranges = np.clip([posed.range(j) for j in joints], -np.pi, np.pi)
             starts = [own, *(random.uniform(ranges[:, 0], ranges[:, 1]) for _ in range(STARTS))]
-            angles, _ = min((self._solve(joints, residual, start) for start in starts), key=lambda found: found[1])
+            found: list[tuple[float, Array]] = []
+            for start in starts:
+                angles, off = self._solve(joints, residual, start)
+                found.append((off, angles))
+                if off < HANGS:
+                    break
+            angles = min(found, key=lambda each: each[0])[1]
         self.qpos[columns] = angles
         posed.place(self.qpos)
-        off = directions()
-        return angles, float(max(np.linalg.norm(off[:3]), np.linalg.norm(off[3:])))
+        left_over = directions()
+        return angles, float(max(np.linalg.norm(left_over[:3]), np.linalg.norm(left_over[3:])))
 
     def _mirrored(self, left: Array) -> Array | None:
         """The left arm's angles as the right arm's, if their joints mirror each other."""

@@ -9,9 +9,9 @@ import pinocchio as pin
 from scipy.spatial import ConvexHull, QhullError
 
 from sot.errors import InputError
-from sot.robots.mjcf import mjcf_spec
-from sot.robots.solid import Solid, fitted_primitive
-from sot.robots.urdf import solid_or_mesh
+from sot.robots.reading.mjcf_file import mjcf_spec
+from sot.robots.reading.solid import Solid, fitted_primitive
+from sot.robots.reading.urdf import solid_or_mesh
 
 BASE = 1  # Pinocchio's joint of the floating base
 

@@ -13,8 +13,7 @@ from sim.push import Push
 from sim.recording.bodies import body_poses
 from sim.recording.panels import FRAME_RATE, divergent_component, measured_and_planned_dcm
 from sim.recording.recorder import write_recording
-from sim.recording.shapes import read_shapes
-from sot.errors import InputError
+from sim.recording.shapes import read_scenery, read_shapes
 from sot.motion.plan import PLAN_RATE, Plan
 from sot.robots.robot import Robot, shipped_robot_names
 from tests.sim.runs import PERIOD, perfect_log, same_plan, still_motion
@@ -188,28 +187,6 @@ def test_shapes_belong_to_bodies_that_pinocchio_knows(name):
     assert 1.3 < max(lows) < 1.6
 
 
-def of_file(path: Path) -> Robot:
-    """A robot whose model file is another one."""
-    return replace(Robot.load("hrp2"), path=path)
-
-
-def test_a_mesh_is_shown_by_its_bounding_box(tmp_path: Path):
-    (tmp_path / "mesh.xml").write_text(
-        """<mujoco><asset><mesh name="m" vertex="0 0 0  0.2 0 0  0 0.4 0  0 0 0.6"/></asset><worldbody>
-        <body name="part"><freejoint/><geom type="mesh" mesh="m"/><geom type="sphere" size="0.1" group="3"/></body>
-        </worldbody></mujoco>"""
-    )
-    (shape,) = read_shapes(of_file(tmp_path / "mesh.xml"))
-    assert (shape.body, shape.kind) == ("part", "box")
-    assert np.prod(2 * shape.half_sizes) >= 0.2 * 0.4 * 0.6 / 6
-
-
-def test_a_model_that_mujoco_cannot_read(tmp_path: Path):
-    (tmp_path / "bad.xml").write_text("<mujoco><nonsense/></mujoco>")
-    with pytest.raises(InputError, match=r"bad\.xml: MuJoCo cannot read"):
-        read_shapes(of_file(tmp_path / "bad.xml"))
-
-
 @pytest.mark.parametrize(("rate", "count"), [(60.0, 120), (1000.0, 400), (200.0, 400)])
 def test_rows_at_a_lower_rate(log, rate, count):
     rows = log.rows_at(rate)
@@ -217,3 +194,23 @@ def test_rows_at_a_lower_rate(log, rate, count):
     assert (np.diff(rows) > 0).all()
     assert rows[0] == 0
     assert rows[-1] < log.ticks
+
+
+def test_a_scene_is_shown_where_it_is(log, tmp_path):
+    scene = """<mujoco><worldbody>
+      <geom type="box" size="0.2 0.4 0.02" pos="0.6 0 0.5"/>
+      <body pos="1 0 0"><geom type="capsule" size="0.1 0.3" pos="0 0.5 0.4" zaxis="1 0 0"/></body>
+      <body pos="0 0 2"><freejoint/><geom size="0.1"/></body>
+    </worldbody></mujoco>"""
+    box, capsule = read_scenery(ROBOT, scene)
+    np.testing.assert_allclose(box.position, [0.6, 0.0, 0.5])
+    np.testing.assert_allclose(capsule.position, [1.0, 0.5, 0.4])
+    np.testing.assert_allclose(capsule.half_sizes, [0.1, 0.1, 0.3])
+    motion = still_motion(ROBOT, SECONDS)
+    write_recording(tmp_path / "run.rrd", log, INFO, motion, None, scene)
+    chunks = RrdReader(tmp_path / "run.rrd").stream().to_chunks()
+    _, centers = column(chunks, "/world/scene/box", "centers")
+    np.testing.assert_allclose(np.array(centers.to_pylist()).ravel(), [0.6, 0.0, 0.5])
+    # Rerun's capsule starts at one end, 0.3 m from its middle along its axis.
+    _, starts = column(chunks, "/world/scene/capsule", "translations")
+    np.testing.assert_allclose(np.array(starts.to_pylist()).ravel(), [0.7, 0.5, 0.4], atol=1e-6)

@@ -1,12 +1,14 @@
 """Model quantities against Pinocchio's recursive dynamics and against finite differences."""
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from solvers import Cascade
 from sot.control.controller import Controller
-from sot.control.tick import COULOMB_SPEED, Tick
+from sot.control.tick import COMPENSATION_RATE_LIMIT, COULOMB_SPEED, Tick, coulomb_speeds
 from sot.errors import InputError
 from sot.robots.robot import Robot, shipped_robot_names
 from tests.sot.stances import standing_stack
@@ -50,6 +52,18 @@ def test_losses_oppose_the_joints_and_only_them(case):
     fast = np.abs(v[6:]) > 5.0 * COULOMB_SPEED
     expected = (robot.friction + robot.damping * np.abs(v[6:]))[fast]
     np.testing.assert_allclose(np.abs(losses[6:])[fast], expected, rtol=1e-3, atol=1e-9)
+
+
+def test_friction_of_light_joints_is_compensated_less_steeply():
+    """No joint without the friction that is compensated would speed up faster than the limit; heavy ones are left."""
+    robot = Robot.load("hrp2")
+    np.testing.assert_array_equal(coulomb_speeds(robot), COULOMB_SPEED)
+    rough = replace(robot, friction=30.0 * robot.friction)
+    speeds = coulomb_speeds(rough)
+    assert (speeds > 2.0 * COULOMB_SPEED).any()
+    Minv = pin.computeMinverse(robot.model, robot.model.createData(), robot.rest)
+    rates = rough.friction / speeds * np.diag(Minv)[6:]
+    assert rates.max() == pytest.approx(COMPENSATION_RATE_LIMIT)
 
 
 def test_gravity_forces_are_the_gradient_of_the_potential_energy(case):

@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sot.errors import InputError
 from sot.motion import Human, Plan, plan, read, recognise
+from sot.motion.human.plausibility import check_plausible
 from sot.motion.human.postures import standing
 from sot.robots.robot import Robot
 from tests.sot.motion.human.clips import Change, changed_groove, lying, on_one_leg, seated
@@ -93,3 +95,27 @@ def test_who_stands_on_one_leg_throughout_is_danced_on_one(tmp_path: Path) -> No
     assert found.remarks == []
     middle = [phase for phase in found.motion.phases if phase.start < 1.5 < phase.end]
     assert [set(phase.feet) for phase in middle] == [{"left_foot"}]
+
+
+def test_who_stands_on_the_head_is_turned_upright_and_told() -> None:
+    human = dancer(3.0)
+    turn = np.diag([-1.0, 1.0, -1.0])
+    down = replace(
+        human,
+        points={name: place @ turn.T + [0.0, 0.0, 1.4] for name, place in human.points.items()},
+        frames={body: turn @ rotation for body, rotation in human.frames.items()},
+    )
+    up = standing(down)
+    assert up.remarks[0].words.startswith("The dancer is upside down from 0.00 to 3.00 s; the robot stands")
+    assert up.segment_direction("trunk")[:, 2].min() > 0.99
+
+
+def test_what_no_body_can_is_refused() -> None:
+    human = dancer(3.0)
+    far = human.points | {"left_wrist": human.points["left_wrist"] + np.array([4.0, 0.0, 0.0])}
+    with pytest.raises(InputError, match=r"its left_wrist is 4\.\d m from its waist at"):
+        check_plausible(replace(human, points=far))
+    run = np.column_stack([30.0 * human.times, np.zeros((human.count, 2))])
+    with pytest.raises(InputError, match=r"its waist moves at 30 m/s"):
+        check_plausible(replace(human, points={name: place + run for name, place in human.points.items()}))
+    assert check_plausible(human) is human

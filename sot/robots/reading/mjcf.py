@@ -1,6 +1,5 @@
 """A robot from an MJCF: what MuJoCo itself makes of the file, with the robot's own tree picked out of it."""
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,10 +10,10 @@ import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
-from sot.robots.pinocchio_model import placement
-from sot.robots.shapes import with_solids
-from sot.robots.solid import GEOMS, VISUAL_GROUP, Mesh, Solid, fitted_primitive
-from sot.robots.tree import Hinge, Link, Tree, unique_name
+from sot.robots.reading.pinocchio_model import placement
+from sot.robots.reading.shapes import with_solids
+from sot.robots.reading.solid import GEOMS, VISUAL_GROUP, Mesh, Solid, fitted_primitive
+from sot.robots.reading.tree import Hinge, Link, Tree, unique_name
 
 Array = np.ndarray
 
@@ -29,72 +28,6 @@ FREE, BALL, SLIDE, HINGE = (
         mujoco.mjtJoint.mjJNT_HINGE,
     )
 )
-
-
-def mjcf_spec(path: Path) -> mujoco.MjSpec:
-    """The model as the file says, without textures and skins and what may name things of a scene.
-
-    Raises:
-        ValueError, mujoco.FatalError: MuJoCo cannot read it.
-    """
-    spec = mujoco.MjSpec.from_file(str(path))
-    _drop_what_names_others(spec)
-    for material in spec.materials:
-        material.textures = [""] * len(material.textures)
-    for texture in list(spec.textures):
-        spec.delete(texture)
-    spec.compiler.fusestatic = False
-    spec.compiler.discardvisual = False
-    return spec
-
-
-def compile_mjcf(path: Path, remarks: list[str]) -> mujoco.MjModel:
-    """The model as MuJoCo reads the file, with all that is in it but textures and skins.
-
-    Args:
-        path: of the file; files that it includes and meshes are found as MuJoCo finds them.
-        remarks: what had to be mended is added to these.
-
-    Raises:
-        InputError: MuJoCo cannot read it.
-    """
-    try:
-        spec = mjcf_spec(path)
-        try:
-            return spec.compile()
-        except ValueError as error:
-            if "A + B >= C" not in str(error):
-                raise
-            link = _element(str(error))
-            spec.compiler.balanceinertia = True
-            compiled = spec.compile()
-            remarks.append(f"the inertia of link '{link}' is none that a body can have (A + B < C): mended")
-            return compiled
-    except (ValueError, mujoco.FatalError) as error:
-        raise InputError(_complaint(path, str(error))) from None
-
-
-def _drop_what_names_others(spec: mujoco.MjSpec) -> None:
-    """Drop skins, sensors and pairs of shapes, which may name what only a scene has; shapes of pairs collide."""
-    for pair in spec.pairs:
-        for geom in (spec.geom(pair.geomname1), spec.geom(pair.geomname2)):
-            if geom is not None:
-                geom.contype, geom.conaffinity = geom.contype | 1, geom.conaffinity | 1
-    for unneeded in (*spec.skins, *spec.sensors, *spec.pairs):
-        spec.delete(unneeded)
-
-
-def _complaint(path: Path, error: str) -> str:
-    link = _element(error)
-    if "moving bodies must be larger" in error:
-        return f"{path}: link '{link}' moves and has no mass or inertia: give it both, or put its joint into [locked]"
-    lines = [line.strip() for line in error.splitlines() if line.strip()]
-    return f"{path}: MuJoCo cannot read it: {'; '.join(lines) or 'no reason given'}"
-
-
-def _element(error: str) -> str:
-    found = re.search(r"Element name '([^']*)'", error)
-    return found.group(1) if found else ""
 
 
 class KeyFrame(NamedTuple):

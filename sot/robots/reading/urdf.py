@@ -1,7 +1,11 @@
 """A robot from a URDF, which Pinocchio reads: MuJoCo stops at meshes it has no format for."""
 
+import os
+import sys
+import tempfile
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,13 +14,16 @@ import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
-from sot.robots.shapes import with_solids
-from sot.robots.solid import Mesh, Solid, fitted_primitive
-from sot.robots.tree import Hinge, Link, Tree
+from sot.robots.reading.shapes import with_solids
+from sot.robots.reading.solid import Mesh, Solid, fitted_primitive
+from sot.robots.reading.tree import Hinge, Link, Tree
 
 Array = np.ndarray
 
 BASE = 1  # the joint of the floating base
+STANDARD_ERROR = 2
+MIN_MOMENT = 1e-12  # kg m², below which an inertia is none
+BALL_DENSITY = 1000.0  # kg/m³
 
 
 def read_urdf(path: Path, locked: Mapping[str, float], remarks: list[str]) -> tuple[pin.Model, Tree]:
@@ -36,15 +43,22 @@ def read_urdf(path: Path, locked: Mapping[str, float], remarks: list[str]) -> tu
             that turns about no axis, or a link that cannot move as it has no mass.
     """
     folders = [str(folder) for folder in path.resolve().parents]
+    complaints: list[str] = []
+    loader = coal.CachedMeshLoader()  # many files name one mesh twice, to be seen and to collide
     try:
-        model = pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
-        geometries: Sequence[pin.GeometryModel] = [
-            pin.buildGeomFromUrdf(model, str(path), kind, package_dirs=folders)
-            for kind in (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL)
-        ]
         followers = _followers(path, locked)
+        with _complaints_into(complaints):
+            model = pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
+            geometries: Sequence[pin.GeometryModel] = [
+                pin.buildGeomFromUrdf(model, str(path), kind, package_dirs=folders, mesh_loader=loader)
+                for kind in (pin.GeometryType.COLLISION, pin.GeometryType.VISUAL)
+            ]
     except (ValueError, RuntimeError, IndexError, ET.ParseError) as error:
-        raise InputError(f"{path}: Pinocchio cannot read it: {' '.join(str(error).split())}") from None
+        reason = "; ".join(complaints) or " ".join(str(error).split())
+        raise InputError(f"{path}: Pinocchio cannot read it: {reason}") from None
+    if any("nertia" in complaint for complaint in complaints):  # read on as if there were none
+        raise InputError(f"{path}: {'; '.join(complaints)}")
+    remarks += [f"the URDF's parser says: {complaint}" for complaint in complaints]
     unknown = [joint for joint in locked if not BASE < model.getJointId(joint) < model.njoints]
     if unknown:
         raise InputError(f"{path}: no joint '{unknown[0]}' to lock")
@@ -55,9 +69,25 @@ def read_urdf(path: Path, locked: Mapping[str, float], remarks: list[str]) -> tu
         )
     model, geometries = _with_joints_held(model, geometries, followers | dict(locked))
     _refuse_others(model, path)
-    for joint in range(BASE, model.njoints):
-        model.inertias[joint] = _mended(model.inertias[joint], _link_name(model, joint), remarks)
+    _mend_inertias(model, remarks)
     return model, _tree(model, geometries, path.stem)
+
+
+@contextmanager
+def _complaints_into(complaints: list[str]) -> Iterator[None]:
+    """Collect what the parser beneath Pinocchio writes to the standard error itself, instead of in its exceptions."""
+    sys.stderr.flush()
+    with tempfile.TemporaryFile() as written:
+        shown = os.dup(STANDARD_ERROR)
+        os.dup2(written.fileno(), STANDARD_ERROR)
+        try:
+            yield
+        finally:
+            os.dup2(shown, STANDARD_ERROR)
+            os.close(shown)
+            written.seek(0)
+            lines = written.read().decode(errors="replace").splitlines()
+            complaints += [line.removeprefix("Error:").strip() for line in lines if line.startswith("Error:")]
 
 
 def _followers(path: Path, locked: Mapping[str, float]) -> dict[str, float]:
@@ -100,11 +130,12 @@ def _refuse_others(model: pin.Model, path: Path) -> None:
     if model.njoints <= BASE + 1:
         raise InputError(f"{path}: the robot has no joints")
     for joint in range(BASE, model.njoints):
-        inertia = model.inertias[joint]
-        if not inertia.mass > 0.0 or not np.linalg.eigvalsh(inertia.inertia)[0] > 0.0:
-            name = _link_name(model, joint)
-            what = "the base" if joint == BASE else f"link '{name}' moves and"
+        inertia, name = model.inertias[joint], _link_name(model, joint)
+        what = "the base" if joint == BASE else f"link '{name}' moves and"
+        if not inertia.mass > 0.0:
             raise InputError(f"{path}: {what} has no mass or inertia: give it both, or put its joint into [locked]")
+        if not np.isfinite(inertia.matrix()).all() or np.linalg.eigvalsh(inertia.inertia)[0] < -MIN_MOMENT:
+            raise InputError(f"{path}: {what} has an inertia that is negative or no number")
 
 
 def _tree(model: pin.Model, geometries: Sequence[pin.GeometryModel], name: str) -> Tree:
@@ -166,13 +197,29 @@ def _link_name(model: pin.Model, joint: int) -> str:
     return str(next(frames).name)
 
 
-def _mended(inertia: pin.Inertia, link: str, remarks: list[str]) -> pin.Inertia:
-    """An inertia that a body can have: where no body has such moments, all three become their mean."""
-    moments = np.linalg.eigvalsh(inertia.inertia)
-    if moments[0] + moments[1] >= moments[2] * (1.0 - 1e-9):
-        return inertia
-    remarks.append(f"the inertia of link '{link}' is none that a body can have (A + B < C): mended")
-    return pin.Inertia(inertia.mass, inertia.lever, moments.mean() * np.eye(3))
+def _mend_inertias(model: pin.Model, remarks: list[str]) -> None:
+    """Give each link an inertia that a body can have.
+
+    Masses in a point or on a line get what a ball of their mass has besides; where a moment is larger than the other
+    two together, all three become their mean.
+    """
+    thin, odd = [], []
+    for joint in range(BASE, model.njoints):
+        inertia = model.inertias[joint]
+        turning, mass = inertia.inertia, inertia.mass
+        if np.linalg.eigvalsh(turning)[0] < MIN_MOMENT:
+            thin.append(_link_name(model, joint))
+            radius = (3.0 * mass / (4.0 * np.pi * BALL_DENSITY)) ** (1.0 / 3.0)
+            turning = turning + 0.4 * mass * radius**2 * np.eye(3)
+        moments = np.linalg.eigvalsh(turning)
+        if moments[0] + moments[1] < moments[2] * (1.0 - 1e-9):
+            odd.append(_link_name(model, joint))
+            turning = moments.mean() * np.eye(3)
+        model.inertias[joint] = pin.Inertia(mass, inertia.lever, turning)
+    if thin:
+        remarks.append(f"links without inertia about some axis have that of a ball of their mass: {', '.join(thin)}")
+    if odd:
+        remarks.append(f"inertias that no body can have (A + B < C) are mended, of links {', '.join(odd)}")
 
 
 def solid_or_mesh(shape: pin.GeometryObject) -> Solid | Mesh:

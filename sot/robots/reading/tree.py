@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-from sot.robots.solid import Solid
+from sot.robots.reading.solid import Solid
 
 Array = np.ndarray
 

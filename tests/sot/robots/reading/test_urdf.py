@@ -8,7 +8,7 @@ import pytest
 from sim.convert import state_to_mujoco
 from sot.errors import InputError
 from sot.robots.reading import read_model
-from sot.robots.solid import COLLISION_GROUP
+from sot.robots.reading.solid import COLLISION_GROUP
 
 CORNERS = np.array([(x, y, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
 FACES = "3 0 1 3\n3 0 3 2\n3 4 6 7\n3 4 7 5\n3 0 4 5\n3 0 5 1\n3 2 3 7\n3 2 7 6\n3 0 2 6\n3 0 6 4\n3 1 5 7\n3 1 7 3\n"
@@ -131,6 +131,20 @@ def test_what_cannot_be_read_is_refused_in_one_line(toy, tmp_path):
         read_model(alone)
 
 
+def test_the_parsers_own_words_are_in_the_one_line(toy, tmp_path, capfd):
+    path = tmp_path / "toy.urdf"
+    path.write_text(TOY.replace('<child link="finger"/>', '<child link="thumb"/>'))
+    with pytest.raises(InputError, match=r"toy.urdf: .*child link \[thumb\] of joint \[knuckle\] not found"):
+        read_model(path)
+    path.write_text(TOY[:100])
+    with pytest.raises(InputError, match=r"toy.urdf: .*line 1, column"):
+        read_model(path)
+    path.write_text(TOY.replace('ixx="0.02"', "").replace("package://toy", str(toy.parent.parent)))
+    with pytest.raises(InputError, match=r"toy.urdf: Inertial: .*ixx"):
+        read_model(path)
+    assert capfd.readouterr() == ("", "")
+
+
 def test_a_follower_is_held_where_its_leader_at_rest_has_it(toy, tmp_path):
     """And a joint that goes round is one without a range."""
     mimic = '<mimic joint="wrist" multiplier="-2" offset="0.3"/></joint></robot>'
@@ -153,6 +167,26 @@ def test_a_link_that_moves_without_mass_is_named(toy, tmp_path):
     )
     with pytest.raises(InputError, match=r"link 'finger' moves and has no mass.*\[locked\]"):
         read_model(path)
+
+
+OFF_DIAGONAL = ' ixy="0" ixz="0" iyz="0"'
+
+
+@pytest.mark.parametrize(
+    ("moments", "remark"),
+    [
+        ('ixx="0" iyy="0" izz="0"', "links without inertia about some axis have that of a ball of their mass: hand"),
+        ('ixx="0.001" iyy="0.001" izz="0.01"', "inertias that no body can have (A + B < C) are mended, of links hand"),
+    ],
+)
+def test_an_inertia_that_no_body_has_is_mended_with_a_remark(toy, tmp_path, moments, remark):
+    path = tmp_path / "toy.urdf"
+    hand = TOY.index('<link name="hand">')
+    odd = TOY[hand:].replace(
+        'ixx="0.02" iyy="0.03" izz="0.025" ixy="0.001" ixz="-0.002" iyz="0.003"', moments + OFF_DIAGONAL, 1
+    )
+    path.write_text((TOY[:hand] + odd).replace("package://toy", str(toy.parent.parent)))
+    assert read_model(path).remarks == (remark,)
 
 
 def test_a_sliding_joint_is_named_with_its_remedy(toy, tmp_path):

@@ -10,11 +10,12 @@ import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
-from sot.robots.agreement import mujoco_reading, pinocchio_reading, refuse_difference, seeded_poses
-from sot.robots.mjcf import KeyFrame, compile_mjcf, find_robot
-from sot.robots.pinocchio_model import pinocchio_model
-from sot.robots.tree import Tree
-from sot.robots.urdf import read_urdf
+from sot.robots.reading.agreement import mujoco_reading, pinocchio_reading, refuse_difference, seeded_poses
+from sot.robots.reading.mjcf import KeyFrame, find_robot
+from sot.robots.reading.mjcf_file import compile_mjcf
+from sot.robots.reading.pinocchio_model import pinocchio_model
+from sot.robots.reading.tree import Tree
+from sot.robots.reading.urdf import read_urdf
 
 NOTHING: Mapping[str, float] = MappingProxyType({})
 

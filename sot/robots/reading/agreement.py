@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
-from sot.robots.pinocchio_model import placement
+from sot.robots.reading.pinocchio_model import placement
 
 Array = np.ndarray
 
@@ -95,7 +95,7 @@ def refuse_difference(path: Path, ours: Reading, theirs: Reading) -> None:
     Raises:
         InputError: they differ; named is the first link or quantity that does.
     """
-    for name in ours.links.keys() & theirs.links.keys():
+    for name in [name for name in ours.links if name in theirs.links]:
         one, other = ours.links[name], theirs.links[name]
         apart = np.abs(one.homogeneous - other.homogeneous).max()
         if not apart <= POSITION_TOLERANCE:

@@ -134,6 +134,18 @@ class Solid:
         return np.zeros(3)
 
 
+def _spread_directions(count: int) -> Array:
+    """Directions spread over the sphere, the six along the axes last (count + 6, 3)."""
+    k = np.arange(count) + 0.5
+    z, angle = 1.0 - 2.0 * k / count, np.pi * (1.0 + np.sqrt(5.0)) * k
+    ring = np.sqrt(1.0 - z**2)
+    return np.vstack([np.column_stack([ring * np.cos(angle), ring * np.sin(angle), z]), np.eye(3), -np.eye(3)])
+
+
+DIRECTIONS = _spread_directions(300)
+"""Along which shapes are compared."""
+
+
 class Mesh(NamedTuple):
     """A mesh of a link.
 
@@ -180,7 +192,7 @@ def fitted_solid(name: str, meshes: Sequence[Mesh]) -> Solid:
     side, whole = float(np.ptp(vertices, axis=0).max()), vertices[hull.vertices]
     tolerance = min(FIT_TOLERANCE, FIT_TOLERANCE_RATIO * side)
     for primitive in candidates:
-        if _misfit(primitive, whole, hull.equations) <= tolerance:
+        if _misfit(primitive, whole) <= tolerance:
             return replace(primitive, meshes=_acted(primitive.placement.inverse(), whole))
     corners = _few_vertices(whole, hull.equations, min(HULL_TOLERANCE, HULL_TOLERANCE_RATIO * side))
     centre = corners.mean(axis=0)
@@ -212,17 +224,16 @@ def _primitives(name: str, meshes: Sequence[Mesh]) -> tuple[Solid, Solid]:
     return replace(box, kind="capsule", size=size, placement=pin.SE3(along, centre)), box
 
 
-def _misfit(solid: Solid, corners: Array, planes: Array) -> float:
-    """Largest difference [m] between the supports of a solid and of a hull, along many directions."""
-    directions = np.vstack([planes[:, :3], _directions(200)])
-    hull = (directions @ corners.T).max(axis=1)
-    mine = np.array([(solid.lowest_points(-direction) @ direction).max() for direction in directions])
+def _misfit(solid: Solid, corners: Array) -> float:
+    """Largest difference [m] between the supports of a solid and of a hull, along directions spread over the sphere."""
+    hull = (DIRECTIONS @ corners.T).max(axis=1)
+    mine = np.array([(solid.lowest_points(-direction) @ direction).max() for direction in DIRECTIONS])
     return float(np.abs(hull - mine).max())
 
 
 def _few_vertices(corners: Array, planes: Array, tolerance: float) -> Array:
     """Some of a hull's corners (n, 3), whose own hull is within a tolerance of it unless that takes too many."""
-    directions = np.vstack([planes[:, :3], _directions(200)])
+    directions = np.vstack([planes[:, :3], DIRECTIONS])
     heights = directions @ corners.T
     supports = heights.max(axis=1)
     chosen = sorted({int(k) for k in heights[-6:].argmax(axis=1)})
@@ -235,14 +246,6 @@ def _few_vertices(corners: Array, planes: Array, tolerance: float) -> Array:
             break
         chosen.append(worst)
     return corners[chosen]
-
-
-def _directions(count: int) -> Array:
-    """Directions spread over the sphere, the six along the axes last (count + 6, 3)."""
-    k = np.arange(count) + 0.5
-    z, angle = 1.0 - 2.0 * k / count, np.pi * (1.0 + np.sqrt(5.0)) * k
-    ring = np.sqrt(1.0 - z**2)
-    return np.vstack([np.column_stack([ring * np.cos(angle), ring * np.sin(angle), z]), np.eye(3), -np.eye(3)])
 
 
 def _coal_hull(vertices: Array | None) -> coal.ShapeBase:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from sot.robots.robot import MODELS, Robot
 from sot.robots.robot_file import RobotFile
+from sot.robots.size import standing_height
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ def robot_summary(name: str) -> Summary:
     file = RobotFile(MODELS / f"{name}.toml")
     if "package" not in file.content:
         robot = Robot.load(name)
-        return Summary(robot.label, robot.na, robot.mass, robot.height, "")
+        return Summary(robot.label, robot.na, robot.mass, standing_height(robot), "")
     joints, mass, height = (file.get(f"listed.{key}", int, float) for key in ("joints", "mass", "height"))
     source, licence, package, version = (
         file.get(f"package.{key}", str) for key in ("source", "licence", "name", "version")

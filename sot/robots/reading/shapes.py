@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from sot.robots.solid import Mesh, Solid, fitted_solid
-from sot.robots.tree import Tree, unique_name
+from sot.robots.reading.solid import Mesh, Solid, fitted_solid
+from sot.robots.reading.tree import Tree, unique_name
 
 COINCIDENCE_DISTANCE = 1e-6  # m, joints this close turn about one point
 
