@@ -195,7 +195,8 @@ def _plan(
             first, last = (_clip_time(course.clock[start : end + 1], t) for t in (one.start, one.end))
             raise InputError(
                 f"{robot.label} cannot dance this clip from {first:.1f} to {last:.1f} s: its feet would be "
-                f"{one.foot:.2f} m off their places; choose another part, or planted feet"
+                f"{one.foot:.2f} m off their places; choose another part"
+                + ("" if feet == "planted" else ", or planted feet")
             )
     motion = sampled_motion(robot, body_motion, course.phases, rate)
     figures = {
