@@ -15,11 +15,12 @@ from sot.motion.feet.stance import Build
 from sot.motion.feet.swing import FootPath
 from sot.proximity import lever_arm_bounds
 from sot.robots.robot import Robot
+from sot.robots.size import leg_length
 
 Array = NDArray[np.float64]
 
-MIN_CLEARANCE = 0.02  # m, distance that limbs keep from other parts
-CLEARANCE_WEIGHTS = {"arm": 1.0 / 0.003, "legs": 1.0 / 0.001}  # 1/m, weight of the distance that is missing
+MIN_CLEARANCE = 0.0333  # leg lengths, distance that limbs keep from other parts
+ACCEPTED_MISSING = {"arm": 0.005, "legs": 0.00166}  # leg lengths, missing of that distance
 
 
 class _NearestPair(NamedTuple):
@@ -38,6 +39,9 @@ class Clearance:
     Only the robot's own pairs of shapes count; those that are less than MIN_CLEARANCE apart at rest need be no further
     apart. A distance changes by no more than the joints between two shapes turn, each times its reach: distances at a
     knot are measured again only where something may have come near since.
+
+    Attributes:
+        wanted: distance that is to be kept, MIN_CLEARANCE of this robot [m].
     """
 
     def __init__(self, robot: Robot, pairs: Iterable[tuple[int, int]], length: int):
@@ -47,6 +51,8 @@ class Clearance:
             pairs: of its shapes, each what is to be kept clear of and the limb's.
             length: number of knots T.
         """
+        self._leg = leg_length(robot)
+        self.wanted = MIN_CLEARANCE * self._leg
         self._model, self._chains = robot.model, JointTree(robot)
         self._data = robot.model.createData()
         self._geometry = robot.shapes.copy()
@@ -54,7 +60,7 @@ class Clearance:
         for pair in pairs:
             self._geometry.addCollisionPair(pin.CollisionPair(*pair))
         self._allocate_results()
-        self._min_distances = np.minimum(MIN_CLEARANCE, self._distances(robot.rest))
+        self._min_distances = np.minimum(self.wanted, self._distances(robot.rest))
         left, shapes = list(self._geometry.collisionPairs), self._geometry.geometryObjects
         owners = np.array([pair.second for pair in left], dtype=int)
         self._pairs_of_shape = [
@@ -110,6 +116,11 @@ class Clearance:
             J[rows, shapes] = -np.einsum("ni,nis->ns", normals, apart_by)
         return missing, J
 
+    def added(self, limb: str, residuals: tuple[Array, Array], missing: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Weighted residuals and Jacobians of a limb with those of the distances that are missing."""
+        (errors, jacobians), (lacking, J), weight = residuals, missing, 1.0 / (ACCEPTED_MISSING[limb] * self._leg)
+        return np.hstack([errors, weight * lacking]), np.concatenate([jacobians, weight * J], axis=1)
+
     def _allocate_results(self) -> None:
         self._results = self._geometry.createData()
         self._pair_results = list(self._results.distanceResults)  # views: looking them up costs more than the distances
@@ -127,7 +138,9 @@ class ClearArm(Arm):
         self._clearance = Clearance.of_arm(robot, side, targets.length)
 
     def evaluate(self, knots: Indices, y: Array) -> tuple[Array, Array]:
-        return _with_clearance("arm", super().evaluate(knots, y), self._clearance.evaluate(knots, y, self.columns))
+        return self._clearance.added(
+            "arm", super().evaluate(knots, y), self._clearance.evaluate(knots, y, self.columns)
+        )
 
 
 class ClearBody(Body):
@@ -152,8 +165,8 @@ class ClearBody(Body):
 
     def evaluate(self, knots: Indices, y: Array) -> tuple[Array, Array]:
         missing, J = self._legs.evaluate(knots, y, self.columns)
-        hope = np.clip(2.0 - missing / MIN_CLEARANCE, 0.0, 1.0)
-        return _with_clearance("legs", super().evaluate(knots, y), (hope * missing, hope[..., None] * J))
+        hope = np.clip(2.0 - missing / self._legs.wanted, 0.0, 1.0)
+        return self._legs.added("legs", super().evaluate(knots, y), (hope * missing, hope[..., None] * J))
 
 
 def _shapes_of_group(robot: Robot, group: str) -> list[int]:
@@ -167,10 +180,3 @@ def _pairs_between(robot: Robot, first: set[int], second: set[int]) -> list[tupl
     pairs = [(int(pair.first), int(pair.second)) for pair in robot.shapes.collisionPairs]
     swapped = [(b, a) for a, b in pairs]
     return [(a, b) for a, b in (*pairs, *swapped) if a in first and b in second]
-
-
-def _with_clearance(limb: str, residuals: tuple[Array, Array], clearance: tuple[Array, Array]) -> tuple[Array, Array]:
-    (errors, jacobians), (missing, J) = residuals, clearance
-    return np.hstack([errors, CLEARANCE_WEIGHTS[limb] * missing]), np.concatenate(
-        [jacobians, CLEARANCE_WEIGHTS[limb] * J], axis=1
-    )
