@@ -9,7 +9,8 @@ from solvers.compiled import compiled
 from solvers.rows import Rows
 from sot.behaviours.displacement import Displacement
 from sot.control.task import Task
-from sot.control.tick import GRAVITY, Tick
+from sot.control.tick import Tick
+from sot.gravity import GRAVITY
 from sot.polygon import WHOLE_FLOOR, Polygon, nearest_point
 
 Array = np.ndarray

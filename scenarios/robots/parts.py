@@ -6,13 +6,16 @@ import numpy as np
 import pinocchio as pin
 
 from scenarios.robots.findings import Finding, Severity
+from sot.gravity import GRAVITY
 from sot.robots.robot import Robot
 from sot.robots.robot_file import SIDED
 from sot.robots.size import leg_length
 
-STRAIGHT = 0.985  # share of its length beyond which a leg cannot push
-WEAK, USUAL = 0.05, (0.2, 0.6)  # efforts of a leg's joints, as shares of weight times leg length: little, and usual
-GRAVITY = 9.81  # m/s²
+MAX_LEG_EXTENSION = 0.985  # share of its length beyond which a leg cannot push
+MIN_EFFORT_SHARE, USUAL_EFFORT_SHARES = (
+    0.05,
+    (0.2, 0.6),
+)  # efforts of a leg's joints, as shares of weight times leg length: little, and usual
 
 REMEDIES: Mapping[str, tuple[Severity, str]] = {
     "cannot hold a flat foot": (Severity.STOPS, "none: six joints a leg are needed to dance; others walk on lines"),
@@ -49,11 +52,13 @@ def part_findings(robot: Robot) -> Iterator[Finding]:
     leg = leg_length(robot)
     strength = robot.mass * GRAVITY * leg
     weak = [
-        f"{robot.joints[k]} {robot.effort[k]:g} N m" for k in robot.groups["legs"] if robot.effort[k] < WEAK * strength
+        f"{robot.joints[k]} {robot.effort[k]:g} N m"
+        for k in robot.groups["legs"]
+        if robot.effort[k] < MIN_EFFORT_SHARE * strength
     ]
     if weak:
         what = f"efforts of the legs are little for {robot.mass:.0f} kg on legs of {leg:.2f} m"
-        low, high = (share * strength for share in USUAL)
+        low, high = (share * strength for share in USUAL_EFFORT_SHARES)
         remedy = f"correct 'limits.effort': humanoids have {low:.0f} to {high:.0f} N m there"
         yield Finding(Severity.WARNS, what, ", ".join(weak), remedy)
 
@@ -87,6 +92,6 @@ def _legs(robot: Robot, place: Mapping[str, np.ndarray]) -> Iterator[Finding]:
     for side in ("left", "right"):
         hip, knee, ankle = (place[f"{side}_{name}"] for name in ("hip", "knee", "ankle"))
         length = float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee))
-        if np.linalg.norm(ankle - hip) > STRAIGHT * length:
+        if np.linalg.norm(ankle - hip) > MAX_LEG_EXTENSION * length:
             what = "the leg is straight at rest: it cannot push, and there is no room to extend it"
             yield Finding(Severity.STOPS, what, f"rest, {side} knee", "bend the knees by about 0.7 rad")

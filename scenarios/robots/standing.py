@@ -13,10 +13,10 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-STEPS = 40  # of the search for a posture over one foot
-STEP = 0.01  # m, of the pelvis in one of them
-REACHED = 2e-3  # m and rad, of feet that are where they should be
-HIGH_SHARE = 0.7  # share of its effort that standing may take of a joint without a word
+SEARCH_STEPS = 40  # of the search for a posture over one foot
+MAX_STEP_LENGTH = 0.01  # m, of the pelvis in one of them
+REACH_TOLERANCE = 2e-3  # m and rad, of feet that are where they should be
+NOTED_EFFORT_SHARE = 0.7  # share of its effort that standing may take of a joint without a word
 
 
 @dataclass(frozen=True)
@@ -52,20 +52,24 @@ def standing_findings(robot: Robot) -> Iterator[Finding]:
         on = "both feet" if len(stance.feet) > 1 else f"the {stance.feet[0].replace('_', ' ')}"
         shares = np.abs(stance.torques) / robot.effort
         stops = Severity.STOPS if len(stance.feet) > 1 else Severity.WARNS
-        for severity, low, high in ((stops, 1.0, np.inf), (Severity.NOTES, HIGH_SHARE, 1.0)):
+        for severity, low, high in ((stops, 1.0, np.inf), (Severity.NOTES, NOTED_EFFORT_SHARE, 1.0)):
             over = [k for k in np.argsort(-shares) if low <= shares[k] < high]
             if over:
                 joints = ", ".join(
                     f"{robot.joints[k]} {abs(stance.torques[k]):.0f} of {robot.effort[k]:.0f} N m" for k in over
                 )
-                says = "more effort than there is" if low >= 1.0 else f"over {100 * HIGH_SHARE:.0f} % of the effort"
+                says = (
+                    "more effort than there is"
+                    if low >= 1.0
+                    else f"over {100 * NOTED_EFFORT_SHARE:.0f} % of the effort"
+                )
                 remedy = "correct 'limits.effort' if it is not the motor's; else dance more slowly, and let arms hang"
                 yield Finding(severity, f"standing on {on} takes {says}", joints, remedy)
         if not stance.reached:
             beyond = [
                 f"{name} [{np.rad2deg(low):.0f}°, {np.rad2deg(high):.0f}°]"
                 for name, angle, low, high in zip(robot.joints, stance.q[7:], robot.lower, robot.upper, strict=True)
-                if angle <= low + REACHED or angle >= high - REACHED
+                if angle <= low + REACH_TOLERANCE or angle >= high - REACH_TOLERANCE
             ]
             what = f"the weight cannot be brought over {on} while the other stays flat"
             remedy = "expect short, narrow steps; bend the knees more at rest, or bring the feet closer together"
@@ -99,12 +103,12 @@ def _over(robot: Robot, foot: str) -> tuple[Array, bool]:
     target = np.mean([feet[foot].act(corner) for corner in robot.sole(foot)], axis=0)[:2]
     moving = np.concatenate([np.arange(6), 6 + robot.joint_numbers("legs")])
     q = robot.rest.copy()
-    for _ in range(STEPS):
+    for _ in range(SEARCH_STEPS):
         pin.computeJointJacobians(model, data, q)
         pin.updateFramePlacements(model, data)
         J_com = pin.jacobianCenterOfMass(model, data, q)
         away = target - data.com[0][:2]
-        rows, wanted = [J_com[:2]], [away * min(1.0, STEP / max(float(np.linalg.norm(away)), 1e-9))]
+        rows, wanted = [J_com[:2]], [away * min(1.0, MAX_STEP_LENGTH / max(float(np.linalg.norm(away)), 1e-9))]
         for name, place in feet.items():
             frame = robot.point(name)
             rows.append(pin.getFrameJacobian(model, data, frame, pin.LOCAL))
@@ -122,4 +126,4 @@ def _over(robot: Robot, foot: str) -> tuple[Array, bool]:
     off += [
         float(np.abs(pin.log6(data.oMf[robot.point(name)].actInv(place)).vector).max()) for name, place in feet.items()
     ]
-    return q, max(off) < REACHED
+    return q, max(off) < REACH_TOLERANCE

@@ -9,7 +9,7 @@ from sim.log import RunLog, nearest_frames
 from sim.recording.columns import COLORS, SERIES_COLORS
 from sim.recording.plots import Curves, Plot, States
 from sim.support import support_extents
-from sot.motion.balance.centroidal import GRAVITY
+from sot.gravity import GRAVITY
 from sot.motion.plan import PLAN_RATE, Plan
 from sot.motion.trajectory import Motion
 

@@ -24,7 +24,6 @@ FOOTFALL_TOLERANCE_M = 0.15  # a footfall within this distance of its place coun
 SETTLING_TIME_S = 0.1  # after a planned landing: the foot stands then
 SWITCH_WINDOW_S = 0.06  # before and after a switch of contacts: its ramps
 MOST_NAMED = 6  # joints in a sentence
-AT_LIMIT = 0.999  # of a torque limit: the joint gives all that it can
 SATURATION_RATIO = 0.99  # share of a torque limit from which on a joint counts as saturated
 PUSH_RECOVERY_S = 3.0  # after a push: a robot that still stands then has survived it
 KEY_POINTS = (
@@ -197,12 +196,11 @@ def limits(log: RunLog, robot: Robot) -> Figures:
     }
 
 
-def saturated(log: RunLog, robot: Robot) -> tuple[float | None, Shares]:
-    """The share of ticks with a torque at its limit, and that of each joint which ever was, the greatest first."""
-    at_limit = np.abs(log.torque) >= AT_LIMIT * robot.effort
-    shares = at_limit.mean(axis=0) if len(at_limit) else np.zeros(robot.na)
-    joints = {robot.joints[k]: float(shares[k]) for k in np.argsort(-shares, kind="stable") if shares[k] > 0.0}
-    return _mean(at_limit.any(axis=1)), joints
+def saturated_joints(log: RunLog, robot: Robot) -> Shares:
+    """The share of ticks with its torque at its limit of each joint which ever had that, the greatest first."""
+    near = _torques_at_limit(log, robot)
+    shares = near.mean(axis=0) if len(near) else np.zeros(robot.na)
+    return {robot.joints[k]: float(shares[k]) for k in np.argsort(-shares, kind="stable") if shares[k] > 0.0}
 
 
 def saturation_remark(joints: Shares) -> list[str]:
@@ -239,12 +237,17 @@ def pushes(info: RunInfo, duration: float) -> Figures:
 
 def effort(log: RunLog, robot: Robot) -> Figures:
     """Torque over time and joints [N m], fraction of ticks near a torque limit, mean absolute joint power [W]."""
-    near = (np.abs(log.torque) >= SATURATION_RATIO * robot.effort).any(axis=1)
     return {
         "torque_rms_nm": _rms(log.torque),
-        "torque_saturated": _mean(near),
+        "torque_saturated": _mean(np.any(_torques_at_limit(log, robot), axis=1, keepdims=True)),
         "power_w": _mean(np.abs(log.torque * log.v[:, 6:]).sum(axis=1)),
     }
+
+
+def _torques_at_limit(log: RunLog, robot: Robot) -> np.ndarray:
+    """Flags (ticks, na) of the torques that are at their limit, either way."""
+    at_limit: np.ndarray = np.abs(log.torque) >= SATURATION_RATIO * robot.effort
+    return at_limit
 
 
 def _rms(values: np.ndarray) -> float | None:

@@ -83,7 +83,7 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
     log = log.trimmed()
     robot = motion.robot
     duration, slid = log.ticks * log.period, slide_figures(log, motion)
-    at_limit, joints_at_limit = figures.saturated(log, robot)
+    saturated = figures.saturated_joints(log, robot)
     report = {
         "command": command_line(),
         "seed": info.mismatch.seed,
@@ -119,13 +119,13 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
             *(plan.remarks if plan else []),
             *overlap_remarks(robot, motion.times, motion.q),
             *_run_remarks(log),
-            *figures.saturation_remark(joints_at_limit),
+            *figures.saturation_remark(saturated),
         ],
         "zmp": figures.zmp(log, motion),
         "contacts": figures.contacts(log, robot),
         "slide": worst_of_slides(slid),
         "slides": slid,
-        "limits": figures.limits(log, robot) | {"saturated": at_limit, "saturated_joints": joints_at_limit},
+        "limits": figures.limits(log, robot) | {"saturated_joints": saturated},
         **figures.effort(log, robot),
         "pushes": figures.pushes(info, duration),
         "mismatch": asdict(info.mismatch),

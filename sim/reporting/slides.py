@@ -7,7 +7,7 @@ import numpy as np
 
 from sim.log import FOOT_SLIDING, RunLog, constant_stretches
 from sim.reporting.figures import Figures, Points
-from sot.control.tick import GRAVITY
+from sot.gravity import GRAVITY
 from sot.motion.feet.contacts import Phase, phase_indices, support_polygon
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon

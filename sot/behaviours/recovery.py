@@ -10,7 +10,8 @@ from sot.behaviours.displacement import Displacement
 from sot.behaviours.stepping import SteppingSchedule
 from sot.behaviours.stride import Stride
 from sot.control.stack import Stack
-from sot.control.tick import GRAVITY, Tick
+from sot.control.tick import Tick
+from sot.gravity import GRAVITY
 from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from sot.control.contact import Contact
 from sot.control.schedule import Schedule
 from sot.control.stack import Stack
-from sot.control.tick import GRAVITY
+from sot.gravity import GRAVITY
 from sot.motion.feet.contacts import Phase
 from sot.motion.feet.footfalls import Footfalls
 from sot.robots.robot import Robot

@@ -18,7 +18,7 @@ import numpy as np
 from solvers.compiled import compiled
 from solvers.rows import Block, Rows
 from sot.control.task import Variable
-from sot.control.tick import GRAVITY
+from sot.gravity import GRAVITY
 from sot.robots.robot import Robot
 
 Array = np.ndarray

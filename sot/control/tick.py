@@ -10,12 +10,12 @@ import pinocchio as pin
 from solvers.compiled import compiled
 from sot.control.pose import PoseReference
 from sot.errors import InputError
+from sot.gravity import GRAVITY
 from sot.robots.robot import Robot
 
 Array = np.ndarray
 Mode = Literal["fixed", "sliding", "off"]
 
-GRAVITY = 9.81
 COULOMB_SPEED = 0.1
 """Least joint speed [rad/s] over which the Coulomb friction that is compensated changes sign: a step would chatter."""
 COMPENSATION_RATE_LIMIT = 100.0

@@ -46,7 +46,7 @@ FEET_MODES = ("auto", "steps", "planted")
 PLAN_RATE = 50.0  # knots per second
 MAX_SLOWDOWNS, MAX_FINAL_SLOWDOWNS = 4, 2  # times that a body gets more time, before and after its arms are fitted
 SLOWDOWN_FACTOR, MAX_SLOWNESS = 1.3, 3.0  # by which one slowdown slows, and times slower than the dancer in all
-LOST = 0.1  # leg lengths: a foot that is planned so far off its place makes the robot fall
+MAX_FOOT_ERROR_LEGS = 0.1  # leg lengths: a foot that is planned so far off its place makes the robot fall
 LIMB_REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
 BOUNCE_FADE_TIME = 0.5  # s before a slide, in which the hips stop bouncing
 BOUNCE_HZ = 0.5  # slower motion of the hips is no bounce
@@ -191,7 +191,7 @@ def _plan(
     start, end = round(LEAD_IN_TIME * PLAN_RATE), len(course.clock) - 1 - round(TAIL_TIME * PLAN_RATE)
     span = slice(round(course.clock[start] * PLAN_RATE), round(course.clock[end] * PLAN_RATE) + 1)
     for one in short:
-        if not one.foot < LOST * fit.build.leg:
+        if not one.foot < MAX_FOOT_ERROR_LEGS * fit.build.leg:
             first, last = (_clip_time(course.clock[start : end + 1], t) for t in (one.start, one.end))
             raise InputError(
                 f"{robot.label} cannot dance this clip from {first:.1f} to {last:.1f} s: its feet would be "

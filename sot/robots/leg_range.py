@@ -10,54 +10,58 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-EDGES = 12  # directions that are tried
-HEIGHTS = (0.75, 0.83, 0.90)  # leg lengths, of the hip over the ankle: the last one for strides, all to shift weight
+DIRECTION_COUNT = 12  # directions that are tried
+HIP_HEIGHTS_LEGS = (
+    0.75,
+    0.83,
+    0.90,
+)  # leg lengths, of the hip over the ankle: the last one for strides, all to shift weight
 MAX_EXTENSION = 0.97  # leg lengths, from hip to ankle
 RANGE_MARGIN = 0.05  # rad, kept free at either end of a joint's range, for the closed loop and for a tilted pelvis
-RESOLUTION = 0.006  # leg lengths, of the distances
+DISTANCE_RESOLUTION_LEGS = 0.006  # leg lengths, of the distances
 NEWTON_STEPS = 5  # of inverse kinematics from one place to the next
 DAMPING = 1e-8
-SOLVED = 2e-3  # rad and leg lengths: a greater error of the foot is out of range
+IK_TOLERANCE = 2e-3  # rad and leg lengths: a greater error of the foot is out of range
 
 
 @lru_cache
 def directions() -> Array:
-    """The unit vectors (EDGES, 2) of the directions, the first one along X."""
-    angles = 2.0 * np.pi * np.arange(EDGES) / EDGES
+    """The unit vectors (DIRECTION_COUNT, 2) of the directions, the first one along X."""
+    angles = 2.0 * np.pi * np.arange(DIRECTION_COUNT) / DIRECTION_COUNT
     return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 @lru_cache
 def normals() -> Array:
-    """The unit vectors (2 EDGES, 2) of the directions and of those half-way between them, the first one along X."""
-    angles = np.pi * np.arange(2 * EDGES) / EDGES
+    """The unit vectors (2 DIRECTION_COUNT, 2) of the directions and of those half-way between, the first along X."""
+    angles = np.pi * np.arange(2 * DIRECTION_COUNT) / DIRECTION_COUNT
     return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 @lru_cache
 def flat_foot_distances(robot: Robot, side: str) -> Array:
-    """The farthest horizontal distances (heights, EDGES) [m] at which a flat foot's ankle can be from its hip.
+    """The farthest horizontal distances (heights, DIRECTION_COUNT) [m] of a flat foot's ankle from its hip.
 
     The pelvis is upright and heads where the foot does. Distance zero of a height is straight below the hip; where not
-    even that place is in range, the distance is zero as well. Of each of HEIGHTS, along each of `directions`.
+    even that place is in range, the distance is zero as well. Of each of HIP_HEIGHTS_LEGS, along each of `directions`.
     """
     leg = _Leg(robot, side)
-    found = np.zeros((len(HEIGHTS), EDGES))
+    found = np.zeros((len(HIP_HEIGHTS_LEGS), DIRECTION_COUNT))
     below = leg.rest
-    for row in reversed(range(len(HEIGHTS))):
-        height = HEIGHTS[row] * leg.length
+    for row in reversed(range(len(HIP_HEIGHTS_LEGS))):
+        height = HIP_HEIGHTS_LEGS[row] * leg.length
         start = leg.solved(below, np.array([0.0, 0.0, -height]))
         if start is None:
             continue
         below = start
-        most = np.sqrt(MAX_EXTENSION**2 - HEIGHTS[row] ** 2) * leg.length
+        most = np.sqrt(MAX_EXTENSION**2 - HIP_HEIGHTS_LEGS[row] ** 2) * leg.length
         for column, way in enumerate(directions()):
             found[row, column] = leg.farthest(start, height, way, most)
     return found
 
 
 def support_values(distances: Array) -> Array:
-    """How far the polygon of distances (EDGES,) along the `directions` goes along the `normals`, (2 EDGES,)."""
+    """How far a polygon with corners at distances (DIRECTION_COUNT,) goes along `normals`, (2 DIRECTION_COUNT,)."""
     corners = distances[:, None] * directions()
     return np.max(normals() @ corners.T, axis=1)
 
@@ -85,7 +89,7 @@ class _Leg:
         range. They are looked for from others."""
         for _ in range(NEWTON_STEPS):
             error, J = self._error(angles, place)
-            if np.abs(error).max() < SOLVED:
+            if np.abs(error).max() < IK_TOLERANCE:
                 return angles if np.all((angles >= self._lower) & (angles <= self._upper)) else None
             angles = angles - J.T @ np.linalg.solve(J @ J.T + DAMPING * np.eye(6), error)
         return None
@@ -93,7 +97,7 @@ class _Leg:
     def farthest(self, angles: Array, height: float, way: Array, most: float) -> float:
         """The farthest distance along a way (2,) that is in range, at most `most`; angles: of no distance [m]."""
         reached, step = 0.0, 0.5 * most
-        while reached < most and step > RESOLUTION * self.length:
+        while reached < most and step > DISTANCE_RESOLUTION_LEGS * self.length:
             ahead = min(reached + step, most)
             found = self.solved(angles, np.array([*(ahead * way), -height]))
             if found is None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from sot.gravity import GRAVITY
 from sot.robots.reading.tree import Hinge, Tree
 from sot.robots.robot_file import DYNAMICS, RobotFile
 
@@ -18,7 +19,6 @@ FOOT_FREEDOMS = 6
 """Of a foot's place and orientation, which take as many joints to hold."""
 ASYMMETRY_RATIO = 0.01
 """Difference between left and right that is told, of the larger of the two."""
-GRAVITY = 9.81
 POSITIVE = ("velocity", "acceleration", "acceleration_hard", "effort")
 
 

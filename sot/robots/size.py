@@ -6,14 +6,16 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from sot.gravity import GRAVITY
 from sot.polygon import Polygon
-from sot.robots.limits import GRAVITY
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-HELD_SHARE = 0.8  # of an ankle's effort, that holds the weight: the rest is for the motion and the closed loop
-LEVEL = 0.2  # of an axis' length, its part in the floor's plane: a more upright one holds no weight
+MAX_ANKLE_EFFORT_SHARE = (
+    0.8  # of an ankle's effort, that holds the weight: the rest is for the motion and the closed loop
+)
+MIN_HORIZONTAL_AXIS_PART = 0.2  # of an axis' length, its part in the floor's plane: a more upright one holds no weight
 ROUNDING_M = 1e-9
 
 
@@ -49,9 +51,9 @@ def held_sole(robot: Robot, foot: str) -> Array:
         axis, origin = data.J[3:, column], data.oMi[joint].translation - place
         lever = np.array([-axis[1], axis[0]])
         length = float(np.linalg.norm(lever))
-        if length < LEVEL:
+        if length < MIN_HORIZONTAL_AXIS_PART:
             continue
-        most = HELD_SHARE * robot.effort[column - 6] / (robot.mass * GRAVITY)
+        most = MAX_ANKLE_EFFORT_SHARE * robot.effort[column - 6] / (robot.mass * GRAVITY)
         for normal in (lever / length, -lever / length):
             normals.append(normal)
             offsets.append(float(normal @ origin[:2]) + most / length)

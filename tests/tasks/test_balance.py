@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from sot.control.contact import Contact
-from sot.control.tick import GRAVITY, Tick
+from sot.control.tick import Tick
+from sot.gravity import GRAVITY
 from sot.polygon import Polygon
 from sot.robots.robot import Robot, shipped_robot_names
 from tasks import Balance

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from sot.control.tick import GRAVITY
+from sot.gravity import GRAVITY
 from sot.motion.body.coordinates import rate_matrix, to_configuration, to_rotation
 from sot.robots.robot import Robot
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from sot.control.tick import GRAVITY
+from sot.gravity import GRAVITY
 from sot.motion.balance.centroidal import Centroidal, momentum_maps
 from sot.motion.feet.contacts import Phase
 from sot.motion.feet.support import FORCE_RAMP_TIME

@@ -15,16 +15,16 @@ from sot.robots.robot import Robot
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
-RELIEVED = 0.75  # of a joint's effort, that holding still may take: the rest is for the motion
-ACCEPTED = 0.05  # of its effort, beyond that
+MAX_STILL_EFFORT_SHARE = 0.75  # of a joint's effort, that holding still may take: the rest is for the motion
+ACCEPTED_EXCESS_SHARE = 0.05  # of its effort, beyond that
 
 
 class RelievedBody:
     """A body that a leg, where it stands alone, can hold still with less than the effort of its hip and knee.
 
     With the wrench w that the floor has for that on the foot, the torques are τ = S (g(q) - Jᵀ w). Where one is beyond
-    RELIEVED of its effort the excess is an error, which changes with the posture by ∂τ/∂q at that w: with the centre of
-    mass w changes as well, but the balance decides that. An ankle's torque is the zero moment point's.
+    MAX_STILL_EFFORT_SHARE of its effort the excess is an error, which changes with the posture by ∂τ/∂q at that w: with
+    the centre of mass w changes as well, but the balance decides that. An ankle's torque is the zero moment point's.
     """
 
     def __init__(self, body: Part, robot: Robot, phases: Sequence[Phase], period: float):
@@ -68,16 +68,16 @@ class RelievedBody:
             J = pin.computeFrameJacobian(model, data, q, foot, pin.LOCAL)
             wrench = np.linalg.solve(J[:, :6].T, gravity[:6])
             torques = (gravity - J.T @ wrench)[6:][joints]
-            over = np.flatnonzero(np.abs(torques) > RELIEVED * effort)
+            over = np.flatnonzero(np.abs(torques) > MAX_STILL_EFFORT_SHARE * effort)
             if not len(over):
                 continue
-            frame, weight = model.frames[foot], np.sign(torques[over]) / (ACCEPTED * effort[over])
+            frame, weight = model.frames[foot], np.sign(torques[over]) / (ACCEPTED_EXCESS_SHARE * effort[over])
             forces[frame.parentJoint] = frame.placement.act(pin.Force(wrench))
             slope = pin.computeStaticTorqueDerivatives(model, data, q, forces)[6 + joints[over]].copy()
             forces[frame.parentJoint] = pin.Force.Zero()
             slope[:, :3] = slope[:, :3] @ turned[n].T
             slope[:, 3:6] = slope[:, 3:6] @ rates[n]
-            errors[n, over] = weight * (torques[over] - np.sign(torques[over]) * RELIEVED * effort[over])
+            errors[n, over] = weight * (torques[over] - np.sign(torques[over]) * MAX_STILL_EFFORT_SHARE * effort[over])
             jacobians[n, over] = weight[:, None] * slope
         return errors, jacobians
 

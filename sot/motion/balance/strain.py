@@ -18,10 +18,10 @@ from sot.robots.size import leg_length
 
 Array = NDArray[np.float64]
 
-MIN_ZMP_MARGIN = 0.0166  # leg lengths, from the ZMP to the edge of the support, for longer than an instant
-MAX_FOOT_ERROR = 0.0033  # leg lengths, of a foot off its path
-MOST_NAMED = 4  # stretches in a sentence
-JOINED = 0.5  # s: what falls short twice within that time does so once
+MIN_ZMP_MARGIN_LEGS = 0.0166  # leg lengths, from the ZMP to the edge of the support, for longer than an instant
+MAX_FOOT_ERROR_LEGS = 0.0033  # leg lengths, of a foot off its path
+MAX_NAMED_STRETCHES = 4  # stretches in a sentence
+MERGED_GAP_S = 0.5  # s: what falls short twice within that time does so once
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,8 @@ def shortfall_remark(found: Sequence[Shortfall], clip_time: Callable[[float], fl
 
     clip_time: from the motion's time to the clip's [s].
     """
-    where = [f"{clip_time(short.start):.1f} to {clip_time(short.end):.1f} s" for short in found[:MOST_NAMED]]
-    more = f" and {len(found) - MOST_NAMED} times more" if len(found) > MOST_NAMED else ""
+    where = [f"{clip_time(short.start):.1f} to {clip_time(short.end):.1f} s" for short in found[:MAX_NAMED_STRETCHES]]
+    more = f" and {len(found) - MAX_NAMED_STRETCHES} times more" if len(found) > MAX_NAMED_STRETCHES else ""
     foot, zmp = (1e3 * max(values) for values in ([s.foot for s in found], [s.zmp for s in found]))
     off = [f"its feet are up to {foot:.0f} mm off their places"] if foot >= 1.0 else []
     outside = [f"its balance is up to {zmp:.0f} mm outside the soles"] if zmp > 0.0 else []
@@ -71,7 +71,7 @@ def strain(
     state: its own at the knots of the part.
     """
     margin = _zmp_margins(robot, where, body_motion, state, part)
-    most, least = MAX_FOOT_ERROR * leg_length(robot), MIN_ZMP_MARGIN * leg_length(robot)
+    most, least = MAX_FOOT_ERROR_LEGS * leg_length(robot), MIN_ZMP_MARGIN_LEGS * leg_length(robot)
     near = np.pad(margin < least, 1)
     outside = (margin < 0.0) | (near[1:-1] & (near[:-2] | near[2:]))
     beyond = _of_knots(np.where(outside, least - margin, 0.0))
@@ -86,8 +86,8 @@ def shortfalls(
     state = centroidal_state(body_motion, robot)
     outside = np.maximum(_of_knots(-_zmp_margins(robot, where, body_motion, state, everything)), 0.0)
     off = _foot_errors(robot, feet, body_motion, everything)
-    short = np.pad((off > MAX_FOOT_ERROR * leg_length(robot)) | (outside > 0.0), 1)
-    joined = binary_closing(short, iterations=round(0.5 * JOINED / period)) | short
+    short = np.pad((off > MAX_FOOT_ERROR_LEGS * leg_length(robot)) | (outside > 0.0), 1)
+    joined = binary_closing(short, iterations=round(0.5 * MERGED_GAP_S / period)) | short
     edges = np.flatnonzero(np.diff(joined.astype(np.int8))).reshape(-1, 2).tolist()
     return [
         Shortfall(period * start, period * (end - 1), float(off[start:end].max()), float(outside[start:end].max()))

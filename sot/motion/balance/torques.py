@@ -17,10 +17,10 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 Flags = NDArray[np.bool_]
 
-MOST_NAMED = 6  # joints in a sentence
-PIVOT = 0.05  # m: a moment on a foot costs as much as a force at that distance
-EVERY = 2  # knots, at which torques are looked at
-LONG = 2  # of these in a row: a torque beyond its limit for less is left to the controller
+MAX_NAMED_JOINTS = 6  # joints in a sentence
+MOMENT_ARM_M = 0.05  # m: a moment on a foot costs as much as a force at that distance
+KNOT_STRIDE = 2  # knots, at which torques are looked at
+MIN_OVERLOADED_SAMPLES = 2  # of these in a row: a torque beyond its limit for less is left to the controller
 
 
 def planned_torques(robot: Robot, phases: Sequence[Phase], times: Array, q: Array, v: Array, a: Array) -> Array:
@@ -31,7 +31,7 @@ def planned_torques(robot: Robot, phases: Sequence[Phase], times: Array, q: Arra
     """
     model, data = robot.model, robot.model.createData()
     torques, phase = np.empty((len(times), robot.na)), phase_indices(phases, times)
-    weight = np.repeat([1.0, PIVOT**2], 3)  # of forces and moments, inverse
+    weight = np.repeat([1.0, MOMENT_ARM_M**2], 3)  # of forces and moments, inverse
     for k in range(len(times)):
         needed = pin.rnea(model, data, q[k], v[k], a[k]).copy()
         feet = [robot.point(foot) for foot in phases[int(phase[k])].feet]
@@ -49,12 +49,12 @@ def overloaded_knots(robot: Robot, phases: Sequence[Phase], body_motion: Spline)
     """Flags (T, na) of the knots and joints of a body motion whose torque is beyond the joint's effort for long, and
     the ratios (T, na) of torque and effort."""
     count = len(body_motion.knots)
-    rows = np.arange(0, count, EVERY)
+    rows = np.arange(0, count, KNOT_STRIDE)
     motion = (body_motion.knots[rows], body_motion.velocities[rows], body_motion.accelerations[rows])
     torques = planned_torques(robot, phases, body_motion.period * rows.astype(float), *to_pinocchio(*motion))
     ratio = np.abs(torques) / robot.effort
-    over = np.asarray(binary_opening(ratio > 1.0, np.ones((LONG, 1))), dtype=bool)
-    return np.repeat(over, EVERY, axis=0)[:count], np.repeat(ratio, EVERY, axis=0)[:count]
+    over = np.asarray(binary_opening(ratio > 1.0, np.ones((MIN_OVERLOADED_SAMPLES, 1))), dtype=bool)
+    return np.repeat(over, KNOT_STRIDE, axis=0)[:count], np.repeat(ratio, KNOT_STRIDE, axis=0)[:count]
 
 
 @dataclass(frozen=True)
@@ -80,9 +80,10 @@ def overloads(robot: Robot, phases: Sequence[Phase], body_motion: Spline) -> lis
 def overload_remark(found: Sequence[Overload]) -> str:
     """The sentence that names the joints that a plan overloads, one at least."""
     named = [
-        f"{one.joint} {one.ratio:.2g} times in {100.0 * one.share:.2g} % of the time" for one in found[:MOST_NAMED]
+        f"{one.joint} {one.ratio:.2g} times in {100.0 * one.share:.2g} % of the time"
+        for one in found[:MAX_NAMED_JOINTS]
     ]
-    more = f" and {len(found) - MOST_NAMED} more" if len(found) > MOST_NAMED else ""
+    more = f" and {len(found) - MAX_NAMED_JOINTS} more" if len(found) > MAX_NAMED_JOINTS else ""
     return f"The plan asks motors for more than their effort, even where it is slower: {', '.join(named)}{more}."
 
 

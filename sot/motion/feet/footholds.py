@@ -13,7 +13,15 @@ from solvers.banded import sparse_qp
 from sot.motion.feet.footwork import Foothold, Step
 from sot.motion.feet.support import ZMP_INSET
 from sot.motion.human.human import SIDES
-from sot.robots.leg_range import EDGES, HEIGHTS, MAX_EXTENSION, directions, flat_foot_distances, normals, support_values
+from sot.robots.leg_range import (
+    DIRECTION_COUNT,
+    HIP_HEIGHTS_LEGS,
+    MAX_EXTENSION,
+    directions,
+    flat_foot_distances,
+    normals,
+    support_values,
+)
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
 
@@ -45,8 +53,8 @@ class LegReach:
         hip_width: distance between the hips [m].
         max_stride: farthest that one ankle may be from where it is hip_width beside the other, were no joint's range
             met [m].
-        standing, carrying: foot -> (2 EDGES,) how far its ankle may be from below its hip, along `leg_range.normals`
-            seen from the pelvis, in a stride and with hips as low as need be [m].
+        standing, carrying: foot -> (2 DIRECTION_COUNT,) how far its ankle may be from below its hip, along
+            `leg_range.normals` seen from the pelvis, in a stride and with hips as low as need be [m].
         toe_out_range: least and greatest angle from the right foot's heading to the left one's [rad]; toes are turned
             in no further than until knees meet.
         swing_speed, turn_speed: greatest mean speed of a foot in a step [m/s, rad/s].
@@ -104,7 +112,7 @@ class LegReach:
         reach = LegReach(
             leg_length=leg,
             hip_width=float(abs(place("left_hip")[1] - place("right_hip")[1])),
-            max_stride=float(2.0 * leg * np.sqrt(MAX_EXTENSION**2 - HEIGHTS[-1] ** 2)),
+            max_stride=float(2.0 * leg * np.sqrt(MAX_EXTENSION**2 - HIP_HEIGHTS_LEGS[-1] ** 2)),
             standing={foot: support_values(rows[-1]) for foot, rows in distances.items()},
             carrying={foot: support_values(rows.max(axis=0)) for foot, rows in distances.items()},
             carried_beside=max(0.0, min(-left[:, 1].min(), right[:, 1].max()) - ZMP_INSET[1] * leg),
@@ -292,7 +300,7 @@ def _reach_rows(
         pair = index.number("left_foot", left), index.number("right_foot", right)
         apart = min_ankle_separation(yaws, reach, across)
         parts.append((*pair, across[None], np.array([apart])))
-        stride = reach.standing["left_foot"] + np.roll(reach.standing["right_foot"], EDGES)
+        stride = reach.standing["left_foot"] + np.roll(reach.standing["right_foot"], DIRECTION_COUNT)
         far = np.maximum(stride + reach.hip_width * ways @ across, apart * ways @ across)
         parts.append((*pair, -ways, -far))
         for number, end in ((k - 1, 1), (k, 0)):
@@ -304,7 +312,7 @@ def _reach_rows(
                 parts.append((*two, -ways, -np.maximum(far, apart * ways @ aside)))
     ways = directions()
     for before, after, step in index.moves(steps):
-        far = np.full(EDGES, -reach.swing_length(step.land - step.lift))
+        far = np.full(DIRECTION_COUNT, -reach.swing_length(step.land - step.lift))
         parts.append((index.number(step.foot, before), index.number(step.foot, after), ways, far))
     least = np.concatenate([np.empty(0), *(far for *_, far in parts)])
     values = np.vstack([np.empty((0, 4)), *(np.hstack([ways, -ways]) for *_, ways, _ in parts)])

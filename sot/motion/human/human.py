@@ -8,8 +8,8 @@ from scipy.signal import butter, sosfiltfilt
 from scipy.spatial.transform import Rotation, Slerp
 
 from sot.errors import InputError
+from sot.gravity import GRAVITY
 
-GRAVITY = 9.81  # m/s²
 SIDES = ("left", "right")
 SEGMENTS: dict[str, tuple[str, str]] = {
     "trunk": ("waist", "neck"),

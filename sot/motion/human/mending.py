@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import interp1d
 from scipy.spatial.transform import Rotation, Slerp
 
-from sot.motion.human.human import GRAVITY, SIDES, Human, Remark
+from sot.gravity import GRAVITY
+from sot.motion.human.human import SIDES, Human, Remark
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -21,9 +22,9 @@ PLANTED_SPEED = 0.15  # leg lengths/s, along the floor, of a foot that stands on
 NOISE_HZ = 6.0  # faster than this, a capture is noise
 DRIFT_WINDOW = 2.0  # s, over which a drifting floor is taken for an even slope
 DRIFT_KNOTS = 4  # in a window
-DRIFT_LEAST = 0.1  # leg lengths: what drifts less is left alone
-DRIFT_SCATTER = 0.05  # leg lengths, of most standing feet about the floor that they stand on
-DRIFT_SHARE = 0.6  # of the floor's slope, that feet which stand on it have to share: on stairs they do not
+MIN_DRIFT = 0.1  # leg lengths: what drifts less is left alone
+MAX_DRIFT_SCATTER = 0.05  # leg lengths, of most standing feet about the floor that they stand on
+MIN_DRIFT_SHARE = 0.6  # of the floor's slope, that feet which stand on it have to share: on stairs they do not
 
 
 def without_jumps(human: Human) -> Human:
@@ -147,13 +148,13 @@ def _floor_drift(human: Human) -> Array | None:
     lower, frames = heights.argmin(axis=0), np.arange(human.count)
     height, rise = heights[lower, frames], rises[lower, frames]
     stands = np.isfinite(height)
-    if np.count_nonzero(stands) < 0.25 * human.count or np.ptp(height[stands]) < DRIFT_LEAST * leg:
+    if np.count_nonzero(stands) < 0.25 * human.count or np.ptp(height[stands]) < MIN_DRIFT * leg:
         return None
     drift = _local_lines(human.times, stands, height)
     scatter = float(np.percentile(np.abs(height - drift)[stands], 80.0))
     slope = np.gradient(drift) * rate
     shared = float(np.sum((rise * slope)[stands]) / max(np.sum(slope[stands] ** 2), 1e-12))
-    if np.ptp(drift) < DRIFT_LEAST * leg or scatter > DRIFT_SCATTER * leg or shared < DRIFT_SHARE:
+    if np.ptp(drift) < MIN_DRIFT * leg or scatter > MAX_DRIFT_SCATTER * leg or shared < MIN_DRIFT_SHARE:
         return None
     return drift
 

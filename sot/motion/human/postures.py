@@ -13,14 +13,14 @@ from sot.smooth import low_passed, minimum_jerk
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-STEEP = np.radians(60.0)  # tilt of a trunk that lies, and of the thighs of who sits
-UPSIDE_DOWN = np.radians(120.0)  # tilt of a trunk on its head or hands
+MIN_RECLINED_TILT = np.radians(60.0)  # tilt of a trunk that lies, and of the thighs of who sits
+MIN_UPSIDE_DOWN_TILT = np.radians(120.0)  # tilt of a trunk on its head or hands
 LYING_HEIGHT = 0.35  # leg lengths above the floor: the waist of who lies is below
 SITTING_HEIGHT = 0.75  # the same of who sits, on a chair
 FLOOR_SITTING_HEIGHT = 0.3  # the same of who sits on the floor
-UNSUPPORTED = 0.2  # leg lengths, from the feet to the centre of mass: beyond, something else carries it
-LASTING = 3.0  # times √(leg / g): what lasts less is a move, not a posture
-RISING = 2.0  # times √(leg / g), in which the robot's human is turned upright before and after
+MIN_UNSUPPORTED_DISTANCE = 0.2  # leg lengths, from the feet to the centre of mass: beyond, something else carries it
+MIN_POSTURE_DURATION = 3.0  # times √(leg / g): what lasts less is a move, not a posture
+RISE_DURATION = 2.0  # times √(leg / g), in which the robot's human is turned upright before and after
 FOLLOWING_HZ = 1.0  # how fast the height follows the lower foot of who is turned upright
 TRUNK_SHARE, THIGHS_SHARE = 0.68, 0.2  # of a human's mass, head and arms included; the rest is in shanks and feet
 TRUNK_CENTRE = 0.55  # of the way from waist to neck
@@ -31,7 +31,7 @@ def standing(human: Human) -> Human:
 
     Who sits stays as it is: its hips are as low as they are, and the robot's as low as it can have them.
     """
-    shortest = LASTING * human.leg_time
+    shortest = MIN_POSTURE_DURATION * human.leg_time
     lying, inverted, sitting = (_lasting(flags, shortest * human.rate) for flags in _postures(human))
     remarks = [
         Remark(
@@ -60,12 +60,12 @@ def _postures(human: Human) -> tuple[Flags, Flags, Flags]:
     trunk = points["neck"] - points["waist"]
     tilt = np.arctan2(np.linalg.norm(trunk[:, :2], axis=1), trunk[:, 2])
     height = points["waist"][:, 2] / leg
-    lies: Flags = (tilt > STEEP) & (height < LYING_HEIGHT)
-    inverted: Flags = (tilt > UPSIDE_DOWN) & ~lies
+    lies: Flags = (tilt > MIN_RECLINED_TILT) & (height < LYING_HEIGHT)
+    inverted: Flags = (tilt > MIN_UPSIDE_DOWN_TILT) & ~lies
     thighs = [points[f"{side}_hip"] - points[f"{side}_knee"] for side in SIDES]
-    level = np.all([np.arctan2(np.linalg.norm(t[:, :2], axis=1), t[:, 2]) > STEEP for t in thighs], axis=0)
-    carried = (height < FLOOR_SITTING_HEIGHT) | (_beside_feet(human) > UNSUPPORTED * leg)
-    sits: Flags = (tilt <= STEEP) & level & (height < SITTING_HEIGHT) & carried
+    level = np.all([np.arctan2(np.linalg.norm(t[:, :2], axis=1), t[:, 2]) > MIN_RECLINED_TILT for t in thighs], axis=0)
+    carried = (height < FLOOR_SITTING_HEIGHT) | (_beside_feet(human) > MIN_UNSUPPORTED_DISTANCE * leg)
+    sits: Flags = (tilt <= MIN_RECLINED_TILT) & level & (height < SITTING_HEIGHT) & carried
     return lies, inverted, sits
 
 
@@ -111,7 +111,7 @@ def _lasting(flags: Flags, shortest: float) -> list[tuple[int, int]]:
 
 def _turned_upright(human: Human, lying: list[tuple[int, int]]) -> Human:
     """The human turned about its waist so that its trunk is upright, its lower foot on the floor, while it lies."""
-    rising = max(1.0, RISING * human.leg_time * human.rate)
+    rising = max(1.0, RISE_DURATION * human.leg_time * human.rate)
     frames, share = np.arange(human.count), np.zeros(human.count)
     for first, last in lying:
         outside = np.maximum(first - frames, frames - (last - 1)).clip(min=0)

@@ -25,7 +25,7 @@ CANONICAL_JOINTS = (
 )
 HEAD_HEIGHT_RANGE_M = (0.08, 0.30)  # from a human's head joint to the top of the head
 AVERAGE_HEAD_HEIGHT_PER_LEG = 0.2  # over the leg's length
-RECLINED = np.radians(60.0)  # tilt of a trunk from which on a head's direction to look is not level
+MIN_RECLINED_TILT = np.radians(60.0)  # tilt of a trunk from which on a head's direction to look is not level
 AXIS_SNAP_COSINE = np.cos(np.radians(30.0))  # a head's lateral axis within 30° of one of the joint's axes is that axis
 
 JointAliases = Mapping[str, list[str]]
@@ -196,7 +196,9 @@ def _calibrated_human(capture: Capture, joints: dict[str, int]) -> Human:
     target = {"pelvis": _frame_from_lateral_and_up(points["left_hip"] - points["right_hip"], trunk)}
     target["chest"] = _frame_from_lateral_and_up(points["left_shoulder"] - points["right_shoulder"], trunk)
     target["head"] = _frame_from_lateral_and_up(np.cross(level, target["chest"][:, :, 0]), level)
-    reclined = tilt > RECLINED  # where nobody can tell where level is: the head is taken to go on along the trunk
+    reclined = (
+        tilt > MIN_RECLINED_TILT
+    )  # where nobody can tell where level is: the head is taken to go on along the trunk
     target["head"][reclined] = target["chest"][reclined]
     frames = {}
     for body, joint in (("pelvis", pelvis), ("chest", chest), ("head", joints["head"])):

@@ -14,7 +14,7 @@ from sot.robots.soles import FLATNESS_TOLERANCE
 Array = NDArray[np.float64]
 
 FLAT_SHARE = 0.5  # least share of a foot's outline that its sole covers, if the foot stands flat
-LEVEL = 0.01  # share of the height by which the two feet may differ
+MAX_FEET_HEIGHT_DIFFERENCE = 0.01  # share of the height by which the two feet may differ
 SOLE_CORNERS = 6  # that a sole has at most
 SOLE_SHARE = 0.97  # share of the sole's area that four of its corners keep at least, to be taken for it
 RECTANGLE_SHARE = 0.85  # share of the sole's area that a rectangle keeps at least, to be taken for it
@@ -55,14 +55,14 @@ def find_feet(posed: PosedModel) -> tuple[Feet, Evidence]:
     second = next((leaf for leaf in leaves[1:] if _is_other_leg(posed, first, leaf)), None)
     if second is None:
         raise InputError("no two legs: the model has no second branch beside that of its lowest link")
-    feet = [_standing(posed, leaf, lowest, LEVEL * height) for leaf in (first, second)]
+    feet = [_standing(posed, leaf, lowest, MAX_FEET_HEIGHT_DIFFERENCE * height) for leaf in (first, second)]
     pelvis = posed.common_ancestor(*feet)
     legs = {link for foot in feet for link in (*posed.subtree(foot), *posed.ancestry(foot))}
     toes = tuple(j for foot in feet for link in posed.subtree(foot) if link != foot for j in posed.joints_of(link))
     apart = abs(lowest[feet[0]] - lowest[feet[1]])
     rest = [lowest[leaf] for leaf in leaves if leaf not in legs]
     above = min(rest) - max(lowest[foot] for foot in feet) if rest else np.inf
-    sure = apart < LEVEL * height and above > 10.0 * LEVEL * height
+    sure = apart < MAX_FEET_HEIGHT_DIFFERENCE * height and above > 10.0 * MAX_FEET_HEIGHT_DIFFERENCE * height
     why = f"the two lowest ends of the tree, {1e3 * apart:.1f} mm apart in height"
     if np.isfinite(above):
         why += f"; the next lowest end is {above:.2f} m higher"

@@ -15,10 +15,10 @@ from sot.robots.guess.posed_model import PosedModel
 
 Array = NDArray[np.float64]
 
-MIRRORED = 0.03  # share of the height: places on both sides of the middle differ by no more
-OFF_MIDDLE = 0.01  # share of the height: what is nearer to the middle is in it
+MAX_MIRROR_ERROR = 0.03  # share of the height: places on both sides of the middle differ by no more
+MIN_OFFSET_FROM_MIDDLE = 0.01  # share of the height: what is nearer to the middle is in it
 LEG_JOINTS, ARM_JOINTS, HEAD_JOINTS = 6, 7, 4  # that a limb has at most
-LIGHT = 0.05  # share of the head's mass: a joint that moves less moves eyes
+MAX_ORNAMENT_MASS_SHARE = 0.05  # share of the head's mass: a joint that moves less moves eyes
 FINGERS = ("finger", "thumb", "gripper", "jaw", "knuckle")
 
 
@@ -111,11 +111,11 @@ def _shoulders(posed: PosedModel, outward: _Outward, feet: Feet) -> tuple[int, d
         branches = [b for b in children if posed.parent(b) == link]
         for left in branches:
             at = posed.axis(posed.joints_of(left)[0])[0]
-            if at[1] < OFF_MIDDLE * feet.height:
+            if at[1] < MIN_OFFSET_FROM_MIDDLE * feet.height:
                 continue
             for right in branches:
                 other = posed.axis(posed.joints_of(right)[0])[0]
-                if right == left or np.linalg.norm(other - at * (1, -1, 1)) > MIRRORED * feet.height:
+                if right == left or np.linalg.norm(other - at * (1, -1, 1)) > MAX_MIRROR_ERROR * feet.height:
                     continue
                 reach = _reach(posed, outward, left, at)
                 if best is None or reach > best[2]:
@@ -152,14 +152,14 @@ def _head(posed: PosedModel, outward: _Outward, feet: Feet, chest: int, arms: Se
         for child in outward.children[link]
         if child not in arms and child not in trunk and posed.parent(child) == link
     ]
-    middle = [b for b in branches if abs(posed.data.subtree_com[b][1]) < OFF_MIDDLE * feet.height]
+    middle = [b for b in branches if abs(posed.data.subtree_com[b][1]) < MIN_OFFSET_FROM_MIDDLE * feet.height]
     shoulders = np.mean([posed.axis(posed.joints_of(arm)[0])[0][2] for arm in arms])
     high = [b for b in middle if _top(posed, outward, b) > shoulders]
     if not high:
         return []
     head = max(high, key=lambda b: _top(posed, outward, b))
     joints = _chain(posed, outward, head, HEAD_JOINTS)
-    return [j for j in joints if posed.mass(posed.link_of(j)) > LIGHT * posed.mass(head)]
+    return [j for j in joints if posed.mass(posed.link_of(j)) > MAX_ORNAMENT_MASS_SHARE * posed.mass(head)]
 
 
 def _top(posed: PosedModel, outward: _Outward, branch: int) -> float:

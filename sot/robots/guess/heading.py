@@ -16,9 +16,9 @@ Array = NDArray[np.float64]
 
 TOE_SHARE = 0.04  # share of the foot's length by which its middle is ahead of the ankle at least, if that says anything
 KNEE_SHARE = 2.0  # a knee's range is that much greater to one side at least
-SMALL = 0.01  # share of the height that is too short for a foot
+MIN_FOOT_LENGTH = 0.01  # share of the height that is too short for a foot
 VOTES = {"names": 2, "knees": 2, "toes": 1}
-SQUARE = np.deg2rad(3.0)  # a heading this near a model's axis is along it
+AXIS_SNAP_ANGLE = np.deg2rad(3.0)  # a heading this near a model's axis is along it
 
 
 @dataclass(frozen=True)
@@ -64,9 +64,9 @@ def find_heading(posed: PosedModel, feet: Feet) -> tuple[Heading, Evidence]:
     square = round(yaw / (np.pi / 2)) * np.pi / 2
     yaw = (
         abs(square)
-        if abs(square) > 3.0 and abs(yaw - square) < SQUARE
+        if abs(square) > 3.0 and abs(yaw - square) < AXIS_SNAP_ANGLE
         else square
-        if abs(yaw - square) < SQUARE
+        if abs(yaw - square) < AXIS_SNAP_ANGLE
         else yaw
     )
     left, right = (first, second) if way > 0 else (second, first)
@@ -97,7 +97,7 @@ def _toes(posed: PosedModel, feet: Feet, legs: Sequence[Sequence[int]], ahead: A
     for foot, leg in zip(feet.links, legs, strict=True):
         along = posed.surface(posed.touching([foot])) @ ahead
         middle = 0.5 * (along.min() + along.max()) - float(posed.axis(leg[-1])[0] @ ahead)
-        shares.append(middle / max(float(np.ptp(along)), SMALL * feet.height))
+        shares.append(middle / max(float(np.ptp(along)), MIN_FOOT_LENGTH * feet.height))
     share = float(np.mean(shares))
     vote = int(np.sign(share)) if abs(share) > TOE_SHARE else 0
     return vote, f"the feet's middle is {100 * abs(share):.0f} % of their length before the ankle"

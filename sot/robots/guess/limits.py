@@ -8,21 +8,30 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from sot.gravity import GRAVITY
 from sot.robots.guess.evidence import Evidence, Sureness
 from sot.robots.guess.groups import Body
 from sot.robots.guess.points import Points
 from sot.robots.guess.posed_model import PosedModel
-from sot.robots.limits import EFFORT_LEVER, GRAVITY
+from sot.robots.limits import EFFORT_LEVER
 from sot.robots.reading.mjcf import joint_efforts
 
 NO_VELOCITY = 1e3  # rad/s: what is no less is no limit
-SMALL = 1e-9  # N m s/rad and kg m², of losses that are none
+NEGLIGIBLE_LOSS = 1e-9  # N m s/rad and kg m², of losses that are none
 ACCELERATION, ACCELERATION_HARD = 60.0, 400.0  # rad/s², for references and braking, and for a tick
-EFFORTS = {"hip": 0.3, "knee": 0.4, "ankle": 0.2, "chest": 0.25, "upper arm": 0.12, "forearm": 0.03, "head": 0.03}
+SCALED_EFFORTS = {
+    "hip": 0.3,
+    "knee": 0.4,
+    "ankle": 0.2,
+    "chest": 0.25,
+    "upper arm": 0.12,
+    "forearm": 0.03,
+    "head": 0.03,
+}
 """Efforts of humanoids of 3 to 95 kg, as shares of weight times leg length, towards their lower end."""
-VELOCITY = 2.0
+SCALED_VELOCITY = 2.0
 """Velocity limit by scale, in √(gravity / leg length)."""
-DAMPED, ROTOR = 0.8, 0.5
+MAX_DAMPING_EFFORT_SHARE, MAX_ROTOR_EFFORT_SHARE = 0.8, 0.5
 """Shares of a motor's effort that damping may take at the velocity guessed, and the rotor's inertia in a reference."""
 
 
@@ -46,28 +55,34 @@ def find_limits(posed: PosedModel, body: Body, points: Points, path: Path) -> tu
     own_velocity = {name: limits[1] for name, limits in (_urdf_limits(path) if is_urdf else {}).items()}
     own_effort = dict(enumerate(joint_efforts(posed.model).tolist()))
     beside = {} if is_urdf else _beside(path, list(names.values()))
-    by_scale = {j: _two_figures(EFFORTS[role] * weight * leg) for j, role in _roles(body, points).items()}
+    by_scale = {j: _two_figures(SCALED_EFFORTS[role] * weight * leg) for j, role in _roles(body, points).items()}
     effort, said_effort = _filled(
         "effort", "N m", names, own_effort, {n: a for n, (a, _) in beside.items()}, by_scale, EFFORT_LEVER * weight
     )
     efforts = {j: effort.get(names[j], own_effort[j]) for j in joints}
     damping, armature = ({j: _of_joint(values, posed, j) for j in joints} for values in _losses(posed))
-    fastest = VELOCITY * float(np.sqrt(GRAVITY / leg))
+    fastest = SCALED_VELOCITY * float(np.sqrt(GRAVITY / leg))
     # At effort over damping a motor has none left for anything else.
-    by_scale = {j: _two_figures(min(fastest, DAMPED * efforts[j] / max(damping[j], SMALL))) for j in joints}
+    by_scale = {
+        j: _two_figures(min(fastest, MAX_DAMPING_EFFORT_SHARE * efforts[j] / max(damping[j], NEGLIGIBLE_LOSS)))
+        for j in joints
+    }
     own = {j: own_velocity.get(name, np.inf) for j, name in names.items()}
     velocity, said_velocity = _filled(
         "velocity", "rad/s", names, own, {n: v for n, (_, v) in beside.items()}, by_scale, NO_VELOCITY
     )
     acceleration = {
-        names[j]: _two_figures(min(ACCELERATION, ROTOR * efforts[j] / max(armature[j], SMALL))) for j in joints
+        names[j]: _two_figures(
+            min(ACCELERATION, MAX_ROTOR_EFFORT_SHARE * efforts[j] / max(armature[j], NEGLIGIBLE_LOSS))
+        )
+        for j in joints
     }
     slow = [name for name, value in acceleration.items() if value < ACCELERATION]
     said = [*said_effort, *said_velocity]
     if slow:
         low, high = (f(acceleration[name] for name in slow) for f in (min, max))
         values = f"{low:g}" if low == high else f"{low:g} to {high:g}"
-        why = f"more would take over {100 * ROTOR:.0f} % of the effort for the rotors' inertia"
+        why = f"more would take over {100 * MAX_ROTOR_EFFORT_SHARE:.0f} % of the effort for the rotors' inertia"
         said.append(Evidence("acceleration", f"{values} rad/s² of {len(slow)} joints", why, Sureness.LIKELY))
     return Limits(effort, velocity, acceleration), said
 

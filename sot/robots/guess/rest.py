@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from sot.robots.guess.evidence import Evidence, Sureness
-from sot.robots.guess.feet import FLAT_SHARE, LEVEL, sole
+from sot.robots.guess.feet import FLAT_SHARE, MAX_FEET_HEIGHT_DIFFERENCE, sole
 from sot.robots.guess.groups import Body
 from sot.robots.guess.heading import turned
 from sot.robots.guess.points import Point, Points
@@ -18,20 +18,22 @@ Array = NDArray[np.float64]
 
 EXTENSION = 0.94  # distance of hip and ankle as a share of thigh and shank: knees bent by 0.7 rad
 EXTENSION_MAX = 0.97  # of a key frame: a straighter leg cannot push
-KNEE = 0.7  # rad, where the search for it starts
-FORWARD = 0.5  # rad, of the forearms
-OUTWARD = np.deg2rad((8.0, 12.0, 16.0, 20.0, 25.0, 30.0, 35.0))  # of the upper arms: the first that keeps them clear
-CLEARANCE_SEEN = 0.1  # m, beyond which distances do not matter
-CLEAR = 0.03  # m, of forearms and hands from the rest of the body
-HANGING = 0.7  # least downward part of an upper arm's direction
-INSIDE = 0.05  # rad, that joints keep from their ends
+START_KNEE_ANGLE = 0.7  # rad, where the search for it starts
+FOREARM_FORWARD_ANGLE = 0.5  # rad, of the forearms
+UPPER_ARM_OUTWARD_ANGLES = np.deg2rad(
+    (8.0, 12.0, 16.0, 20.0, 25.0, 30.0, 35.0)
+)  # of the upper arms: the first that keeps them clear
+CLEARANCE_SEARCH_DISTANCE = 0.1  # m, beyond which distances do not matter
+MIN_ARM_CLEARANCE = 0.03  # m, of forearms and hands from the rest of the body
+MIN_UPPER_ARM_DOWNWARD_PART = 0.7  # least downward part of an upper arm's direction
+RANGE_MARGIN = 0.05  # rad, that joints keep from their ends
 SIDES, LEG = ("left", "right"), ("hip", "knee", "ankle")
-LEAN = 0.1  # share of the leg: the ankles are no farther before or behind the hips
-STARTS = 24  # of an arm's search, at most
-HANGS = 0.1  # residual with which the search is over
+MAX_LEAN_LEGS = 0.1  # share of the leg: the ankles are no farther before or behind the hips
+MAX_ARM_SEARCH_STARTS = 24  # of an arm's search, at most
+ARM_RESIDUAL_TOLERANCE = 0.1  # residual with which the search is over
 STEPS, DAMPING = 60, 1e-6
-POSTURE = 0.05  # weight of a joint's own angle against the limb's direction
-CLOSE = 1e-3  # residual of a posture that is reached
+POSTURE_WEIGHT = 0.05  # weight of a joint's own angle against the limb's direction
+POSTURE_TOLERANCE = 1e-3  # residual of a posture that is reached
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ class Rest:
 def stands_flat(posed: PosedModel, feet: Sequence[int], height: float) -> bool:
     """Whether both soles lie flat at one height in the configuration in which the tree is."""
     soles = [sole(posed, foot) for foot in feet]
-    level = abs(soles[0][0][0, 2] - soles[1][0][0, 2]) < LEVEL * height
+    level = abs(soles[0][0][0, 2] - soles[1][0][0, 2]) < MAX_FEET_HEIGHT_DIFFERENCE * height
     return level and all(share > FLAT_SHARE for _, share in soles)
 
 
@@ -79,7 +81,7 @@ def find_rest(posed: PosedModel, body: Body, points: Points, start: Array) -> tu
             "rest, legs",
             f"knees bent by {knee:.2f} rad, ankles under the centre of mass",
             "solved for soles as flat as in the model" if flat else f"the soles do not come flat: {legs:.3f} off",
-            Sureness.SURE if flat and legs < CLOSE else Sureness.UNSURE,
+            Sureness.SURE if flat and legs < POSTURE_TOLERANCE else Sureness.UNSURE,
         ),
         arms,
     ]
@@ -95,7 +97,8 @@ def _key_frame(posed: PosedModel, body: Body, points: Points, start: Array) -> t
         posed.place(qpos)
         bent = max(_extension(*(places[f"{side}_{name}"] for name in LEG)) for side in SIDES)
         hanging = all(
-            _direction(places[f"{side}_shoulder"](), places[f"{side}_elbow"]())[2] < -HANGING for side in SIDES
+            _direction(places[f"{side}_shoulder"](), places[f"{side}_elbow"]())[2] < -MIN_UPPER_ARM_DOWNWARD_PART
+            for side in SIDES
         )
         if stands_flat(posed, list(body.feet.values()), body.height) and bent < EXTENSION_MAX and hanging:
             found = Evidence(
@@ -144,7 +147,7 @@ class _Posture:
         for joint in posed.joints:
             low, high = posed.range(joint)
             k = posed.model.jnt_qposadr[joint]
-            room = min(INSIDE, 0.25 * (high - low))
+            room = min(RANGE_MARGIN, 0.25 * (high - low))
             self._base[k] = (
                 np.clip(start[k], low + room, high - room) if start[k] <= low or start[k] >= high else start[k]
             )
@@ -158,7 +161,7 @@ class _Posture:
         numerical Jacobian."""
         posed, columns = self._posed, self._columns(joints)
         ranges = np.array([posed.range(j) for j in joints])
-        room = np.minimum(INSIDE, 0.25 * (ranges[:, 1] - ranges[:, 0]))
+        room = np.minimum(RANGE_MARGIN, 0.25 * (ranges[:, 1] - ranges[:, 0]))
         low, high = ranges[:, 0] + room, ranges[:, 1] - room
 
         def at(angles: Array) -> Array:
@@ -223,33 +226,33 @@ class _Posture:
 
         def residual() -> Array:
             turn = posed.data.xmat[foot].reshape(3, 3) @ flat.T
-            place = float(np.clip(under, hip()[0] - LEAN * length, hip()[0] + LEAN * length))
+            place = float(np.clip(under, hip()[0] - MAX_LEAN_LEGS * length, hip()[0] + MAX_LEAN_LEGS * length))
             off = np.array([ankle()[0] - place, ankle()[1] - across]) / length
             stretched = _extension(hip, at_knee, ankle) - EXTENSION
             return np.concatenate([Rotation.from_matrix(turn).as_rotvec(), off, [stretched]])
 
         first = self._base[self._columns(joints)].copy()
-        first[joints.index(knee)] += way * KNEE
+        first[joints.index(knee)] += way * START_KNEE_ANGLE
         angles, off = self._solve(joints, residual, first)
         self.qpos[self._columns(joints)] = angles
         return off, abs(float(self.qpos[column]))
 
     def hang_arms(self) -> Evidence:
         """Let both arms hang, as far outward as keeps them clear of the body."""
-        for outward in OUTWARD:
+        for outward in UPPER_ARM_OUTWARD_ANGLES:
             left, off = self._hang("left", float(outward))
             mirrored = self._mirrored(left)
             _, other = self._hang("right", float(outward), mirrored)
             apart = self._clearance()
-            if apart > CLEAR:
+            if apart > MIN_ARM_CLEARANCE:
                 break
         degrees = np.rad2deg(outward)
-        found = f"upper arms down, {degrees:.0f}° outward, forearms {np.rad2deg(FORWARD):.0f}° forward"
+        found = f"upper arms down, {degrees:.0f}° outward, forearms {np.rad2deg(FOREARM_FORWARD_ANGLE):.0f}° forward"
         worst = max(off, other)
         why = (
             f"solved for directions, {np.rad2deg(worst):.0f}° off at most; hands {1e3 * apart:.0f} mm clear of the body"
         )
-        sure = worst < 0.2 and apart > CLEAR
+        sure = worst < 0.2 and apart > MIN_ARM_CLEARANCE
         return Evidence("rest, arms", found, why, Sureness.SURE if sure else Sureness.UNSURE)
 
     def _hang(self, side: str, outward: float, first: Array | None = None) -> tuple[Array, float]:
@@ -258,7 +261,7 @@ class _Posture:
         shoulder, elbow, wrist = (self._place[f"{side}_{name}"] for name in ("shoulder", "elbow", "wrist"))
         across = np.sin(outward) * (1.0 if side == "left" else -1.0)
         upper = np.array([0.0, across, -np.cos(outward)])
-        lower = np.array([np.sin(FORWARD), 0.0, -np.cos(FORWARD)])
+        lower = np.array([np.sin(FOREARM_FORWARD_ANGLE), 0.0, -np.cos(FOREARM_FORWARD_ANGLE)])
         columns = self._columns(joints)
         own = self._base[columns]
 
@@ -268,19 +271,19 @@ class _Posture:
             return np.concatenate([near, far])
 
         def residual() -> Array:
-            return np.concatenate([directions(), POSTURE * (self.qpos[columns] - own)])
+            return np.concatenate([directions(), POSTURE_WEIGHT * (self.qpos[columns] - own)])
 
         if first is not None:
             angles, _ = self._solve(joints, residual, first)
         else:
             random = np.random.default_rng(0)
             ranges = np.clip([posed.range(j) for j in joints], -np.pi, np.pi)
-            starts = [own, *(random.uniform(ranges[:, 0], ranges[:, 1]) for _ in range(STARTS))]
+            starts = [own, *(random.uniform(ranges[:, 0], ranges[:, 1]) for _ in range(MAX_ARM_SEARCH_STARTS))]
             found: list[tuple[float, Array]] = []
             for start in starts:
                 angles, off = self._solve(joints, residual, start)
                 found.append((off, angles))
-                if off < HANGS:
+                if off < ARM_RESIDUAL_TOLERANCE:
                     break
             angles = min(found, key=lambda each: each[0])[1]
         self.qpos[columns] = angles
@@ -305,7 +308,7 @@ class _Posture:
         arms = {s: posed.subtree(posed.link_of(self._body.groups[f"{s}_arm"][0])) for s in ("left", "right")}
         body = [link for link in posed.links if link not in {*arms["left"], *arms["right"]}]
         ends = [posed.subtree(posed.link_of(self._points.bends[f"{side}_arm"])) for side in SIDES]
-        return min(posed.distance(end, body, CLEARANCE_SEEN) for end in ends)
+        return min(posed.distance(end, body, CLEARANCE_SEARCH_DISTANCE) for end in ends)
 
 
 def angles_by_name(posed: PosedModel, rest: Rest, joints: Sequence[int]) -> Mapping[str, float]:

@@ -15,7 +15,8 @@ from scenarios.ramos2011.ramos_figures import geometric_figures, required_torque
 from scenarios.ramos2011.ramos_pictures import PAPER_HZ, PAPER_SPANS, swinging_knee
 from scenarios.replay import Replay
 from scenarios.studies import run_scenario
-from sot.control.tick import GRAVITY, Tick
+from sot.control.tick import Tick
+from sot.gravity import GRAVITY
 from sot.motion import read, recognise
 from sot.motion.human.oscillation import Oscillation, find_oscillations
 from sot.robots.robot import Robot

@@ -80,7 +80,7 @@ def test_has_the_agreed_keys(motion, log):
     }
     assert set(made["limits"]) == {
         *("position_max_excess_rad", "velocity_max_excess", "torque_max_excess", "self_collision_min_m"),
-        *("saturated", "saturated_joints"),
+        "saturated_joints",
     }
 
 
@@ -217,9 +217,9 @@ def test_saturated_joints_are_named(motion, log):
     robot = motion.robot
     log.torque[:40, 3] = -robot.effort[3]
     log.torque[20:80, 7] = 0.9995 * robot.effort[7]
-    log.torque[:, 2] = 0.99 * robot.effort[2]
-    at_limit, joints = figures.saturated(log, robot)
-    assert at_limit == pytest.approx(80 / log.ticks)
+    log.torque[:, 2] = 0.98 * robot.effort[2]
+    joints = figures.saturated_joints(log, robot)
+    assert figures.effort(log, robot)["torque_saturated"] == pytest.approx(80 / log.ticks)
     assert list(joints.items()) == [
         (robot.joints[7], pytest.approx(60 / log.ticks)),
         (robot.joints[3], pytest.approx(40 / log.ticks)),

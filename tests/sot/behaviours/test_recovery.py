@@ -6,7 +6,8 @@ import pytest
 from sot.behaviours.recovery import RecoverySchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
-from sot.control.tick import GRAVITY, Tick
+from sot.control.tick import Tick
+from sot.gravity import GRAVITY
 from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
 from sot.polygon import Polygon
 from sot.robots.robot import Robot

@@ -9,8 +9,8 @@ from solvers import Cascade
 from sot.behaviours.rehearsal import KNOT_RATE, rebalance, rehearse
 from sot.control.contact import Contact
 from sot.control.stack import Stack
-from sot.control.tick import GRAVITY
 from sot.errors import InputError
+from sot.gravity import GRAVITY
 from sot.motion.feet.contacts import support_polygon
 from sot.motion.feet.support import supports
 from sot.robots.robot import Robot

@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from sot.control.tick import GRAVITY
+from sot.gravity import GRAVITY
 from sot.motion.balance.torques import Overload, overload_remark, overloads, planned_torques
 from sot.motion.body.coordinates import from_configuration
 from sot.motion.body.spline import Spline

@@ -27,7 +27,7 @@ from sot.motion.feet.swing import HEIGHT_PROFILE_CURVATURE, _height_profile
 from sot.motion.feet.tempo import AskedStep, clock_from_slowness, step_tempo
 from sot.motion.feet.timetable import MIN_DOUBLE_SUPPORT_TIME, MIN_STANCE_TIME, MIN_SWING_TIME, retimed_steps
 from sot.motion.feet.travel import travel_at_clock
-from sot.robots.leg_range import EDGES, HEIGHTS, RANGE_MARGIN, flat_foot_distances
+from sot.robots.leg_range import DIRECTION_COUNT, HIP_HEIGHTS_LEGS, RANGE_MARGIN, flat_foot_distances
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer, walker
 
@@ -243,9 +243,11 @@ def narrow_ankles(robot, degrees):
 def test_a_flat_foot_stands_where_the_leg_reaches_it(robot):
     """An ankle that rolls by 15° reaches tan 15° of the hip's height beside where it is below an upright leg."""
     narrow, outward = narrow_ankles(robot, 15.0), 0.035  # m, from HRP-2's hips to its ankles
-    for row, height in enumerate(HEIGHTS):
+    for row, height in enumerate(HIP_HEIGHTS_LEGS):
         for side, foot in (("left", 1.0), ("right", -1.0)):
-            beside = flat_foot_distances(narrow, side)[row, EDGES // 4 if foot > 0.0 else 3 * EDGES // 4]
+            beside = flat_foot_distances(narrow, side)[
+                row, DIRECTION_COUNT // 4 if foot > 0.0 else 3 * DIRECTION_COUNT // 4
+            ]
             most = np.tan(np.deg2rad(15.0) - RANGE_MARGIN) * height * LegReach.of(robot).leg_length + outward
             assert 0.9 * most < beside < most + 1e-3
             assert flat_foot_distances(robot, side)[row].max() > 1.2 * beside
