@@ -23,7 +23,6 @@ IMPRATIO = 10.0  # friction is that much stiffer than the normal force
 # 20 ms, by centimetres a minute.
 FLOOR_SOLREF = (0.005, 1.0)  # time constant [s] and damping ratio
 PAD_FRICTION = 1.0  # of the rubber pads in front of palms
-PAD_THICKNESS_M = 0.01
 GRAIN_INERTIA = 1e-6  # kg m² a kg: of a ball of 1.6 mm
 PAD_COLOR = (0.15, 0.15, 0.16, 1.0)
 # Of two geoms MuJoCo takes the larger friction, unless one has priority: then its own.
@@ -98,10 +97,8 @@ def _add_pads(spec: mujoco.MjSpec, robot: Robot) -> None:
 
 
 def _add_pad(spec: mujoco.MjSpec, body: mujoco.MjsBody, point: pin.SE3, surface: Surface) -> None:
-    low, high = surface.corners.min(axis=0), surface.corners.max(axis=0)
-    half = np.array([*(0.5 * (high - low)[:2]), 0.5 * PAD_THICKNESS_M])
-    middle = np.array([*(0.5 * (low + high)[:2]), -0.5 * PAD_THICKNESS_M])
-    at = point * surface.placement * pin.SE3(np.eye(3), middle)
+    half, place = surface.pad()
+    at = point * place
     x, y, z, w = pin.Quaternion(at.rotation).coeffs()
     body.add_geom(
         name=surface.name,

@@ -1,4 +1,4 @@
-"""Loads that are known: a carried mass against a body summed in by hand, a wrench against its power, both as they come."""
+"""Loads that are known: a carried mass against a body summed in by hand, a wrench against its power; how they come."""
 
 import numpy as np
 import pinocchio as pin
@@ -39,7 +39,7 @@ def test_a_carried_mass_moves_with_its_point(robot, share):
     turning, spin = frame.drift[3:], frame.velocity[3:]
     drift = frame.drift[:3] + np.cross(turning, arm) + np.cross(spin, np.cross(spin, arm))
     np.testing.assert_allclose(tick.M, plain.M + mass * J.T @ J, atol=1e-9)
-    np.testing.assert_allclose(tick.h, plain.h + mass * J.T @ (drift + [0.0, 0.0, 9.81]), atol=1e-8)
+    np.testing.assert_allclose(tick.h, plain.h + mass * J.T @ (drift + np.array([0.0, 0.0, 9.81])), atol=1e-8)
     assert tick.mass == pytest.approx(robot.mass + mass)
     com = (robot.mass * plain.com + mass * (frame.position + arm)) / tick.mass
     np.testing.assert_allclose(tick.com, com, atol=1e-12)
