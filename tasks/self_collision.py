@@ -8,7 +8,7 @@ import pinocchio as pin
 from solvers.compiled import compiled
 from solvers.rows import Rows
 from sot.control.task import Task
-from sot.control.tick import Tick, TickContact
+from sot.control.tick import Tick
 from sot.proximity import Proximity
 from sot.robots.robot import Robot
 from sot.robots.system import System
@@ -65,8 +65,8 @@ class SelfCollision(Task):
         self._acceleration = system.robot.acceleration
         self._proximity, self._data_ahead = Proximity(system), system.model.createData()
         self._min_distances = np.minimum(min_distance, REST_DISTANCE_SHARE * self._proximity.rest_distances)
-        self._meeting: list[frozenset[str | int]] = []  # bodies that contacts are to bring together
-        self._contacts: list[TickContact] = []  # these contacts
+        self._among: list[object] | None = None  # contacts and carried things for which the next is worked out
+        self._alone = np.zeros(len(self._min_distances), dtype=bool)
         self.pairs = self._proximity.pairs
         self._watched: list[int] = []
         self._last_look = -np.inf
@@ -132,9 +132,9 @@ class SelfCollision(Task):
         within = _watch_distances(
             proximity.rate_bounds(v), period, kept, self._unwatched_until - TIME_TOLERANCE, tick.t
         )
-        near = proximity.pairs_within(tick.data, tick.q, within)
         if self._system.things:
-            near = self._without_meeting(tick, near)
+            within[self._left_alone(tick)] = -np.inf
+        near = proximity.pairs_within(tick.data, tick.q, within)
         if not near:
             return near
         distances, J = proximity.latest_distances_and_jacobian(tick.data, near)
@@ -142,14 +142,15 @@ class SelfCollision(Task):
         self._unwatched_until[near] = tick.t + LOOK_PERIOD * looks
         return [k for k, later in zip(near, looks.tolist(), strict=True) if not later]
 
-    def _without_meeting(self, tick: Tick, pairs: list[int]) -> list[int]:
-        """Pairs whose bodies no contact is to bring together, with the robot or what it carries among them."""
-        if self._contacts != list(tick.contacts):
-            self._contacts = list(tick.contacts)
-            body_of = self._system.body_of
-            self._meeting = [frozenset((body_of(contact.surface), body_of(contact.on))) for contact in tick.contacts]
-        bodies, owners, moved = self._proximity.bodies, self._proximity.owners, {"robot", *tick.carried}
-        return [k for k in pairs if bodies[k] not in self._meeting and owners[k] & moved]
+    def _left_alone(self, tick: Tick) -> Array:
+        """Whether each pair is one that a contact is to bring together, or without the robot and what it carries."""
+        now = [*tick.contacts, *tick.carried]
+        if self._among != now:
+            body_of, moved = self._system.body_of, {"robot", *tick.carried}
+            meeting = [frozenset((body_of(contact.surface), body_of(contact.on))) for contact in tick.contacts]
+            pairs = zip(self._proximity.bodies, self._proximity.owners, strict=True)
+            self._among, self._alone = now, np.array([own in meeting or not whose & moved for own, whose in pairs])
+        return self._alone
 
 
 @compiled
