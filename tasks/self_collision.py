@@ -11,6 +11,7 @@ from sot.control.task import Task
 from sot.control.tick import Tick
 from sot.proximity import Proximity
 from sot.robots.robot import Robot
+from sot.robots.size import leg_length
 from tasks.bounds import AccelerationBounds
 
 Array = np.ndarray
@@ -32,6 +33,8 @@ RELIED_DECELERATION = 25.0
 beside one another at up to 20 m/s², hands likewise: what relies on less brakes motions that are in order. An approach
 that is too fast for it is stopped as much harder as it takes, steadily."""
 
+MIN_DISTANCE_LEGS = 0.0166
+"""Distance that is kept [leg lengths]: half of what plans keep, which keeps the two from contradicting each other."""
 REST_DISTANCE_SHARE = 0.5
 """Share of its distance at rest that a pair keeps at most."""
 
@@ -45,7 +48,8 @@ class SelfCollision(Task):
 
     Args:
         robot: The robot.
-        min_distance: Distance that is kept [m], less by pairs that are nearly as near at rest.
+        min_distance: Distance that is kept [m], less by pairs that are nearly as near at rest; MIN_DISTANCE_LEGS by
+            default.
         weight: Scale of its rows within its level.
 
     Attributes:
@@ -55,8 +59,9 @@ class SelfCollision(Task):
     equality = False
     gives_way = 1
 
-    def __init__(self, robot: Robot, min_distance: float = 0.01, weight: float = 0.1) -> None:
+    def __init__(self, robot: Robot, min_distance: float | None = None, weight: float = 0.1) -> None:
         super().__init__("SelfCollision", "m/s²", "m", weight)
+        min_distance = MIN_DISTANCE_LEGS * leg_length(robot) if min_distance is None else min_distance
         self._min_distances = np.minimum(min_distance, REST_DISTANCE_SHARE * robot.rest_distances)
         self._acceleration = robot.acceleration
         self._proximity, self._data_ahead = Proximity(robot), robot.model.createData()
