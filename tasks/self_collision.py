@@ -54,6 +54,7 @@ class SelfCollision(Task):
 
     Attributes:
         pairs: Names of the shapes of the pairs that are kept apart.
+        min_distances: Distances that they are kept at [m].
     """
 
     equality = False
@@ -62,7 +63,7 @@ class SelfCollision(Task):
     def __init__(self, robot: Robot, min_distance: float | None = None, weight: float = 0.1) -> None:
         super().__init__("SelfCollision", "m/s²", "m", weight)
         min_distance = MIN_DISTANCE_LEGS * leg_length(robot) if min_distance is None else min_distance
-        self._min_distances = np.minimum(min_distance, REST_DISTANCE_SHARE * robot.rest_distances)
+        self.min_distances = np.minimum(min_distance, REST_DISTANCE_SHARE * robot.rest_distances)
         self._acceleration = robot.acceleration
         self._proximity, self._data_ahead = Proximity(robot), robot.model.createData()
         self.pairs = self._proximity.pairs
@@ -99,7 +100,7 @@ class SelfCollision(Task):
         distances, rates, J, drift = self.distances_and_rates(tick, near)
         # What the joints give at the accelerations that are relied upon.
         achievable = np.abs(J[:, 6:]) @ self._acceleration
-        kept = self._min_distances[near]
+        kept = self.min_distances[near]
         brakes = _braking_decelerations(distances - kept, rates, tick.period, achievable)
         unlimited = self._unbounded_above[:count]
         bounds = AccelerationBounds(kept, unlimited, unlimited, brakes, unlimited)
@@ -123,7 +124,7 @@ class SelfCollision(Task):
         """Pairs whose approach may have to be braked before the next look."""
         if tick.t < self._last_look:
             self._unwatched_until[:] = -np.inf  # another run
-        proximity, v, period, kept = self._proximity, tick.v, tick.period, self._min_distances
+        proximity, v, period, kept = self._proximity, tick.v, tick.period, self.min_distances
         within = _watch_distances(
             proximity.rate_bounds(v), period, kept, self._unwatched_until - TIME_TOLERANCE, tick.t
         )
