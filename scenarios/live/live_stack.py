@@ -24,7 +24,12 @@ def live_stack(robot: Robot, reference: Reference) -> Stack:
         hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
         levels={
             "balance": [
-                Balance(reference.balance, reference.feet, reference.angular_momentum, kp=HEIGHT_STIFFNESS),
+                Balance(
+                    reference.balance,
+                    reference.feet,
+                    reference.angular_momentum,
+                    kp=HEIGHT_STIFFNESS,
+                ),
             ],
             "posture": [
                 OperationalPoint(robot, "waist", reference.pose("waist"), axes="RPY", weight=2.0),

@@ -21,12 +21,18 @@ GAUSS_NEWTON_STEPS = 3
 """Steps of each a moment."""
 SAME_POSTURE = 0.15
 """Largest difference of the joints below which two candidates are one [rad]."""
-MEMORY_TIME = 0.15
+MEMORY_TIME = 0.3
 """Time constant of the mean of a candidate's error [s]: a branch is not left for one moment."""
-EXPECTED_STAY = 1.0
+EXPECTED_STAY = 1.5
 """Time for which a branch is expected to stay as much better as it is now [s]."""
-TRAVEL_ERROR = 0.8
+TRAVEL_ERROR = 1.0
 """Error of the arm's directions while it changes over to another branch, expected [rad]."""
+TRAVEL_ACCELERATION = 25.0
+"""Acceleration with which it changes over, expected [rad/s²]."""
+REACH_TIME = 0.1
+"""Time within whose way at full speed the posture asked for stays [s]: no joint runs ahead of the others."""
+ACCEPTED_WAY_TIME = 0.15
+"""Time whose way at full speed costs as much as an accepted error [s]: a straight arm does not twist for nothing."""
 MIN_AGE = 6
 """Moments that a candidate is followed before it may be used: it has to have settled."""
 
@@ -75,48 +81,55 @@ class ArmSolver:
         self._next_start = 0
         self._postures = np.tile(self._rest, (CANDIDATE_COUNT, 1))
         self._errors, self._ages = np.zeros(CANDIDATE_COUNT), np.zeros(CANDIDATE_COUNT, dtype=int)
-        self._in_use = 0
+        self._in_use, self._crossing = 0, False
+        self._free_weight = np.full(len(chain), POSTURE_WEIGHT**2)
         self._renew(np.arange(1, CANDIDATE_COUNT))
         assert set(self._segments) <= set(SEGMENTS)
 
-    def solve(self, data: pin.Data, directions: dict[str, Array], elapsed: float) -> Array:
+    def solve(self, data: pin.Data, directions: dict[str, Array], elapsed: float, now: Array) -> Array:
         """The arm's coordinates (s,) that point along directions, `elapsed` [s] after the last.
 
+        Joints here are slow beside a human's. What is asked for is the best that all of them together can do within
+        `REACH_TIME` from where they are.
+
         data: Pinocchio's, with the joints of the trunk placed.
+        now: (s,) where the arm is.
         """
         base = data.oMi[self._base]
         wanted = np.array([directions[segment] for segment in self._segments])
-        costs = _solve_candidates(
-            self._postures,
-            base.rotation,
-            base.translation,
-            self._fixed,
-            self._shift,
-            self._axis,
-            self._joint_of_point,
-            self._offsets,
-            wanted,
-            self._lower,
-            self._upper,
-            self._rest,
-        )
+        geometry = (base.rotation, base.translation, self._fixed, self._shift, self._axis)
+        geometry += (self._joint_of_point, self._offsets, wanted)
+        if not self._crossing:
+            self._postures[self._in_use] = now
+        costs = _solve_candidates(self._postures, *geometry, self._lower, self._upper, self._rest, self._free_weight)
         share = 1.0 - np.exp(-elapsed / MEMORY_TIME)
         fresh = self._ages == 0
         self._errors = np.where(fresh, costs, self._errors + share * (costs - self._errors))
         self._ages += 1
         self._choose()
         self._renew_doubles()
-        return self._postures[self._in_use].copy()
+        way = REACH_TIME * self._velocity
+        lower, upper = np.maximum(self._lower, now - way), np.minimum(self._upper, now + way)
+        chosen = self._postures[self._in_use]
+        if self._crossing:
+            self._crossing = bool((np.abs(chosen - now) > way).any())
+            return np.clip(chosen, lower, upper)
+        asked = np.clip(now, lower, upper)[None]
+        weight = self._free_weight + 1.0 / (ACCEPTED_WAY_TIME * self._velocity) ** 2
+        centre = now + self._free_weight / weight * (self._rest - now)
+        _solve_candidates(asked, *geometry, lower, upper, centre, weight)
+        return asked[0]
 
     def _choose(self) -> None:
         """Change over to the candidate that pays most, if one does."""
-        way = np.abs(self._postures - self._postures[self._in_use]) / self._velocity
-        price = (SEGMENT_WEIGHT * TRAVEL_ERROR) ** 2 * way.max(axis=1)
+        way = np.abs(self._postures - self._postures[self._in_use])
+        time = np.maximum(way / self._velocity, 2.0 * np.sqrt(way / TRAVEL_ACCELERATION)).max(axis=1)
+        price = (SEGMENT_WEIGHT * TRAVEL_ERROR) ** 2 * time
         gain = EXPECTED_STAY * (self._errors[self._in_use] - self._errors) - price
         gain[(self._ages < MIN_AGE) | (np.arange(CANDIDATE_COUNT) == self._in_use)] = -1.0
         best = int(gain.argmax())
         if gain[best] > 0.0:
-            self._in_use = best
+            self._in_use, self._crossing = best, True
 
     def _renew_doubles(self) -> None:
         """Start candidates anew that have become one with another."""
@@ -151,9 +164,13 @@ def _solve_candidates(
     wanted: Array,
     lower: Array,
     upper: Array,
-    rest: Array,
+    centre: Array,
+    weight: Array,
 ) -> Array:
-    """Improve postures (m, k) in place, and return the squared errors of their directions (m,) in accepted errors."""
+    """Improve postures (m, k) in place, and return the squared errors of their directions (m,) in accepted errors.
+
+    centre, weight: (k,) a posture that they are drawn to, and how much.
+    """
     count, size = postures.shape
     costs = np.empty(count)
     points, jacobians = np.empty((3, 3)), np.empty((3, 3, size))
@@ -163,8 +180,8 @@ def _solve_candidates(
             _points(x, base_rotation, base_position, fixed, shift, axis, joint_of_point, offsets, points, jacobians)
             H, g = np.zeros((size, size)), np.zeros(size)
             for i in range(size):
-                H[i, i] = POSTURE_WEIGHT**2 + GAUSS_NEWTON_DAMPING
-                g[i] = POSTURE_WEIGHT**2 * (x[i] - rest[i])
+                H[i, i] = weight[i] + GAUSS_NEWTON_DAMPING
+                g[i] = weight[i] * (x[i] - centre[i])
             cost = 0.0
             for s in range(2):
                 length = 0.0
@@ -197,30 +214,39 @@ def _solve_candidates(
 
 @compiled
 def _bounded_move(x: Array, H: Array, g: Array, lower: Array, upper: Array) -> None:
-    """Move x by the step that minimises ½ sᵀH s + gᵀs within its range, those that would leave it held at its end."""
+    """Move x by the step that minimises ½ sᵀH s + gᵀs within its range: primal-dual active sets, as `bounded_step`."""
     size = len(x)
-    held = np.zeros(size, dtype=np.bool_)
+    low, high = np.zeros(size, dtype=np.bool_), np.zeros(size, dtype=np.bool_)
     step = np.zeros(size)
-    for _ in range(size):
+    for _ in range(3 * size):
         A, b = np.eye(size), np.zeros(size)
         for i in range(size):
-            if held[i]:
-                b[i] = step[i]
+            if low[i] or high[i]:
+                b[i] = (lower[i] if low[i] else upper[i]) - x[i]
+        for i in range(size):
+            if low[i] or high[i]:
                 continue
-            b[i] = -g[i]
+            right = -g[i]
             for j in range(size):
-                if held[j]:
-                    b[i] -= H[i, j] * step[j]
+                if low[j] or high[j]:
+                    right -= H[i, j] * b[j]
                 else:
                     A[i, j] = H[i, j]
-        step[:] = np.linalg.solve(A, b)
-        again = False
+            step[i] = right
         for i in range(size):
-            room = min(max(step[i], lower[i] - x[i]), upper[i] - x[i])
-            if room != step[i]:
-                again = again or not held[i]
-                held[i], step[i] = True, room
-        if not again:
+            if not (low[i] or high[i]):
+                b[i] = step[i]
+        step[:] = np.linalg.solve(A, b)
+        changed = False
+        for i in range(size):
+            pull = -g[i]
+            for j in range(size):
+                pull -= H[i, j] * step[j]
+            below = pull < 0.0 if low[i] else (not high[i] and x[i] + step[i] < lower[i])
+            above = pull > 0.0 if high[i] else (not low[i] and x[i] + step[i] > upper[i])
+            changed = changed or below != low[i] or above != high[i]
+            low[i], high[i] = below, above
+        if not changed:
             break
     most = 0.0
     for i in range(size):

@@ -1,5 +1,7 @@
 """A recorded clip that is played as if the person moved now."""
 
+from collections import Counter
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
@@ -21,7 +23,7 @@ class ClipSource:
 
     def __init__(self, capture: Capture, rate: float) -> None:
         self.name = capture.name
-        self.counts: dict[str, int] = {}
+        self.counts: Counter[str] = Counter()
         self.ended = False
         self._frames = resampled(capture, rate)
         self._skeleton = Skeleton(capture.joints, capture.parents)

@@ -20,7 +20,7 @@ ACCEPTED_ERROR = 0.02
 ACCEPTED_JERK = 4.0
 """Jerk that costs as much as an accepted error [m/s³]."""
 ACCEPTED_EXCESS = 1e-4
-"""The same of the zero-moment point beyond its room, where angular momentum alone takes it there [m]."""
+"""The same of the zero-moment point beyond its room, so that there always is a plan [m]."""
 COM_MARGIN_PER_SOLE = (0.34, 0.70)
 """Distance that the wanted centre of mass keeps from the support's edges, in lengths and breadths of a sole."""
 ZMP_MARGIN_PER_SOLE = (0.29, 0.59)
@@ -31,7 +31,7 @@ class ComPreview:
     """Plan of the horizontal centre of mass, a little programme every KNOT_PERIOD.
 
     Over the horizon the jerk of the centre of mass is chosen so that it goes to the wanted place, the zero-moment point
-    z = c − c̈ h/g + τ stays inside the inset support, and c + ċ/ω as well at the end. Without a future ξ must never
+    z = c − c̈ h/g stays inside the inset support, and c + ċ/ω as well at the end. Without a future ξ must never
     leave the inset: z would have to pass it to bring it back, and there is no room there. Hence gentle margins.
 
     Args:
@@ -86,20 +86,20 @@ class ComPreview:
         """The place nearest to a wanted one (2,) at which the centre of mass may be [m]."""
         return np.asarray(self._com_room.nearest_point(np.ascontiguousarray(place)))
 
-    def plan(self, wanted: Array, turning: Array) -> None:
+    def plan(self, wanted: Array) -> None:
         """Plan anew from the state of now.
 
-        Args:
-            wanted: where the centre of mass is to be (2,), or at the knots of the horizon (n, 2) [m].
-            turning: how far angular momentum takes the zero-moment point away now (2,) [m]; it is assumed to die out.
+        What angular momentum does to the zero-moment point is left out, and gets the room that the margins leave. With
+        it, as if it were to die out, a plan made the centre of mass run away before an arm that went on turning.
+
+        wanted: where the centre of mass is to be (2,) [m].
         """
         over = self._height / GRAVITY
         state = np.stack([self.c, self.dc, self.ddc])
         free, rate, curve = self._free @ state, self._free_rate @ state, self._free_curve @ state
         goal = np.broadcast_to(self.wanted_place(wanted), free.shape)
         a = (self._position.T @ (goal - free)) / ACCEPTED_ERROR**2
-        dying = np.exp(-np.arange(1, len(free) + 1) * KNOT_PERIOD / 0.1)[:, None] * turning
-        zmp = np.vstack([free - over * curve + dying, (free + np.sqrt(over) * rate)[-1:]])
+        zmp = np.vstack([free - over * curve, (free + np.sqrt(over) * rate)[-1:]])
         room = self._zmp_room
         bound = np.concatenate(
             [offset - zmp @ normal for normal, offset in zip(room.normals, room.offsets, strict=True)]

@@ -5,9 +5,12 @@ from collections import Counter
 import numpy as np
 from numpy.typing import NDArray
 
+from sot.errors import InputError
 from sot.live.arm_solver import ArmSolver
 from sot.live.body_solver import BodySolver
+from sot.live.filters import MomentFilter
 from sot.live.frame import Frame, Source
+from sot.live.gate import Gate
 from sot.live.person import Acquaintance, Moment, Person
 from sot.live.placement import MomentTargets, Placement
 from sot.live.reference import PERIOD, LiveReference
@@ -49,8 +52,10 @@ class Follower:
         arms = [ArmSolver(robot, side, limits) for side in SIDES]
         self._arms = [arm for arm in arms if len(arm.columns)]
         self._acquaintance = Acquaintance(source.name)
-        self.person: Person | None = None
-        self._placement: Placement | None = None
+        self._person: Person | None = None
+        self._placement: Placement
+        self._gate: Gate
+        self._filter = MomentFilter()
         self._solution = self.reference.rest.copy()
         self._velocity = np.zeros(robot.nv)
         self._last: float | None = None  # due time of the last frame that was used
@@ -70,23 +75,42 @@ class Follower:
         self.counts["frames"] += 1
         if not frame.is_finite:
             self.counts["not finite"] += 1
+        elif self._person is None or self._person.skeleton != frame.skeleton:
+            self._get_to_know(frame)
+        else:
+            moment, due = self._person.moment(frame), self.time_line.due_time(frame)
+            if self._gate.passes(moment, due):
+                if self._gate.jumped:
+                    self._placement.start_anew()
+                    self._filter.start_anew()
+                self._follow(self._filter(moment, due), due)
+            elif self._gate.is_stranger:
+                self._person = None
+
+    def _get_to_know(self, frame: Frame) -> None:
+        """Calibrate a new person; only the first one may be refused with an error."""
+        try:
+            self._person = self._acquaintance.add(frame)
+        except InputError:
+            if not self.counts["persons"]:
+                raise
+            self.counts["unknown skeleton"] += 1
             return
-        if self.person is None:
-            self.person = self._acquaintance.add(frame)
-            if self.person is None:
-                return
-            self._placement = Placement(self._build, self.person)
-        self._follow(self.person.moment(frame), self.time_line.due_time(frame))
+        if self._person is not None:
+            self.counts["persons"] += 1
+            self._acquaintance = Acquaintance(self.source.name)
+            self._placement = Placement(self._build, self._person)
+            self._gate = Gate(self._person, self.counts)
+            self._filter.start_anew()
 
     def _follow(self, moment: Moment, due: float) -> None:
-        assert self._placement is not None
         targets = self._placement(moment, due)
         self.shown.append((due - self.time_line.delay, targets))
         elapsed = due - self._last if self._last is not None else PERIOD
         y = self._body.solve(targets, self._solution)
         data = self._body.place(y)
         for arm in self._arms:
-            y[arm.columns] = arm.solve(data, targets.directions, elapsed)
+            y[arm.columns] = arm.solve(data, targets.directions, elapsed, self.reference.now[arm.columns])
         if self._last is None or elapsed > STALE_TIME:
             self._velocity = np.zeros_like(y)
         else:

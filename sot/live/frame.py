@@ -1,5 +1,6 @@
 """One moment of a person who moves, as a source gives it."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -56,7 +57,7 @@ class Source(Protocol):
     """
 
     name: str
-    counts: dict[str, int]
+    counts: Counter[str]
     ended: bool
 
     def poll(self, now: float) -> list[Frame]:

@@ -20,11 +20,11 @@ JERK_TIME = 0.03
 """Time in which an acceleration goes from nothing to its limit [s]."""
 MAX_HIP_SPEED, MAX_HIP_ACCELERATION = 1.0, 3.0
 """Bounds of the hips' velocity [m/s] and acceleration [m/s²]."""
-MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION = 4.0, 16.0
+MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION = 4.0, 6.0
 """Bounds of the pelvis' velocity [rad/s] and acceleration [rad/s²]: the whole upper body turns with it."""
 MAX_JOINT_ACCELERATION = 40.0
 """Bound of a joint's acceleration [rad/s²]; the robot's own limit, where that is less."""
-MAX_CHEST_ACCELERATION = 16.0
+MAX_CHEST_ACCELERATION = 10.0
 """The same of the joints below the chest, which carry arms and head."""
 
 
@@ -65,7 +65,7 @@ class Governor:
     def step(self, target: Array, velocity: Array) -> None:
         """Go on by a period towards a target (nv,) that moves with a velocity (nv,)."""
         low, high = self._bounds(self.y, self.dy, self._period)
-        self.y, self.dy, self.ddy = _step(
+        wanted = _wanted_accelerations(
             self.y,
             self.dy,
             self.ddy,
@@ -74,36 +74,27 @@ class Governor:
             low,
             high,
             self._acceleration,
-            self._period,
         )
+        T, change = self._period, self._acceleration * (self._period / JERK_TIME)
+        curve = np.clip(wanted, self.ddy - change, self.ddy + change)
+        self.y = self.y + T * self.dy + T**2 * (self.ddy / 3.0 + curve / 6.0)
+        self.dy = self.dy + 0.5 * T * (self.ddy + curve)
+        self.ddy = curve
 
 
 @compiled
-def _step(
-    y: Array,
-    dy: Array,
-    ddy: Array,
-    target: Array,
-    velocity: Array,
-    low: Array,
-    high: Array,
-    acceleration: Array,
-    period: float,
-) -> tuple[Array, Array, Array]:
-    """The next state; the acceleration changes linearly over the period."""
-    after, rate, curve = np.empty_like(y), np.empty_like(y), np.empty_like(y)
+def _wanted_accelerations(
+    y: Array, dy: Array, ddy: Array, target: Array, velocity: Array, low: Array, high: Array, acceleration: Array
+) -> Array:
+    """The accelerations (nv,) that go after the targets within bounds."""
+    wanted = np.empty_like(y)
     for k in range(len(y)):
         brake = BRAKING_SHARE * acceleration[k]
-        # what will be left of the error once the acceleration of now has come to an end
+        # what the velocity will be once the acceleration of now has come to an end
         ahead = dy[k] - velocity[k] + 0.5 * ddy[k] * JERK_TIME
         error = target[k] - y[k]
         size = abs(error)
         bend = brake / APPROACH_RATE**2  # where the root takes over from the line, with the same slope
         speed = APPROACH_RATE * size if size < bend else np.sqrt(2.0 * brake * (size - 0.5 * bend))
-        wanted = VELOCITY_GAIN * ((speed if error > 0.0 else -speed) - ahead)
-        wanted = min(max(wanted, low[k]), high[k])
-        change = acceleration[k] * period / JERK_TIME
-        curve[k] = min(max(wanted, ddy[k] - change), ddy[k] + change)
-        rate[k] = dy[k] + 0.5 * period * (ddy[k] + curve[k])
-        after[k] = y[k] + period * dy[k] + period**2 * (ddy[k] / 3.0 + curve[k] / 6.0)
-    return after, rate, curve
+        wanted[k] = min(max(VELOCITY_GAIN * ((speed if error > 0.0 else -speed) - ahead), low[k]), high[k])
+    return wanted

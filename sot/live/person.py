@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sot.errors import InputError
 from sot.live.frame import Frame, Skeleton, capture_of
 from sot.motion.human.calibration import Calibration, calibrate, canonical_points, upright_frames
-from sot.motion.human.human import SIDES, Human
+from sot.motion.human.human import SEGMENTS, Human
 from sot.motion.human.plausibility import check_plausible
 from sot.motion.human.skeleton import named_joints
 
@@ -39,17 +38,17 @@ class Person:
 
     Attributes:
         leg, arm, breadth: of thigh and shank, of upper arm and forearm, and of the shoulders [m].
-        ankle_height: of a standing ankle above the floor [m].
+        lengths: of the segments that a tracker measures [m].
+        skeleton: of the source.
         calibration: of the skeleton's joints.
-        has_rotations: whether the source sends rotations.
     """
 
     leg: float
     arm: float
     breadth: float
-    ankle_height: float
+    lengths: dict[str, float]
+    skeleton: Skeleton
     calibration: Calibration
-    has_rotations: bool
 
     def moment(self, frame: Frame) -> Moment:
         """The person in a frame of the skeleton that was calibrated."""
@@ -98,9 +97,8 @@ class Acquaintance:
 def _person(frames: list[Frame], rate: float, name: str) -> Person:
     capture = capture_of(frames, rate, name)
     joints = named_joints(capture)
-    has_rotations = frames[0].rotations is not None
     calibration = calibrate(capture, joints)
-    if has_rotations:
+    if frames[0].rotations is not None:
         human = calibration.human(capture)
     else:
         points = canonical_points(capture.positions, joints, calibration.chest, calibration.neck)
@@ -108,14 +106,18 @@ def _person(frames: list[Frame], rate: float, name: str) -> Person:
         human = Human(name, rate, points, _frames_of_points(points))
     check_plausible(human)
     shoulders = human.points["left_shoulder"] - human.points["right_shoulder"]
-    lower = np.min([human.points[f"{side}_ankle"][:, 2] for side in SIDES], axis=0)
+    lengths = {
+        segment: float(np.median(np.linalg.norm(human.points[far] - human.points[near], axis=1)))
+        for segment, (near, far) in SEGMENTS.items()
+        if segment != "head"
+    }
     return Person(
         leg=human.leg,
         arm=human.arm,
         breadth=float(np.median(np.linalg.norm(shoulders, axis=1))),
-        ankle_height=float(np.median(lower)),
+        lengths=lengths,
+        skeleton=frames[0].skeleton,
         calibration=calibration,
-        has_rotations=has_rotations,
     )
 
 
@@ -123,13 +125,3 @@ def _frames_of_points(points: dict[str, Array]) -> dict[str, Array]:
     trunk = points["neck"] - points["waist"]
     tilt = np.arctan2(np.linalg.norm(trunk[:, :2], axis=1), trunk[:, 2])
     return upright_frames(points, tilt)
-
-
-def check_skeleton(skeleton: Skeleton, name: str) -> None:
-    """Check that a skeleton has a human's joints.
-
-    Raises:
-        InputError: it has not; the error says what it has and what it lacks.
-    """
-    if not skeleton.joints:
-        raise InputError(f"{name}: its frames have no joints")

@@ -12,6 +12,7 @@ from sot.control.pose import Pose
 from sot.gravity import GRAVITY
 from sot.live.com_preview import KNOT_PERIOD, ComPreview
 from sot.live.governor import Governor
+from sot.live.planted_legs import PlantedLegs
 from sot.motion.body.coordinates import from_configuration, to_pinocchio
 from sot.motion.body.limits import Limits
 from sot.motion.feet.contacts import planted_phases, support_polygon
@@ -63,10 +64,10 @@ class LiveReference:
         (self._phase,) = planted_phases(robot, inf)
         com = pin.centerOfMass(robot.model, self._data, robot.rest).copy()
         foot = robot.sole(robot.feet[0])
-        self._preview = ComPreview(
-            support_polygon(robot, self._phase), np.ptp(foot[:, :2], axis=0), com[:2], float(com[2])
-        )
-        self._wanted, self._turning = com[:2].copy(), np.zeros(2)
+        support = support_polygon(robot, self._phase)
+        self._preview = ComPreview(support, np.ptp(foot[:, :2], axis=0), com[:2], float(com[2]))
+        self._legs = PlantedLegs(robot, self._phase, self.rest)
+        self._wanted = com[:2].copy()
         self._knots: list[Knot] = []
         self._knots.append(self._knot())
         self._step(self.rest, np.zeros(robot.nv))
@@ -76,27 +77,34 @@ class LiveReference:
         """Time up to which it is made [s]."""
         return (len(self._knots) - 1) * PERIOD
 
+    @property
+    def now(self) -> Array:
+        """Coordinates (nv,) at the last knot."""
+        return self._knots[-1].y
+
     def advance(self, target: Array, velocity: Array) -> None:
         """Make the next knot, towards a target (nv,) that moves with a velocity (nv,)."""
         self._step(target, velocity)
 
     def _step(self, target: Array, velocity: Array) -> None:
+        target = target.copy()
+        target[2] = min(target[2], self._legs.greatest_height(self._governor.y))
         self._governor.step(target, velocity)
         if (len(self._knots) - 1) % KNOTS_PER_PLAN == 0:
-            self._preview.plan(self._wanted, self._turning)
+            self._preview.plan(self._wanted)
         self._preview.advance(PERIOD)
         self._knots.append(self._knot())
 
     def _knot(self) -> Knot:
         governor, model, data, plan = self._governor, self.robot.model, self._data, self._preview
-        q, v, a = (part[0] for part in to_pinocchio(governor.y[None], governor.dy[None], governor.ddy[None]))
+        y, dy, ddy = self._legs(governor.y, governor.dy, governor.ddy)
+        q, v, a = (part[0] for part in to_pinocchio(y[None], dy[None], ddy[None]))
         pin.computeCentroidalMomentumTimeVariation(model, data, q, v, a)
-        momentum, turn = data.hg.angular.copy(), data.dhg.angular
+        momentum, turn = data.hg.angular.copy(), data.dhg.angular.copy()
         pin.centerOfMass(model, data, q, v, a)
         com, velocity, acceleration = data.com[0].copy(), data.vcom[0].copy(), data.acom[0].copy()
         self._wanted = com[:2].copy()
         com[:2], velocity[:2], acceleration[:2] = plan.c, plan.dc, plan.ddc
-        self._turning = np.array([-turn[1], turn[0]]) / (self.robot.mass * GRAVITY)
         lean = (com[2] * acceleration[:2] + np.array([turn[1], -turn[0]]) / self.robot.mass) / (
             GRAVITY + acceleration[2]
         )
@@ -104,7 +112,7 @@ class LiveReference:
         if self._points:
             pin.forwardKinematics(model, data, q, v, a)
             poses = {point: self._pose(frame) for point, frame in self._points.items()}
-        return Knot(governor.y, governor.dy, governor.ddy, com, velocity, acceleration, com[:2] - lean, momentum, poses)
+        return Knot(y, dy, ddy, com, velocity, acceleration, com[:2] - lean, momentum, poses)
 
     def _pose(self, frame: int) -> Pose:
         model, data, axes = self.robot.model, self._data, pin.LOCAL_WORLD_ALIGNED
