@@ -1,5 +1,7 @@
 """Inverse kinematics of one arm at one moment, on the branch that points best, kept over time."""
 
+from typing import Any
+
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
@@ -21,17 +23,17 @@ GAUSS_NEWTON_STEPS = 3
 """Steps of each a moment."""
 SAME_POSTURE = 0.15
 """Largest difference of the joints below which two candidates are one [rad]."""
-MEMORY_TIME = 0.3
+MEMORY_TIME = 0.1
 """Time constant of the mean of a candidate's error [s]: a branch is not left for one moment."""
 EXPECTED_STAY = 1.5
 """Time for which a branch is expected to stay as much better as it is now [s]."""
-TRAVEL_ERROR = 1.0
+TRAVEL_ERROR = 0.7
 """Error of the arm's directions while it changes over to another branch, expected [rad]."""
 TRAVEL_ACCELERATION = 25.0
 """Acceleration with which it changes over, expected [rad/s²]."""
-REACH_TIME = 0.1
+REACH_TIME = 0.2
 """Time within whose way at full speed the posture asked for stays [s]: no joint runs ahead of the others."""
-ACCEPTED_WAY_TIME = 0.15
+ACCEPTED_WAY_TIME = 0.3
 """Time whose way at full speed costs as much as an accepted error [s]: a straight arm does not twist for nothing."""
 MIN_AGE = 6
 """Moments that a candidate is followed before it may be used: it has to have settled."""
@@ -97,7 +99,7 @@ class ArmSolver:
         """
         base = data.oMi[self._base]
         wanted = np.array([directions[segment] for segment in self._segments])
-        geometry = (base.rotation, base.translation, self._fixed, self._shift, self._axis)
+        geometry: tuple[Any, ...] = (base.rotation, base.translation, self._fixed, self._shift, self._axis)
         geometry += (self._joint_of_point, self._offsets, wanted)
         if not self._crossing:
             self._postures[self._in_use] = now

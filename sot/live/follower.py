@@ -1,6 +1,9 @@
 """From frames that arrive to a reference that the robot can follow: one step of the pipeline a tick."""
 
 from collections import Counter
+from dataclasses import dataclass
+from math import nan
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,10 +30,27 @@ STALE_TIME = 0.2
 """Time without a frame after which the robot eases into its safe posture [s]."""
 EASE_OUT_TIME, EASE_IN_TIME = 1.5, 1.0
 """Times in which it goes to the safe posture, and from there to the person [s]."""
-MAX_EXTRAPOLATION = 0.0
-"""Time for which targets go on as they did beyond the last frame [s]."""
+REPLY_PERIOD = 0.01
+"""Time between joint targets for those who have asked for them [s]."""
 VELOCITY_TIME = 0.02
 """Time constant of the targets' velocity [s]."""
+
+
+@dataclass
+class FrameTimes:
+    """When a frame passed the stages of its way.
+
+    Attributes:
+        t: of the run when it was taken in [s].
+        age: since the person was there, when it arrived [s].
+        taken, filtered, solved: of the wall clock [s].
+    """
+
+    t: float
+    age: float
+    taken: float
+    filtered: float = nan
+    solved: float = nan
 
 
 class Follower:
@@ -40,10 +60,19 @@ class Follower:
         source: of frames.
         robot: who follows.
         delay: by which everything is played later [s].
+        start: what the source's clock shows when the run begins [s].
+
+    Attributes:
+        reference: what the robot shall do.
+        time_line: of the frames.
+        counts: what befell the frames.
+        shown: when the person was seen, in the time of the run [s], and as what in the robot's size.
+        frame_times: of each frame that was followed.
+        held_s: time without a frame to follow, once there had been one [s].
     """
 
-    def __init__(self, source: Source, robot: Robot, delay: float = 0.0) -> None:
-        self.source, self.robot = source, robot
+    def __init__(self, source: Source, robot: Robot, delay: float = 0.0, start: float = 0.0) -> None:
+        self.source, self.robot, self._start = source, robot, start
         self._build, limits = Build.of(robot), Limits.of(robot)
         self.reference = LiveReference(robot, limits)
         self.time_line = TimeLine(delay)
@@ -61,29 +90,43 @@ class Follower:
         self._last: float | None = None  # due time of the last frame that was used
         self._share = 0.0  # of the way from the safe posture to the person
         self.shown: list[tuple[float, MomentTargets]] = []
+        self.frame_times: list[FrameTimes] = []
+        self.held_s = 0.0
+        self._next_reply = 0.0
 
-    def update(self, now: float) -> None:
-        """Take in what has arrived by a time [s], and make the reference up to a period beyond it."""
+    def update(self, t: float) -> None:
+        """Take in what has arrived by a time [s] of the run, and make the reference up to it."""
+        now = t + self._start
         for frame in self.source.poll(now):
             self.time_line.add(frame)
-        for frame in self.time_line.due(now):
-            self._take_in(frame)
-        while self.reference.horizon < now + PERIOD - 1e-9:
+        due = self.time_line.due(now)
+        self.counts["skipped"] += max(0, len(due) - 1)  # many at once: the last is where the person is now
+        for frame in due[-1:]:
+            self._take_in(frame, t)
+        while self.reference.horizon < t - 1e-9:
             self._make_knot(self.reference.horizon)
+        if t >= self._next_reply:
+            self.source.reply(now, self.reference.joints(t)[0])
+            self._next_reply = t + REPLY_PERIOD
 
-    def _take_in(self, frame: Frame) -> None:
+    def _take_in(self, frame: Frame, t: float) -> None:
         self.counts["frames"] += 1
+        self._stages = FrameTimes(t, self.time_line.age(frame, frame.received), perf_counter())
         if not frame.is_finite:
             self.counts["not finite"] += 1
         elif self._person is None or self._person.skeleton != frame.skeleton:
             self._get_to_know(frame)
         else:
-            moment, due = self._person.moment(frame), self.time_line.due_time(frame)
+            moment, due = self._person.moment(frame), self.time_line.due_time(frame) - self._start
             if self._gate.passes(moment, due):
                 if self._gate.jumped:
                     self._placement.start_anew()
                     self._filter.start_anew()
-                self._follow(self._filter(moment, due), due)
+                moment = self._filter(moment, due)
+                self._stages.filtered = perf_counter()
+                self._follow(moment, due)
+                self._stages.solved = perf_counter()
+                self.frame_times.append(self._stages)
             elif self._gate.is_stranger:
                 self._person = None
 
@@ -122,10 +165,11 @@ class Follower:
         """Make the knot after a time [s]."""
         ago = np.inf if self._last is None else t - self._last
         fresh = ago < STALE_TIME
+        if self._last is not None and not fresh:
+            self.held_s += PERIOD
         step = PERIOD / EASE_IN_TIME if fresh else -PERIOD / EASE_OUT_TIME
         self._share = min(max(self._share + step, 0.0), 1.0)
         share = float(minimum_jerk(np.array(self._share)))
         velocity = self._velocity if fresh else np.zeros_like(self._velocity)
-        ahead = self._solution + min(max(ago, 0.0), MAX_EXTRAPOLATION) * velocity
         rest = self.reference.rest
-        self.reference.advance(rest + share * (ahead - rest), share * velocity)
+        self.reference.advance(rest + share * (self._solution - rest), share * velocity)

@@ -22,9 +22,7 @@ MAX_HIP_SPEED, MAX_HIP_ACCELERATION = 1.0, 3.0
 """Bounds of the hips' velocity [m/s] and acceleration [m/s²]."""
 MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION = 4.0, 6.0
 """Bounds of the pelvis' velocity [rad/s] and acceleration [rad/s²]: the whole upper body turns with it."""
-MAX_JOINT_ACCELERATION = 40.0
-"""Bound of a joint's acceleration [rad/s²]; the robot's own limit, where that is less."""
-MAX_CHEST_ACCELERATION = 10.0
+MAX_CHEST_ACCELERATION = 8.0
 """The same of the joints below the chest, which carry arms and head."""
 
 
@@ -47,7 +45,7 @@ class Governor:
     def __init__(self, robot: Robot, limits: Limits, start: Array, period: float) -> None:
         self.y, self.dy, self.ddy = start.copy(), np.zeros_like(start), np.zeros_like(start)
         self._period = period
-        velocity, acceleration = limits.velocity.copy(), np.minimum(limits.acceleration, MAX_JOINT_ACCELERATION)
+        velocity, acceleration = limits.velocity.copy(), limits.acceleration.copy()
         velocity[:3], acceleration[:3] = MAX_HIP_SPEED, MAX_HIP_ACCELERATION
         velocity[3:6], acceleration[3:6] = MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION
         chest = 6 + np.array(robot.groups["chest"], dtype=int)

@@ -77,6 +77,10 @@ class LiveReference:
         """Time up to which it is made [s]."""
         return (len(self._knots) - 1) * PERIOD
 
+    def next_knot_after(self, t: float) -> float:
+        """Time of the first knot that is made with what is known at a time [s]: from then on the robot can tell."""
+        return PERIOD * np.ceil(t / PERIOD - 1e-6)
+
     @property
     def now(self) -> Array:
         """Coordinates (nv,) at the last knot."""

@@ -2,6 +2,7 @@
 
 import ipaddress
 import socket
+from contextlib import suppress
 from dataclasses import dataclass
 from urllib.parse import urlsplit
 
@@ -12,6 +13,9 @@ from sot.live.streams.bones import bones_of_clip
 from sot.motion.human.capture import Capture
 
 DEFAULT_PORTS = {"udp": json_udp.DEFAULT_PORT, "vmc": vmc.DEFAULT_PORT, "rokoko": rokoko.DEFAULT_PORT}
+
+
+MAX_ANSWER_BYTES = 4096
 
 
 @dataclass(frozen=True)
@@ -112,16 +116,23 @@ class Sender:
             InputError: the receiver wants another token.
         """
         for content in self.encoded(frame):
-            try:
+            with suppress(OSError):  # nobody is there yet
                 self._socket.send(content)
-            except OSError:
-                continue  # nobody is there yet
+        self.check_refused()
+
+    def check_refused(self) -> None:
+        """See whether the receiver has answered that it wants another token.
+
+        Raises:
+            InputError: it has.
+        """
         try:
-            answer = self._socket.recv(4096)
+            answer = self._socket.recv(MAX_ANSWER_BYTES)
         except OSError:
             return
         if b'"refused"' in answer:
-            raise InputError(f"udp://{self._address.host}:{self._address.port} wants another token: give it by --token")
+            where = f"udp://{self._address.host}:{self._address.port}"
+            raise InputError(f"{where} wants another token: give the one that `sot live --token` has")
 
     def close(self) -> None:
         """Close the socket."""

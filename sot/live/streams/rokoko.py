@@ -96,7 +96,9 @@ class RokokoSource:
         if not isinstance(message, dict) or str(message.get("version", ""))[:1] != "3":
             raise Malformed("version")
         scene = message.get("scene")
-        actors = scene.get("actors") if isinstance(scene, dict) else None
+        if not isinstance(scene, dict):
+            raise Malformed("scene")
+        actors = scene.get("actors")
         if not isinstance(actors, list) or not actors or not isinstance(actors[0], dict):
             raise Malformed("actors")
         body = actors[0].get("body")
