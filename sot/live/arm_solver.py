@@ -1,7 +1,5 @@
 """Inverse kinematics of one arm at one moment, on the branch that points best, kept over time."""
 
-from typing import Any
-
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
@@ -99,11 +97,9 @@ class ArmSolver:
         """
         base = data.oMi[self._base]
         wanted = np.array([directions[segment] for segment in self._segments])
-        geometry: tuple[Any, ...] = (base.rotation, base.translation, self._fixed, self._shift, self._axis)
-        geometry += (self._joint_of_point, self._offsets, wanted)
         if not self._crossing:
             self._postures[self._in_use] = now
-        costs = _solve_candidates(self._postures, *geometry, self._lower, self._upper, self._rest, self._free_weight)
+        costs = self._improve(self._postures, base, wanted, self._lower, self._upper, self._rest, self._free_weight)
         share = 1.0 - np.exp(-elapsed / MEMORY_TIME)
         fresh = self._ages == 0
         self._errors = np.where(fresh, costs, self._errors + share * (costs - self._errors))
@@ -119,8 +115,28 @@ class ArmSolver:
         asked = np.clip(now, lower, upper)[None]
         weight = self._free_weight + 1.0 / (ACCEPTED_WAY_TIME * self._velocity) ** 2
         centre = now + self._free_weight / weight * (self._rest - now)
-        _solve_candidates(asked, *geometry, lower, upper, centre, weight)
+        self._improve(asked, base, wanted, lower, upper, centre, weight)
         return asked[0]
+
+    def _improve(
+        self, postures: Array, base: pin.SE3, wanted: Array, lower: Array, upper: Array, centre: Array, weight: Array
+    ) -> Array:
+        """`_solve_candidates` for this arm on a base."""
+        return _solve_candidates(
+            postures,
+            base.rotation,
+            base.translation,
+            self._fixed,
+            self._shift,
+            self._axis,
+            self._joint_of_point,
+            self._offsets,
+            wanted,
+            lower,
+            upper,
+            centre,
+            weight,
+        )
 
     def _choose(self) -> None:
         """Change over to the candidate that pays most, if one does."""

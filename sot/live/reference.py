@@ -128,6 +128,13 @@ class LiveReference:
             pin.getFrameClassicalAcceleration(model, data, frame, axes).vector,
         )
 
+    def _pose_at(self, knot: Knot, point: str) -> Pose:
+        if point not in knot.poses:  # of a knot before the point was first asked for
+            q, v, a = (part[0] for part in to_pinocchio(knot.y[None], knot.dy[None], knot.ddy[None]))
+            pin.forwardKinematics(self.robot.model, self._data, q, v, a)
+            knot.poses[point] = self._pose(self._points[point])
+        return knot.poses[point]
+
     def _between(self, t: float) -> tuple[Knot, Knot, float]:
         """The knots around a time [s], and how long ago the first was."""
         k = min(max(int(t / PERIOD + 1e-6), 0), len(self._knots) - 2)
@@ -162,17 +169,11 @@ class LiveReference:
             InputError: the robot has no such point.
         """
         frame = self.robot.point(point)
-        if point not in self._points:
-            self._points[point] = frame
-            for k in (-2, -1):  # those that answer already
-                knot = self._knots[k]
-                q, v, a = (part[0] for part in to_pinocchio(knot.y[None], knot.dy[None], knot.ddy[None]))
-                pin.forwardKinematics(self.robot.model, self._data, q, v, a)
-                knot.poses[point] = self._pose(frame)
+        self._points[point] = frame
 
         def at(t: float) -> Pose:
             last, following, dt = self._between(t)
-            one, other = last.poses[point], following.poses[point]
+            one, other = self._pose_at(last, point), self._pose_at(following, point)
             share = dt / PERIOD
             acceleration = one.acceleration + share * (other.acceleration - one.acceleration)
             velocity = one.velocity + 0.5 * dt * (one.acceleration + acceleration)
