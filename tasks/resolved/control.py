@@ -5,37 +5,36 @@ from collections.abc import Sequence
 import numpy as np
 
 from solvers import Level, ResolvedAcceleration
+from solvers.rows import Equality
 from sot.control.tick import Tick
 from tasks.resolved.pairs import Distances, NearestPairs
-from tasks.resolved.point import ResolvedPoint
+from tasks.resolved.points import ResolvedPoints
 from tasks.resolved.weighting import Weighting
 
 Array = np.ndarray
 
-NO_GAIN = np.inf
-
 
 class ConstrainedResolvedAcceleration:
-    """α_c of Hammam (31): the feet first, the points of the upper body in what they leave.
+    """α_c of Hammam (31): points in order of priority, the feet first, each level in what those above leave.
 
     Args:
-        feet, points: Levels of points, the feet's first; they have one G_v.
+        levels: Points of each level, which all have the same G_v.
         pairs: Distances that the weights know.
         weighting: What makes W.
         solver: The inverses.
-        velocity_gain: G_v [1/s]; infinite if the points' rows are on velocities, for q̇_c of (41) alone.
+
+    Attributes:
+        distances: Those of the last tick.
     """
 
     def __init__(
         self,
-        feet: Sequence[ResolvedPoint],
-        points: Sequence[ResolvedPoint],
+        levels: Sequence[ResolvedPoints],
         pairs: NearestPairs,
         weighting: Weighting,
         solver: ResolvedAcceleration,
-        velocity_gain: float = 30.0,
     ) -> None:
-        self.feet, self.points, self.velocity_gain = feet, points, velocity_gain
+        self.levels, self.velocity_gain = levels, levels[0].velocity_gain
         self._pairs, self._weighting, self._solver = pairs, weighting, solver
         self.distances: Distances | None = None
 
@@ -44,10 +43,10 @@ class ConstrainedResolvedAcceleration:
         self.distances = self._pairs(tick)
         weights = self._weighting(tick, self.distances)
         self._solver.weight, self._solver.penalties = weights.matrix, weights.penalties
-        nv = tick.robot.nv
-        levels = [
-            Level.stack(name, [point.rows(tick) for point in points], nv)
-            for name, points in (("feet", self.feet), ("points", self.points))
-        ]
-        y = self._solver.solve(levels).x
+        y = self._solver.solve([_equality_level(points, tick) for points in self.levels]).x
         return y - self.velocity_gain * tick.v if np.isfinite(self.velocity_gain) else y
+
+
+def _equality_level(points: ResolvedPoints, tick: Tick) -> Level:
+    rows, nv = points.rows(tick), tick.robot.nv
+    return Level(points.name, nv, [Equality(rows.A, rows.lower)], np.zeros((0, nv)), np.zeros(0), np.zeros(0))

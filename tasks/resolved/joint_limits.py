@@ -14,9 +14,7 @@ def limit_potential(q: Array, lower: Array, upper: Array) -> Array:
 
 def limit_gradient(q: Array, lower: Array, upper: Array) -> Array:
     """∇h, Hammam (20): derivative of `limit_potential`, shape (n,) [1/rad]."""
-    gradient: Array = (
-        (upper - lower) ** 2 * (2.0 * q - upper - lower) / (4.0 * (upper - q) ** 2 * (q - lower) ** 2)
-    )
+    gradient: Array = (upper - lower) ** 2 * (2.0 * q - upper - lower) / (4.0 * (upper - q) ** 2 * (q - lower) ** 2)
     return gradient
 
 

@@ -32,6 +32,8 @@ RANGE_MARGIN = 0.005
 """Distance from the ends of a joint's range at which its weight stops growing [rad]."""
 PAIR_MARGIN = 0.005
 """Distance of two shapes at which their weight stops growing [m]."""
+STIFFNESS_BEYOND = 100.0
+"""Factor of the weights of what is nearer than its margin, and led back."""
 
 
 @dataclass(frozen=True)
@@ -95,11 +97,11 @@ class MendedWeighting:
 
     *At s.* Gradients are taken at ``q + q̇ / G_v`` and at ``d + ḋ / G_v``.
 
-    *One-sided.* "Towards a limit" is said by the answer, not by the velocity: who is at rest at a limit is free to leave
-    it, and not free to go on.
+    *One-sided.* "Towards a limit" is said by the answer, not by the velocity: a joint at rest at its limit is free to
+    leave it, and not free to go on.
 
-    *Along normals.* A pair's weight is on the rate of its distance, ``|g'| n nᵀ``, instead of on each joint that changes
-    it: shapes may slide along one another, and joints may make up for one another.
+    *Along normals.* A pair's weight is on the rate of its distance, ``|g'| n nᵀ``, instead of on each joint that
+    changes it: shapes may slide along one another, and joints may make up for one another.
 
     *Beyond.* At the margins the weights stop growing; what is nearer is led back.
 
@@ -133,9 +135,10 @@ class MendedWeighting:
         gaps = distances.values + self._braking_time * np.minimum(rates, 0.0)
         kept = np.maximum(gaps, PAIR_MARGIN)
         pair_weights = (1.0 - MENDED_LIMIT_SHARE) / max(len(gaps), 1) * np.abs(self._function.slope(kept))
+        excess = np.concatenate([beyond, kept - gaps])
         penalties = Penalties(
             np.vstack([joints, -distances.jacobian]),
-            -self._return_rate * np.concatenate([beyond, kept - gaps]),
-            np.concatenate([weights, pair_weights]),
+            -self._return_rate * excess,
+            np.concatenate([weights, pair_weights]) * np.where(excess > 0.0, STIFFNESS_BEYOND, 1.0),
         )
         return Weights(self._dynamic(tick), penalties)
