@@ -103,6 +103,8 @@ class MendedWeighting:
     *Along normals.* A pair's weight is on the rate of its distance, ``|g'| n nᵀ``, instead of on each joint that
     changes it: shapes may slide along one another, and joints may make up for one another.
 
+    *As normals turn.* ``d̈ + G_v ḋ = n y + ṅ q̇``: where ṅ q̇ brings shapes together, y has to make up for it.
+
     *Beyond.* At the margins the weights stop growing; what is nearer is led back.
 
     Args:
@@ -135,10 +137,11 @@ class MendedWeighting:
         gaps = distances.values + self._braking_time * np.minimum(rates, 0.0)
         kept = np.maximum(gaps, PAIR_MARGIN)
         pair_weights = (1.0 - MENDED_LIMIT_SHARE) / max(len(gaps), 1) * np.abs(self._function.slope(kept))
+        drift = np.minimum(distances.drift, 0.0) if self._braking_time else np.zeros(len(gaps))
         excess = np.concatenate([beyond, kept - gaps])
         penalties = Penalties(
             np.vstack([joints, -distances.jacobian]),
-            -self._return_rate * excess,
+            np.append(np.zeros(robot.na), drift) - self._return_rate * excess,
             np.concatenate([weights, pair_weights]) * np.where(excess > 0.0, STIFFNESS_BEYOND, 1.0),
         )
         return Weights(self._dynamic(tick), penalties)
