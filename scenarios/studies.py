@@ -9,6 +9,7 @@ from typing import Any
 from rich.console import Console
 
 from scenarios import sliding
+from scenarios.dariush2009 import dariush
 from scenarios.hammam2015 import hammam
 from scenarios.hammam2015.key_point_reference import ClipPart
 from scenarios.inputs.scenario_file import load_scenario
@@ -35,7 +36,7 @@ MOTION_SCENARIOS: dict[str, ModuleType] = {"sliding": sliding, "imitation": imit
 `show` them."""
 STUDIES: dict[str, ModuleType] = {"planar3r": planar3r, "bounds": printed_bounds}
 """Scenarios without physics: `study(rate, out, tell)` returns figures, `show(figures, console)` prints them."""
-CLIP_STUDIES: dict[str, ModuleType] = {"hammam": hammam}
+CLIP_STUDIES: dict[str, ModuleType] = {"hammam": hammam, "dariush": dariush}
 """Studies of clips, their `CLIPS` unless one is named: `study(rate, out, tell, parts)`, the rest as of STUDIES."""
 CLIP_SCENARIOS: dict[str, ModuleType] = {"ramos": ramos}
 """Scenarios that dance a clip, their `CLIP` unless another is named: `run(request, out, tell)` returns the report,

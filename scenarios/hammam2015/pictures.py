@@ -71,7 +71,10 @@ def _draw_distances(path: Path, robot: Robot, runs: Runs, label: str) -> None:
     }
     panels = []
     for task_set in (1, 2, 3):
-        near = {method: arm_distances(robot, runs[task_set, method], groups) for method in (BEFORE, AFTER)}
+        near = {
+            method: arm_distances(robot, runs[task_set, method].times, runs[task_set, method].q, groups)
+            for method in (BEFORE, AFTER)
+        }
         for group in list(groups)[: 1 if task_set == 3 else 3]:
             curves = [
                 Curve(times, np.minimum(found[group], LARGEST_DISTANCE_DRAWN), COLORS[method], method)
@@ -123,19 +126,19 @@ def _way_panel(runs: Runs, task_set: int, axis: int, methods: Sequence[str]) -> 
 
 
 def arm_distances(
-    robot: Robot, run: KinematicRun, groups: Mapping[str, tuple[str, str | None]]
+    robot: Robot, times: Array, q: Array, groups: Mapping[str, tuple[str, str | None]]
 ) -> tuple[Array, dict[str, Array]]:
-    """Times (k,), and least distances (k,) [m] by name, between two limbs or a limb and what is none."""
+    """Times (k,), and least distances (k,) [m] by name, between two limbs or a limb and what is none, of a motion."""
     data, results = robot.model.createData(), robot.shapes.createData()
     chosen = {name: _pairs_between(robot, *limbs) for name, limbs in groups.items()}
     needed = sorted({k for pairs in chosen.values() for k in pairs})
-    rows = np.arange(0, len(run.q), DRAWN_EVERY)
+    rows = np.arange(0, len(q), DRAWN_EVERY)
     distances = np.full((len(rows), len(robot.shapes.collisionPairs)), np.inf)
-    for row, q in zip(distances, run.q[rows], strict=True):
-        pin.updateGeometryPlacements(robot.model, data, robot.shapes, results, q)
+    for row, configuration in zip(distances, q[rows], strict=True):
+        pin.updateGeometryPlacements(robot.model, data, robot.shapes, results, configuration)
         for k in needed:
             row[k] = pin.computeDistance(robot.shapes, results, k).min_distance
-    return run.times[rows], {name: distances[:, pairs].min(axis=1) for name, pairs in chosen.items()}
+    return times[rows], {name: distances[:, pairs].min(axis=1) for name, pairs in chosen.items()}
 
 
 def _pairs_between(robot: Robot, limb: str, other: str | None) -> list[int]:

@@ -33,3 +33,9 @@ def printed_limit_weights(q: Array, v: Array, lower: Array, upper: Array) -> Arr
     gradient = limit_gradient(q, lower, upper)
     rate = np.sign(gradient) * limit_curvature(q, lower, upper) * v
     return np.where(rate >= 0.0, np.abs(gradient), 0.0)
+
+
+def dariush_limit_weights(q: Array, v: Array, lower: Array, upper: Array) -> Array:
+    """w_JL, Dariush (14): ``1 + |∂H/∂q|`` where that does not fall, 1 where it does; shape (n,)."""
+    weights: Array = 1.0 + printed_limit_weights(q, v, lower, upper)
+    return weights

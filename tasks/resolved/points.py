@@ -45,6 +45,8 @@ class ResolvedPoints(MotionTask):
         kp: K_p of (11) [1/s²]; K_v is critical.
         velocity_kp: K_p of (15) [1/s]: one number, or one for each point.
         velocity_gain: G_v of (31) [1/s]; infinite for rows on velocities alone.
+        confidence: In each point, shape (n,), from 0 to 1: a factor of K, Dariush 4.3.1; 1 unless given.
+        point_weights: Of each point's rows, shape (n,); 1 unless given.
     """
 
     def __init__(
@@ -55,13 +57,17 @@ class ResolvedPoints(MotionTask):
         kp: float = 300.0,
         velocity_kp: float | Array = 20.0,
         velocity_gain: float = 30.0,
+        confidence: Array | None = None,
+        point_weights: Array | None = None,
     ) -> None:
         super().__init__("points", "SI", "m, rad", kp)
         sample = reference(0.0)
         self._size = 3 if sample.rotations is None else 6
         self.points, self.reference, self.velocity_gain = tuple(points), reference, velocity_gain
         self.labels = [name for name in points for _ in range(self._size)]
-        self.velocity_kp = np.repeat(np.broadcast_to(velocity_kp, len(self.points)), self._size)
+        gains = np.broadcast_to(velocity_kp, len(self.points)) * (1.0 if confidence is None else confidence)
+        self.velocity_kp = np.repeat(gains, self._size)
+        self._row_weights = None if point_weights is None else np.repeat(point_weights, self._size)
         count = len(self.points) * self._size
         self._J, self._drift, self._velocity = np.zeros((count, robot.nv)), np.zeros(count), np.zeros(count)
         self._errors = np.zeros((len(self.points), self._size))
@@ -91,4 +97,6 @@ class ResolvedPoints(MotionTask):
         wanted = rate + self._velocity + self.velocity_kp * self.error  # v*
         if np.isfinite(self.velocity_gain):
             wanted = self.velocity_gain * wanted + forward + self.kd * rate + self.kp * self.error - drift
+        if self._row_weights is not None:
+            J, wanted = self._row_weights[:, None] * J, self._row_weights * wanted
         return self.make_rows(J, wanted, wanted)

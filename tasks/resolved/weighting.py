@@ -18,7 +18,7 @@ from solvers import Penalties
 from sot.control.tick import Tick
 from sot.robots.robot import Robot
 from tasks.resolved.collisions import CollisionFunction, printed_collision_weights
-from tasks.resolved.joint_limits import limit_gradient, printed_limit_weights
+from tasks.resolved.joint_limits import dariush_limit_weights, limit_gradient, printed_limit_weights
 from tasks.resolved.pairs import Distances
 
 Array = np.ndarray
@@ -90,6 +90,23 @@ class PrintedWeighting:
         )
         diagonal[6:] += share * printed_limit_weights(tick.q[7:], tick.v[6:], robot.lower, robot.upper)
         return Weights(self._dynamic(tick) + np.diag(diagonal))
+
+
+class LimitWeighting:
+    """W of Dariush (14): joint limits alone, by weights that are 1 away from them.
+
+    Args:
+        robot: The robot.
+        lower, upper: Its ranges, or virtual ones, shapes (na,) [rad].
+    """
+
+    def __init__(self, robot: Robot, lower: Array, upper: Array) -> None:
+        self._weight, self._lower, self._upper = np.eye(robot.nv), lower, upper
+
+    def __call__(self, tick: Tick, distances: Distances) -> Weights:
+        joints = dariush_limit_weights(tick.q[7:], tick.v[6:], self._lower, self._upper)
+        self._weight.flat[6 * (len(self._weight) + 1) :: len(self._weight) + 1] = joints
+        return Weights(self._weight)
 
 
 class MendedWeighting:
