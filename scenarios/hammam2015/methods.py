@@ -13,7 +13,7 @@ from sot.control.tick import Tick
 from sot.motion.human.key_points import KEY_POINTS
 from sot.robots.robot import Robot
 from tasks import JointBounds, Posture, SelfCollision
-from tasks.resolved.control import ConstrainedResolvedAcceleration
+from tasks.resolved.control import ConstrainedResolvedAcceleration, towards_rest
 from tasks.resolved.pairs import PAPER_PAIR_COUNT, NearestPairs
 from tasks.resolved.points import PointsSample, ResolvedPoints
 from tasks.resolved.weighting import (
@@ -42,6 +42,8 @@ MENDED_VELOCITY_KP = 20.0
 """K_p of (15) as mended [1/s]. The paper gives one K_p of 300: in (15), at 100 Hz, it overshoots threefold."""
 MENDED_DAMPING = (0.03, PRINTED_DAMPING)
 """λ as mended: of the feet, and of the points."""
+REST_RATE = 5.0
+"""Rate at which joints go to rest where the points leave them free [1/s]."""
 PAIR_REACH = 0.2
 """Distance above which a pair's weight is nothing [m]: e^(−10) of (25)."""
 CASCADE_POSTURE_KP, CASCADE_POSTURE_WEIGHT = 25.0, 0.05
@@ -69,15 +71,17 @@ def resolved(
     damping: Sequence[float] = MENDED_DAMPING,
     exact_projectors: bool = True,
     velocity_gain: float = VELOCITY_GAIN,
+    rest_rate: float = 0.0,
 ) -> Callable[[Robot, Sequence[str], SampledPoints], Law]:
-    """Resolved acceleration, or velocities if G_v is infinite, by some weighting."""
+    """Resolved acceleration, or velocities if G_v is infinite, by some weighting; with a `rest_rate`, ζ of (32)."""
 
     def make(robot: Robot, names: Sequence[str], reference: SampledPoints) -> Law:
         feet = ResolvedPoints(robot, robot.feet, standing_feet(robot), KP, velocity_kp, velocity_gain)
         points = ResolvedPoints(robot, names, reference, KP, velocity_kp, velocity_gain)
         pairs = NearestPairs(robot, PAPER_PAIR_COUNT, PAIR_REACH)
         solver = ResolvedAcceleration(damping, exact_projectors)
-        return ConstrainedResolvedAcceleration([feet, points], pairs, weighting(robot), solver)
+        preferred = towards_rest(robot, rest_rate, velocity_gain) if rest_rate else None
+        return ConstrainedResolvedAcceleration([feet, points], pairs, weighting(robot), solver, preferred)
 
     return make
 
@@ -126,9 +130,10 @@ METHODS = {
             resolved(lambda robot: PrintedWeighting(robot, inertia_weight), KP, (PRINTED_DAMPING,), False),
         ),
         Method("CRAC mended", resolved(_mended(inertia_weight))),
+        Method("CRAC mended, ζ", resolved(_mended(inertia_weight), rest_rate=REST_RATE)),
         Method("CRAC mended, I", resolved(_mended(unit_weight))),
         Method("CCLIK mended", resolved(_mended(inertia_weight, np.inf), velocity_gain=np.inf), velocities=True),
         Method("cascade", cascade),
     )
 }
-"""By name. W_D is H where nothing else is said."""
+"""By name. W_D is H where nothing else is said; ζ is 0 where nothing else is said."""

@@ -1,5 +1,6 @@
 """Resolved acceleration: its rows, (31) to the letter, and limits that hold where the printed weights run away."""
 
+import coal
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -7,8 +8,8 @@ import pytest
 from solvers import ResolvedAcceleration, damped_inverse
 from sot.control.tick import Tick
 from sot.robots.robot import Robot
-from tasks.resolved.control import ConstrainedResolvedAcceleration
-from tasks.resolved.pairs import NearestPairs
+from tasks.resolved.control import ConstrainedResolvedAcceleration, towards_rest
+from tasks.resolved.pairs import NearestPairs, Obstacle
 from tasks.resolved.points import PointsSample, ResolvedPoints
 from tasks.resolved.weighting import (
     DynamicOnly,
@@ -78,12 +79,12 @@ def test_one_inverse_of_both_right_hand_sides_is_hammam_31(robot):
     np.testing.assert_allclose(found, alpha + GAIN * (velocity - v), rtol=1e-6, atol=1e-6)
 
 
-def follow(robot, weighting: Weighting, target, seconds=2.0, damping=(0.03, 0.1), exact=True, gain=GAIN):
+def follow(robot, weighting: Weighting, target, seconds=2.0, damping=(0.03, 0.1), exact=True, gain=GAIN, obstacles=()):
     """Configurations (T, nq) and distances of the nearest pair (T,) on the way of a wrist to a target."""
     tick, q, v = Tick(robot, PERIOD), robot.rest.copy(), np.zeros(robot.nv)
     levels = [standing_feet(robot, tick, gain), wrist_to(robot, target, gain)]
     control = ConstrainedResolvedAcceleration(
-        levels, NearestPairs(robot, 16, 0.2), weighting, ResolvedAcceleration(damping, exact)
+        levels, NearestPairs(robot, 16, 0.2, obstacles), weighting, ResolvedAcceleration(damping, exact)
     )
     way, nearest = [], []
     for k in range(round(seconds / PERIOD)):
@@ -111,6 +112,37 @@ OUT_OF_REACH, INTO_THE_CHEST = np.array([1.0, -0.5, 1.4]), np.array([0.0, 0.1, 0
 def test_mended_weights_keep_ranges_and_distances(robot, target, gain):
     way, nearest = follow(robot, MendedWeighting(robot, unit_weight, gain), target, gain=gain)
     assert beyond(robot, way) < 0.0 < nearest.min()
+
+
+def test_mended_weights_keep_away_from_an_obstacle(robot):
+    wall = Obstacle("wall", coal.Box(0.02, 4.0, 4.0), pin.SE3(np.eye(3), np.array([0.45, 0.0, 0.9])))
+    target = np.array([0.7, -0.25, 1.0])
+    nearest = {
+        name: follow(robot, weighting, target, obstacles=[wall])[1].min()
+        for name, weighting in (("free", DynamicOnly(unit_weight)), ("kept", MendedWeighting(robot, unit_weight, GAIN)))
+    }
+    assert nearest["free"] < -0.05 and nearest["kept"] > 0.0
+
+
+def test_what_the_points_leave_free_goes_to_rest(robot):
+    tick, q = Tick(robot, PERIOD), robot.rest.copy()
+    elbow = robot.groups["left_arm"][3]
+    q[7 + elbow] -= 0.5
+    levels, v = (
+        [standing_feet(robot, tick), wrist_to(robot, tick.frame("right_wrist").position.copy())],
+        np.zeros(robot.nv),
+    )
+    control = ConstrainedResolvedAcceleration(
+        levels,
+        NearestPairs(robot, 16, 0.2),
+        MendedWeighting(robot, unit_weight, GAIN),
+        ResolvedAcceleration((0.03, 0.1)),
+        towards_rest(robot, 5.0, GAIN),
+    )
+    for k in range(100):
+        answer = control(tick.update(k * PERIOD, q, v))
+        q, v = pin.integrate(robot.model, q, PERIOD * v + 0.5 * PERIOD**2 * answer), v + PERIOD * answer
+    assert abs(q[7 + elbow] - robot.rest[7 + elbow]) < 0.02 and control.levels[1].distances.max() < 0.01
 
 
 def test_without_weights_the_same_targets_violate_both(robot):
