@@ -74,7 +74,7 @@ def torque_law_run(
     levels: dict[str, Sequence[Task]] = {"resolved": [accelerations], "forces": [LeastForces()]}
     if kind == "below balance":
         levels = {"balance": [Balance(stand.balance, axes="xy")], **levels}
-    stack = Stack([Contact(foot, robot.sole(foot)) for foot in robot.feet], [TorqueBounds(robot)], levels)
+    stack = Stack([Contact(robot.surface(foot)) for foot in robot.feet], [TorqueBounds(robot)], levels)
     done = run(Controller(robot, stack, Cascade(), 1.0 / rate), World(robot, 1.0 / rate), stand, progress)
     return {"fell_at_s": done.fell_at_s, **_figures(robot, done.log.trimmed(), stand, reference, names)}
 
