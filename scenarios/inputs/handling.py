@@ -144,7 +144,7 @@ def door_demonstration() -> Demonstration:
         "Left": np.tile(np.array(HANGING_PALM_M), (len(times), 1)),
         "Right": np.where((times < touch)[:, None], before, spot),
     }
-    pair = SurfacePair(SurfaceName("robot", "right_hand"), SurfaceName("door", "back"))
+    pair = SurfacePair(SurfaceName("robot", "right_hand"), SurfaceName("door", "front"))
     contacts = ContactPlan((LEFT_FOOT, RIGHT_FOOT), (ContactEvent(touch, "make", pair),))
     hips = [
         (0.5, (0, 0, STANDING_HIPS_M)),

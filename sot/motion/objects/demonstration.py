@@ -17,14 +17,14 @@ from sot.whole_file import atomic_write
 Array = NDArray[np.float64]
 
 FACES: dict[str, tuple[int, float]] = {
-    "front": (0, 1.0),
-    "back": (0, -1.0),
+    "front": (0, -1.0),
+    "back": (0, 1.0),
     "left": (1, 1.0),
     "right": (1, -1.0),
     "top": (2, 1.0),
     "bottom": (2, -1.0),
 }
-"""Name of each face of a box -> axis of its outward normal, and its sign."""
+"""Name of each face of a box, as who stands before it and looks along X sees it -> axis of its outward normal, sign."""
 HEAD = """\
 # The objects of a demonstration, in the clip's world: metres, Z up, the human's first frame over the origin, facing X.
 # level: surfaces of the world, each with its centre and its size along X and Y.
