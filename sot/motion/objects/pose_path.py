@@ -38,7 +38,7 @@ class PosePath:
         )
         turned = turn(inside)
         velocity, acceleration = (np.hstack([place(inside, k), turned.apply(turn(inside, k))]) for k in (1, 2))
-        still = (samples < times[0]) | (samples > times[-1])
+        still = (samples <= times[0]) | (samples >= times[-1])
         velocity[still], acceleration[still] = 0.0, 0.0
         return cls(rate, Track(place(inside), turned.as_matrix(), velocity, acceleration))
 

@@ -36,7 +36,7 @@ def test_velocities_and_accelerations_are_the_derivatives():
 
 
 def test_it_rests_beyond_its_ends():
-    times, position, _, made = path()
+    _, position, _, made = path()
     for t in (0.0, 0.5, 3.0):
         assert not made(t).velocity.any() and not made(t).acceleration.any()
     assert made(0.0).position == pytest.approx(position[0]) and made(9.0).position == pytest.approx(position[-1])
