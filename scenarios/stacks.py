@@ -22,7 +22,7 @@ from tasks import (
 def planted_stack(robot: Robot, motion: Motion) -> Stack:
     """Stack for feet that stand: strict levels for what must hold, the posture takes the null space that is left."""
     return Stack(
-        contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
+        contacts=[Contact(robot.surface(foot)) for foot in robot.feet],
         hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
         levels={
             "balance": [Balance(motion.balance, motion.feet, motion.angular_momentum)],

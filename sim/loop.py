@@ -98,6 +98,8 @@ def _run_ticks(
             return Run(log, perf_counter() - start, t, "the simulation diverged")
         sensed = world.measured(q, v)
         loads = {foot: float(wrench[2]) for foot, wrench in wrenches.items()}
+        if others := [contact for contact in controller.stack.contacts if contact.name not in loads]:
+            loads |= world.loads(others)
         begin = perf_counter()
         command = controller(t, *sensed, loads)
         log.tick_us[k] = 1e6 * (perf_counter() - begin)
