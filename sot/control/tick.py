@@ -33,6 +33,7 @@ class TickContact(Protocol):
     on: Surface
     mode: Mode
     load: float
+    wish: float
     vertices: Array
     path: PoseReference | None
 
@@ -68,6 +69,7 @@ class Tick:
         mass: Of the robot and what it carries [kg].
         acceleration: What the controller commanded a tick ago, v̇ (nv,); none at first.
         q, v: State, Pinocchio's conventions, shapes (nq,), (nv,); the robot's first, then the things'.
+        joint_positions, joint_velocities: Of the robot's joints (na,) [rad, rad/s].
         M: Mass matrix with the rotors' inertia, shape (nv, nv).
         h: Coriolis, centrifugal and gravity forces, what the joints' damping, friction and springs take, and known
             wrenches, so that ``M v̇ + h = Sᵀ τ + Jᵀ φ``; shape (nv,).
@@ -141,6 +143,7 @@ class Tick:
         """Move to a new state; returns the tick itself."""
         data, robot = self.data, self.robot
         self.t, self.q, self.v = t, q, v
+        self.joint_positions, self.joint_velocities = q[7 : robot.nq], v[6 : robot.nv]
         if self.loads or self._carried_shares:
             self._count_carried_loads()
         model = self.model
