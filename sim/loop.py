@@ -11,6 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_SLIDING, Fallback, RunLog
+from sim.touch import Touch
 from sim.world import World
 from solvers.conflict import find_conflict
 from solvers.rows import Level, Solution, Status
@@ -49,7 +50,7 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
 
     Args:
         controller: Its period is the world's timestep.
-        world: Reset to the motion's start.
+        world: Reset to the motion's start, things in their places. What the controller does not know of comes last.
         motion: The reference, for the planned quantities in the log and the signs of a fall.
         progress: Told the time [s] now and then.
     """
@@ -61,11 +62,13 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
     entries = [(level, task) for level, tasks in controller.stack.levels for task in tasks]
     if controller.schedule is not None:
         entries += controller.schedule.tasks
+    contacts = controller.stack.contacts
     log = RunLog.allocate(
-        robot,
+        world.system,
         round(motion.duration / world.timestep),
         [f"{level}: {task.name}" for level, task in entries],
         [task.error_unit for _, task in entries],
+        [] if all(contact.name in robot.feet for contact in contacts) else [contact.name for contact in contacts],
     )
     columns = {task.name: k for k, (_, task) in enumerate(entries)}
     unsolved: list[tuple[float, Level]] = []
@@ -90,22 +93,25 @@ def _run_ticks(
     ticks_per_slow_sample = max(1, round(1.0 / (SLOW_SENSOR_RATE * world.timestep)))
     watch = _FallWatch(world, motion)
     start = perf_counter()
-    wrenches = world.foot_wrenches()
+    wrenches, touches = world.foot_wrenches(), _touches(world, controller, log)
     for k in range(len(log.time)):
         t = k * world.timestep
         q, v = world.state()
         if not isfinite(q @ q + v @ v):
             return Run(log, perf_counter() - start, t, "the simulation diverged")
-        sensed = world.measured(q, v)
+        nq, nv = controller.system.nq, controller.system.nv
+        sensed = world.measured(q[:nq], v[:nv])
         loads = {foot: float(wrench[2]) for foot, wrench in wrenches.items()}
-        if others := [contact for contact in controller.stack.contacts if contact.name not in loads]:
-            loads |= world.loads(others)
+        if log.contact_names:
+            loads |= {name: touches[name].normal if name in touches else 0.0 for name in log.contact_names}
         begin = perf_counter()
         command = controller(t, *sensed, loads)
         log.tick_us[k] = 1e6 * (perf_counter() - begin)
         world.step(command.torque)
-        wrenches = world.foot_wrenches()
+        wrenches, touches = world.foot_wrenches(), _touches(world, controller, log)
         _write_log_row(log, k, t, q, v, command, wrenches, controller, world, motion, columns)
+        if log.contact_names:
+            _write_contacts(log, k, controller, touches)
         if command.unsolved is not None:
             unsolved.append((t, command.unsolved))
         log.ticks = k + 1
@@ -115,6 +121,11 @@ def _run_ticks(
             if reason := watch(t, controller):
                 return Run(log, perf_counter() - start, t, reason)
     return Run(log, perf_counter() - start)
+
+
+def _touches(world: World, controller: Controller, log: RunLog) -> dict[str, Touch]:
+    """Touches of the contacts of a log; none if these are the feet's, which have sensors of their own."""
+    return world.contact_touches(controller.stack.contacts) if log.contact_names else {}
 
 
 @contextmanager
@@ -144,7 +155,8 @@ class _FallWatch:
             return "the waist sank below 60 % of its reference height"
         if chest.rotation[:, 2] @ self._chest.rotation[k][:, 2] < MIN_TRUNK_TILT_COSINE:
             return "the trunk tilted by more than 60° from its reference"
-        if bodies := self._world.touching():
+        meant = [c.point for c in controller.stack.contacts if c.mode != "off" and c.is_footing]
+        if bodies := self._world.touching([point for point in meant if point in self._world.robot.points]):
             return f"{', '.join(bodies)} touched the floor"
         return ""
 
@@ -163,15 +175,17 @@ def _write_log_row(
     columns: dict[str, int],
 ) -> None:
     """Write one row of the log. The forces are those of the physics step that the command has just driven."""
-    log.time[k], log.q[k], log.v[k] = t, q, v
-    log.torque[k], log.acceleration[k] = command.torque, command.acceleration
+    robot = world.robot
+    log.time[k], log.q[k], log.v[k] = t, q[: robot.nq], v[: robot.nv]
+    log.thing_q[k], log.thing_v[k] = q[robot.nq :], v[robot.nv :]
+    log.torque[k], log.acceleration[k] = command.torque[: robot.na], command.acceleration[: robot.nv]
     log.zmp_control[k], log.zmp_measured[k] = command.zmp, world.zmp()
     log.zmp_planned[k], log.com[k] = motion.balance(t)[3], controller.tick.com
-    for i, foot in enumerate(world.robot.feet):
+    for i, foot in enumerate(robot.feet):
         log.foot_wrench[k, i] = wrenches[foot]
     for contact in controller.stack.contacts:
-        if contact.point in wrenches:
-            i = world.robot.feet.index(contact.point)
+        if contact.point in wrenches and contact.is_footing:
+            i = robot.feet.index(contact.point)
             log.foot_mode[k, i], log.foot_ramp[k, i] = _MODES[contact.mode], contact.load
     solution = command.solution
     log.status[k], log.hard_status[k] = command.status, solution.levels[0].status
@@ -191,6 +205,18 @@ def _write_log_row(
                 log.level_slack[k, column], log.level_active[k, column] = slack, active
                 log.level_place[k, column], log.level_share[k, column] = place, shares.get(task.name, 1.0)
     log.model_us[k], log.assemble_us[k], log.solve_us[k] = command.model_us, command.assemble_us, command.solve_us
+
+
+def _write_contacts(log: RunLog, k: int, controller: Controller, touches: dict[str, Touch]) -> None:
+    """Write the contacts of one row of the log."""
+    log.contact_force[k], log.contact_normal[k] = 0.0, 0.0
+    for contact in controller.stack.contacts:
+        if contact.name in log.contact_names:
+            i = log.contact_names.index(contact.name)
+            log.contact_mode[k, i], log.contact_ramp[k, i] = _MODES[contact.mode], contact.load
+            if contact.name in touches:
+                log.contact_force[k, i] = touches[contact.name].force
+                log.contact_normal[k, i] = touches[contact.name].normal
 
 
 def _describe_fallback(t: float, solution: Solution) -> Fallback:

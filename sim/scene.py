@@ -10,7 +10,7 @@ from sim.own_scene import ALL_COLLISION_BITS, Scene, add_scene
 from sim.sensors import FloorSensors
 from sot.errors import InputError
 from sot.robots.reading.pinocchio_model import placement
-from sot.robots.reading.solid import COLLISION_GROUP
+from sot.robots.reading.solid import VISUAL_GROUP
 from sot.robots.robot import Robot
 from sot.robots.surface import Surface
 from sot.robots.things.thing import Thing
@@ -23,6 +23,7 @@ IMPRATIO = 10.0  # friction is that much stiffer than the normal force
 FLOOR_SOLREF = (0.005, 1.0)  # time constant [s] and damping ratio
 PAD_FRICTION = 1.0  # of the rubber pads in front of palms
 PAD_THICKNESS_M = 0.01
+PAD_COLOR = (0.15, 0.15, 0.16, 1.0)
 # Of two geoms MuJoCo takes the larger friction, unless one has priority: then its own.
 SURROUNDINGS_PRIORITY, PAD_PRIORITY = 1, 2
 
@@ -107,7 +108,8 @@ def _add_pad(spec: mujoco.MjSpec, body: mujoco.MjsBody, point: pin.SE3, surface:
         priority=PAD_PRIORITY,
         solref=FLOOR_SOLREF,
         conaffinity=0,
-        group=COLLISION_GROUP,
+        group=VISUAL_GROUP,
+        rgba=PAD_COLOR,
     )
 
 

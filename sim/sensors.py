@@ -1,6 +1,6 @@
 """Sensors of a world: forces between floor and robot, and least distances between the robot's parts."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import nan
 
 import mujoco
@@ -21,14 +21,17 @@ class FloorSensors:
     Args:
         model, data: MuJoCo's, the model with what `add_to` declares.
         feet: names of the feet.
+        arms: joints of the arms.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, feet: Sequence[str]):
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, feet: Sequence[str], arms: Sequence[str] = ()):
         self._model, self._data = model, data
         # Live views: to ask MuJoCo for its arrays anew takes longer than to read them.
         self._sensed = {name: data.sensordata[_sensor_slice(model, name)] for name in (WHOLE_ROBOT, *feet)}
         sites = {foot: model.site(_site_name(foot)).id for foot in feet}
         self._origins = {foot: data.site_xpos[site] for foot, site in sites.items()}
+        self._floor = int(model.geom("floor").id)
+        self._arm_bodies = {int(model.joint(arm).bodyid[0]) for arm in arms}
         self._foot_bodies = set(model.body_weldid[model.site_bodyid[list(sites.values())]].tolist())
 
     @staticmethod
@@ -55,19 +58,30 @@ class FloorSensors:
         return out
 
     def zmp(self) -> np.ndarray:
-        """Point (2,) of z = 0 about which the floor's forces have no horizontal moment [m]; nan where none carries."""
-        _, fx, fy, fz, mx, my, _, x, y, z = self._sensed[WHOLE_ROBOT].tolist()
-        if not fz > 0.0:
+        """Point (2,) of z = 0 about which the forces on the feet have no horizontal moment [m]; nan without load."""
+        load = x_moment = y_moment = 0.0
+        for foot in self._origins:
+            _, fx, fy, fz, mx, my, _, x, y, z = self._sensed[foot].tolist()
+            load, x_moment, y_moment = load + fz, x_moment + mx + y * fz - z * fy, y_moment + my + z * fx - x * fz
+        if not load > 0.0:
             return np.array((nan, nan))
-        return np.array((x - (my + z * fx) / fz, y + (mx - z * fy) / fz))
+        return np.array((-y_moment / load, x_moment / load))
 
-    def bodies_touching(self) -> tuple[str, ...]:
-        """Sorted names of the robot's bodies in contact with the floor, feet left out."""
+    def bodies_touching(self, allowed: Collection[str] = ()) -> tuple[str, ...]:
+        """Sorted names of the robot's bodies that touch the floor or what is fixed to it and should not.
+
+        That is all but the feet, arms on what is not the floor, and the bodies of the sites that are allowed to.
+        """
         found = {name: float(sensed[0]) for name, sensed in self._sensed.items()}
         if found.pop(WHOLE_ROBOT) == sum(found.values()):
             return ()
-        bodies = {body for _, body, _ in self._contacts() if self._model.body_weldid[body] not in self._foot_bodies}
-        return tuple(sorted(self._model.body(body).name for body in bodies))
+        model, bodies = self._model, set()
+        free = self._foot_bodies | {int(model.body_weldid[model.site(site).bodyid[0]]) for site in allowed}
+        for k, body, _ in self._contacts():
+            own = int(model.body_weldid[body])
+            if own not in free and (own not in self._arm_bodies or self._floor in self._data.contact.geom[k]):
+                bodies.add(body)
+        return tuple(sorted(model.body(body).name for body in bodies))
 
     def contact_points(self) -> np.ndarray:
         """Position and force on the robot of each contact with the floor (n, 6), world frame [m, N]."""

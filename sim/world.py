@@ -1,7 +1,7 @@
 """MuJoCo with a robot on a floor: torques in, state and contact forces out. It never helps the robot."""
 
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from math import ceil
 
 import mujoco
@@ -36,7 +36,7 @@ class World:
         pushes: forces on the robot's bodies over time.
         scene: what else is in the world: a function that adds to MuJoCo's specification (`mujoco.MjSpec`), or a whole
             MJCF document as text, whose names get the prefix "scene/". What may collide at all may collide with the
-            robot. Touching what does not move counts as touching the floor.
+            robot.
         things: what the robot may handle, stand on and lean on; those with joints are part of the state.
 
     Attributes:
@@ -72,7 +72,9 @@ class World:
         self._apply_pushes = Pusher(self.model, self.data, robot, self.pushes)
         self._delay_steps = round(self.mismatch.delay * self._substeps / timestep)
         self.reset(self.system.rest)
-        self._floor = FloorSensors(self.model, self.data, robot.feet)
+        self._floor = FloorSensors(
+            self.model, self.data, robot.feet, [robot.joints[joint] for joint in robot.groups["arms"]]
+        )
         self._touch = TouchSensors(self.model, self.data, robot, self.things)
         self._self_distance = SelfDistance(self.model, self.data)
 
@@ -145,22 +147,30 @@ class World:
         """Touch of each pair of parts of robot, things and world that do; for the parts' names see `TouchSensors`."""
         return self._touch.touches()
 
-    def loads(self, contacts: Iterable[Contact]) -> dict[str, float]:
-        """Measured normal force of each contact, by its name, made or not yet [N]; 0 where nothing touches."""
-        touches = self._touch.touches()
-        pairs = {c.name: (self._touch.part_of(c.surface), self._touch.part_of(c.on)) for c in contacts}
-        return {
-            name: touches[pair].normal
-            if pair in touches
-            else touches[pair[::-1]].normal
-            if pair[::-1] in touches
-            else 0.0
-            for name, pair in pairs.items()
-        }
+    def contact_touches(self, contacts: Iterable[Contact]) -> dict[str, Touch]:
+        """Touch of each contact's two parts, made or not yet, by its name; those that do not touch are left out."""
+        touches, out = self._touch.touches(), {}
+        for contact in contacts:
+            pair = self._touch.part_of(contact.surface), self._touch.part_of(contact.on)
+            if pair in touches:
+                out[contact.name] = touches[pair]
+            elif pair[::-1] in touches:
+                found = touches[pair[::-1]]
+                out[contact.name] = found._replace(force=-found.force)
+        return out
 
-    def touching(self) -> tuple[str, ...]:
-        """Names of the bodies other than the feet that touch the floor, sorted."""
-        return self._floor.bodies_touching()
+    def loads(self, contacts: Iterable[Contact]) -> dict[str, float]:
+        """Measured normal force of each contact, made or not yet, by its name [N]; 0 where nothing touches."""
+        contacts = list(contacts)
+        touches = self.contact_touches(contacts)
+        return {c.name: touches[c.name].normal if c.name in touches else 0.0 for c in contacts}
+
+    def touching(self, allowed: Collection[str] = ()) -> tuple[str, ...]:
+        """Sorted names of the bodies that touch the floor or what is fixed to it and should not.
+
+        The feet may, arms may touch what is not the floor, and the bodies of the operational points that are `allowed`.
+        """
+        return self._floor.bodies_touching(allowed)
 
     def self_distance(self) -> float:
         """Least distance [m] between two parts of the robot that may collide, negative in collision; for low rates."""

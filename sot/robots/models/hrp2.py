@@ -235,10 +235,10 @@ def _surface_text(surface: str, left: bool) -> list[str]:
     """A pad of a hand in the robot file: corners counter-clockwise seen from outside."""
     middle, first, second = PADS[surface]
     around = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
-    corners = [
-        tuple(round(m + PAD_SIDE * (a * u + b * v), 6) for m, u, v in zip(middle, first, second, strict=True))
-        for a, b in around
-    ]
+    corners: list[Vector] = []
+    for a, b in around:
+        x, y, z = (round(m + PAD_SIDE * (a * u + b * v), 6) for m, u, v in zip(middle, first, second, strict=True))
+        corners.append((x, y, z))
     if left:
         corners = [mjcf.mirror(corner) for corner in reversed(corners)]
     side = "left" if left else "right"
