@@ -52,10 +52,10 @@ def build_model(
         _add_motors(spec, robot)
         _add_floor(spec, friction)
         _add_lights(spec)
-        _add_sensors(spec, robot)
         _add_pads(spec, robot)
         for thing in things:
             _add_thing(spec, thing)
+        _add_sensors(spec, robot)
         if scene is not None:
             add_scene(spec, scene)
         _set_options(spec, robot, timestep)
