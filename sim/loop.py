@@ -48,6 +48,8 @@ class Run:
 def run(controller: Controller, world: World, motion: Motion, progress: Callable[[float], object] | None = None) -> Run:
     """Run a controller in a world for as long as a motion lasts, from the motion's first configuration.
 
+    A schedule may make the motion wait, and may end the run.
+
     Args:
         controller: Its period is the world's timestep.
         world: Reset to the motion's start, things in their places. What the controller does not know of comes last.
@@ -63,9 +65,10 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
     if controller.schedule is not None:
         entries += controller.schedule.tasks
     contacts = controller.stack.contacts
+    waiting = controller.schedule.extra_time if controller.schedule is not None else 0.0
     log = RunLog.allocate(
         world.system,
-        round(motion.duration / world.timestep),
+        round((motion.duration + waiting) / world.timestep),
         [f"{level}: {task.name}" for level, task in entries],
         [task.error_unit for _, task in entries],
         [] if all(contact.name in robot.feet for contact in contacts) else [contact.name for contact in contacts],
@@ -120,6 +123,8 @@ def _run_ticks(
             progress(t)
             if reason := watch(t, controller):
                 return Run(log, perf_counter() - start, t, reason)
+        if controller.schedule is not None and controller.schedule.finished:
+            break
     return Run(log, perf_counter() - start)
 
 
@@ -149,7 +154,8 @@ class _FallWatch:
         self._waist, self._chest = motion.track("waist"), motion.track("chest")
 
     def __call__(self, t: float, controller: Controller) -> str:
-        k = min(round(t * self._motion.rate), len(self._motion.q) - 1)
+        played = t if controller.schedule is None else controller.schedule.motion_time(t)
+        k = min(round(played * self._motion.rate), len(self._motion.q) - 1)
         waist, chest = controller.tick.frame("waist"), controller.tick.frame("chest")
         if waist.position[2] < MIN_WAIST_HEIGHT_RATIO * self._waist.position[k, 2]:
             return "the waist sank below 60 % of its reference height"

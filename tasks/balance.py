@@ -98,7 +98,9 @@ class Balance(Task):
 
     def _update_support(self, tick: Tick) -> None:
         """Compute support polygon and displacement anew if due: standing feet creep by little."""
-        loads = [contact.load if contact.mode == "fixed" else 0.0 for contact in tick.contacts if _is_foot(tick, contact)]
+        loads = [
+            contact.load if contact.mode == "fixed" else 0.0 for contact in tick.contacts if _is_foot(tick, contact)
+        ]
         if loads != self._ramps or not 0.0 < tick.t - self._updated_at < SUPPORT_UPDATE_INTERVAL:
             self._polygon, self._displacement = self._support_polygon(tick), self._plan_displacement(tick)
             self._ramps, self._updated_at = loads, tick.t

@@ -21,10 +21,12 @@ motion = Motion.standing(robot, seconds, 1.0 / period, on=under)
 
 def swing(point, way, rate):  # way: metres over radians (6,), there and back; rate: rad/s
     start, rest, *_ = motion.pose(point)(0.0)
+
     def at(t):
         share, speed, change = 0.5 * (1 - np.cos(rate * t)), 0.5 * np.sin(rate * t), 0.5 * np.cos(rate * t)
         turn = pin.exp3(share * way[3:]) @ rest
         return Pose(start + share * way[:3], turn, rate * speed * way, rate**2 * change * way)
+
     return at
 
 

@@ -39,9 +39,10 @@ STANDING_HIPS_M = ANKLE_HEIGHT_M + THIGH_M + SHANK_M - 0.02  # m, of the hips' h
 PELVIS_SHARE_OF_BOW = 0.4  # the rest bends the spine
 HANGING_PALM_M = (0.06, 0.24, 0.83)  # m, of the left one
 BESIDE_M = 0.16  # m, between a palm and the object before it touches and after it lets go
-BOX_M = (0.28, 0.40, 0.28)  # m
+BOX_M = (0.28, 0.46, 0.28)  # m
 STAND_M, TABLE_M, PLATE_M = 0.85, 0.99, 0.03  # m, heights
-BOX_AHEAD_M, TABLE_AHEAD_M = 0.54, 0.86  # m, of the box before and after
+BOX_AHEAD_M, TABLE_AHEAD_M = 0.54, 0.83  # m, of the box before and after
+OVER_FOOT_M = 0.11  # m, by which the hips are over the left foot to stand on it alone, and the box with them
 DOOR_M = (0.04, 0.90, 2.00)  # m
 HINGE_M = (0.46, 0.50)  # m, forward and left
 PUSHED_AT_M = (0.67, 1.30)  # m, from the hinge and above the floor
@@ -81,24 +82,32 @@ def box_demonstration(from_plate: bool) -> Demonstration:
     home = release + 1.8
     end = home + 1.6
     half = 0.5 * BOX_M[2]
-    start, carried, there = (BOX_AHEAD_M, 0, low + half), (0.44, 0, 1.20), (TABLE_AHEAD_M, 0, TABLE_M + half)
+    start, carried = (BOX_AHEAD_M, 0.0, low + half), (BOX_AHEAD_M, 0.0, 1.14)
+    there = (TABLE_AHEAD_M, OVER_FOOT_M, TABLE_M + half)
     hips_low, bow = (STANDING_HIPS_M - 0.44, 75.0) if from_plate else (STANDING_HIPS_M - 0.05, 24.0)
-    box = [(lift, start), (up, carried), (off, carried), (placed - 0.5, (*there[:2], there[2] + 0.06)), (placed, there)]
+    box: Track = [
+        (lift, start),
+        (up, carried),
+        (shifted, (carried[0], OVER_FOOT_M, carried[2])),
+        (off, (carried[0], OVER_FOOT_M, carried[2])),
+        (placed - 0.5, (*there[:2], there[2] + 0.06)),
+        (placed, there),
+    ]
     hips = [
         (0.5, (0, 0, STANDING_HIPS_M)),
         (touch - 0.4, (-0.10 if from_plate else -0.03, 0, hips_low)),
         (lift, (-0.10 if from_plate else -0.03, 0, hips_low)),
         (up, (0, 0, STANDING_HIPS_M)),
-        (shifted, (0, 0.11, STANDING_HIPS_M)),
-        (off + 0.3, (0, 0.11, STANDING_HIPS_M)),
-        (placed - 0.6, (0.04, 0.11, STANDING_HIPS_M - 0.05)),
-        (release + 0.6, (0.04, 0.11, STANDING_HIPS_M - 0.05)),
-        (home, (0, 0.11, STANDING_HIPS_M)),
+        (shifted, (0, OVER_FOOT_M, STANDING_HIPS_M)),
+        (off + 0.3, (0, OVER_FOOT_M, STANDING_HIPS_M)),
+        (placed - 0.6, (0.04, OVER_FOOT_M, STANDING_HIPS_M - 0.05)),
+        (release + 0.6, (0.04, OVER_FOOT_M, STANDING_HIPS_M - 0.05)),
+        (home, (0, OVER_FOOT_M, STANDING_HIPS_M)),
         (home + 1.0, (0, 0, STANDING_HIPS_M)),
     ]
     bows = [(0.5, 0), (touch - 0.4, bow), (lift, bow), (up, 4), (off, 4), (placed - 0.6, 42), (release + 0.6, 42)]
     bows.append((home, 0))
-    foot = [(off, (0, 0)), (off + 0.7, (-0.14, 0.14)), (release + 1.0, (-0.14, 0.14)), (home, (0, 0))]
+    foot = [(off, (0, 0)), (off + 0.7, (-0.14, 0.20)), (release + 1.0, (-0.14, 0.20)), (home, (0, 0))]
     held = (touch, release)
     frames = round(end * RATE_HZ) + 1
     times = np.arange(frames) / RATE_HZ
@@ -122,7 +131,7 @@ def box_demonstration(from_plate: bool) -> Demonstration:
     )
     surfaces = {
         below.second.surface: LevelSurface(np.array([BOX_AHEAD_M, 0.0, low]), np.array([0.20, 0.28])),
-        "table": LevelSurface(np.array([TABLE_AHEAD_M + 0.06, 0.0, TABLE_M]), np.array([0.42, 0.80])),
+        "table": LevelSurface(np.array([TABLE_AHEAD_M + 0.09, OVER_FOOT_M, TABLE_M]), np.array([0.42, 0.80])),
     }
     clip = _clip(times, hips, [(t, (angle,)) for t, angle in bows], palms, foot)
     return Demonstration(clip, HandledObjects(RATE_HZ, {"box": path}, surfaces), contacts)

@@ -122,5 +122,9 @@ class Schedule:
         """The motion's time at a time of the run [s]: earlier where a schedule makes it wait."""
         return t
 
+    def remarks(self) -> list[str]:
+        """What happened otherwise than planned, a sentence each, once the run is over."""
+        return [self.failure] if self.failure else []
+
     def observe(self, tick: Tick) -> None:
         """Look at the state of the robot; changes that follow from it are made by the next `apply`."""

@@ -1,7 +1,7 @@
 """The clock of a demonstration, which pauses and resumes smoothly."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,7 +24,6 @@ class DemonstrationClock:
         acceleration: s̈ [1/s].
         running: Whether the rate goes to 1, else to 0.
         now: The robot's time to which the clock was led last [s].
-        played: All demonstration times that `advance` led to, one a call [s].
     """
 
     frequency: float
@@ -33,7 +32,6 @@ class DemonstrationClock:
     acceleration: float = 0.0
     running: bool = True
     now: float = 0.0
-    played: list[float] = field(default_factory=list)
 
     def advance(self, t: float) -> None:
         """Lead the clock to the robot's time t [s], by the exact solution of its equation."""
@@ -47,7 +45,6 @@ class DemonstrationClock:
             self.time += goal * dt + (a / w + b / w**2) - (left / w + b / w**2 * fade)
             self.rate, self.acceleration = goal + left, (b - w * (a + b * dt)) * fade
         self.now = t
-        self.played.append(self.time)
 
     @property
     def stopping_time(self) -> float:

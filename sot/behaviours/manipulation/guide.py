@@ -3,7 +3,10 @@
 import numpy as np
 import pinocchio as pin
 
+from solvers.compiled import compiled
+from sot.behaviours.manipulation.clock import VectorReference
 from sot.control.pose import Pose, PoseReference
+from sot.rotation import cross, rotation_of_vector
 
 Array = np.ndarray
 
@@ -13,6 +16,12 @@ def fixed_reference(placement: pin.SE3) -> PoseReference:
     rest = np.zeros(6)
     pose = Pose(placement.translation.copy(), placement.rotation.copy(), rest, rest)
     return lambda t: pose
+
+
+def fixed_place(place: Array) -> VectorReference:
+    """A place (n,) that stays."""
+    rest, kept = np.zeros_like(place), place.copy()
+    return lambda t: (kept, rest, rest)
 
 
 def closing_reference(placement: pin.SE3, velocity: Array, start: float, ramp: float) -> PoseReference:
@@ -34,14 +43,11 @@ def closing_reference(placement: pin.SE3, velocity: Array, start: float, ramp: f
 def attached_reference(carrier: PoseReference, offset: pin.SE3) -> PoseReference:
     """A point that is fixed to a body that moves by a reference, at an offset in the body's axes."""
 
+    arm, turn = offset.translation.copy(), offset.rotation.copy()
+
     def at(t: float) -> Pose:
         body = carrier(t)
-        arm = body.rotation @ offset.translation
-        turn, change = body.velocity[3:], body.acceleration[3:]
-        velocity, acceleration = body.velocity.copy(), body.acceleration.copy()
-        velocity[:3] += np.cross(turn, arm)
-        acceleration[:3] += np.cross(change, arm) + np.cross(turn, np.cross(turn, arm))
-        return Pose(body.position + arm, body.rotation @ offset.rotation, velocity, acceleration)
+        return Pose(*_attached(arm, turn, body.position, body.rotation, body.velocity, body.acceleration))
 
     return at
 
@@ -79,41 +85,35 @@ class PoseGuide:
         pose = self._reference(t)
         if t >= self._start + self._fade:
             return pose
-        left, rate, change = _least_jerk_fade((t - self._start) / self._fade, self._fade)
-        turn = pin.exp3(left * self._turn)
-        velocity, acceleration = np.empty(6), np.empty(6)
-        velocity[:3] = pose.velocity[:3] + rate * self._shift
-        acceleration[:3] = pose.acceleration[:3] + change * self._shift
-        carried = turn @ pose.velocity[3:]
-        velocity[3:] = rate * self._turn + carried
-        acceleration[3:] = change * self._turn + turn @ pose.acceleration[3:] + np.cross(rate * self._turn, carried)
-        return Pose(pose.position + left * self._shift, turn @ pose.rotation, velocity, acceleration)
+        s = (t - self._start) / self._fade
+        return Pose(*_faded(s, self._fade, self._shift, self._turn, *pose))
 
 
 class PlaneGuide:
-    """The horizontal reference of the centre of mass: it goes to a goal with least jerk, from wherever it is.
+    """The horizontal reference of the centre of mass: led now by this, now by that, from wherever it is.
 
-    Beside the goal it may be shifted, by what is low-passed.
+    Beside its leader it may be shifted, by what is low-passed.
 
     Args:
-        start: Where it is first (2,) [m].
+        reference: What leads it first: ``t -> position, velocity, acceleration``, shapes (2,).
         shift_time: Time constant of the shift's low-pass [s].
     """
 
-    def __init__(self, start: Array, shift_time: float) -> None:
-        self.goal = np.array(start, dtype=float)
+    def __init__(self, reference: VectorReference, shift_time: float) -> None:
+        self._reference = reference
         self._coefficients = np.zeros((6, 2))
-        self._coefficients[0] = self.goal
-        self._start, self._duration, self._shift_time = 0.0, 0.0, shift_time
+        self._start, self._duration, self._shift_time = -np.inf, 0.0, shift_time
         self._shift, self._shift_rate, self._shifted_at = np.zeros(2), np.zeros(2), 0.0
 
-    def lead_to(self, goal: Array, t: float, duration: float) -> None:
-        """Go to a goal (2,) [m], at rest there `duration` [s] after the time t [s]."""
-        self._begin(*self._unshifted(t), goal, t, duration)
+    def lead_by(self, reference: VectorReference, t: float, duration: float) -> None:
+        """From a time [s] on it is led by another reference, on which it is `duration` [s] later, with least jerk."""
+        now = self._unshifted(t)
+        self._reference = reference
+        self._begin(now, t, duration)
 
     def restart(self, position: Array, velocity: Array, t: float, duration: float) -> None:
-        """Go to the present goal from a position and a velocity (2,), of another centre of mass than before."""
-        self._begin(position - self._shift, velocity, np.zeros(2), self.goal, t, duration)
+        """Go to where it is led from a position and a velocity (2,), of another centre of mass than before."""
+        self._begin((position - self._shift, velocity, np.zeros(2)), t, duration)
 
     def shift_by(self, shift: Array, t: float) -> None:
         """Lead the shift towards a value (2,) [m]."""
@@ -123,7 +123,7 @@ class PlaneGuide:
 
     @property
     def arrives_at(self) -> float:
-        """When it is at its goal [s]."""
+        """When it is where it is led [s]."""
         return self._start + self._duration
 
     def __call__(self, t: float) -> tuple[Array, Array, Array]:
@@ -135,39 +135,61 @@ class PlaneGuide:
             np.append(acceleration, 0.0),
         )
 
-    def _begin(self, p: Array, v: Array, a: Array, goal: Array, t: float, duration: float) -> None:
-        """Take the quintic from a state to rest at the goal; its time counts in shares of the duration."""
-        goal = np.array(goal, dtype=float)
-        v, a, way = duration * v, duration**2 * a, goal - p
+    def _begin(self, state: tuple[Array, Array, Array], t: float, duration: float) -> None:
+        """Take the quintic by which a state's distance from the reference fades; its time counts in durations."""
+        p, v, a = (own - other for own, other in zip(state, self._reference(t), strict=True))
+        v, a = duration * v, 0.5 * duration**2 * a
         self._coefficients = np.array(
-            [
-                p,
-                v,
-                0.5 * a,
-                10.0 * way - 6.0 * v - 1.5 * a,
-                -15.0 * way + 8.0 * v + 1.5 * a,
-                6.0 * way - 3.0 * v - 0.5 * a,
-            ]
+            [p, v, a, -10.0 * p - 6.0 * v - 3.0 * a, 15.0 * p + 8.0 * v + 3.0 * a, -6.0 * p - 3.0 * v - a]
         )
-        self.goal, self._start, self._duration = goal, t, duration
+        self._start, self._duration = t, duration
 
     def _unshifted(self, t: float) -> tuple[Array, Array, Array]:
-        rest = np.zeros(2)
+        position, velocity, acceleration = self._reference(t)
         if t >= self._start + self._duration:
-            return self.goal, rest, rest
-        s = (t - self._start) / self._duration
-        powers = s ** np.arange(6)
-        order = np.arange(6)
-        position = powers @ self._coefficients
-        velocity = (order[1:] * powers[:5]) @ self._coefficients[1:] / self._duration
-        acceleration = (order[2:] * order[1:5] * powers[:4]) @ self._coefficients[2:] / self._duration**2
-        return position, velocity, acceleration
+            return position, velocity, acceleration
+        s, order = (t - self._start) / self._duration, np.arange(6)
+        powers = s**order
+        return (
+            position + powers @ self._coefficients,
+            velocity + (order[1:] * powers[:5]) @ self._coefficients[1:] / self._duration,
+            acceleration + (order[2:] * order[1:5] * powers[:4]) @ self._coefficients[2:] / self._duration**2,
+        )
 
 
-def _least_jerk_fade(share: float, duration: float) -> tuple[float, float, float]:
-    """What is left of something that fades from 1 to 0 with least jerk, and its first two derivatives."""
-    s = min(max(share, 0.0), 1.0)
+@compiled
+def _faded(
+    s: float,
+    duration: float,
+    shift: Array,
+    turn: Array,
+    position: Array,
+    rotation: Array,
+    velocity: Array,
+    acceleration: Array,
+) -> tuple[Array, Array, Array, Array]:
+    """A pose with what is left of a shift and of a turn that fade with least jerk, s being the share of their time."""
     left = 1.0 - s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
     rate = -30.0 * s**2 * (1.0 - s) ** 2 / duration
     change = -60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / duration**2
-    return left, rate, change
+    R = rotation_of_vector(left * turn)
+    faded_velocity, faded_acceleration = np.empty(6), np.empty(6)
+    carried, sped = R @ velocity[3:], R @ acceleration[3:]
+    faded_velocity[:3] = velocity[:3] + rate * shift
+    faded_velocity[3:] = rate * turn + carried
+    faded_acceleration[:3] = acceleration[:3] + change * shift
+    faded_acceleration[3:] = change * turn + sped + cross(rate * turn, carried)
+    return position + left * shift, R @ np.ascontiguousarray(rotation), faded_velocity, faded_acceleration
+
+
+@compiled
+def _attached(
+    arm: Array, turn: Array, position: Array, rotation: Array, velocity: Array, acceleration: Array
+) -> tuple[Array, Array, Array, Array]:
+    """Pose, velocity and acceleration of a point at an arm and a turn in a body's axes."""
+    R = np.ascontiguousarray(rotation)
+    lever, spin = R @ arm, velocity[3:]
+    point_velocity, point_acceleration = velocity.copy(), acceleration.copy()
+    point_velocity[:3] += cross(spin, lever)
+    point_acceleration[:3] += cross(acceleration[3:], lever) + cross(spin, cross(spin, lever))
+    return position + lever, R @ turn, point_velocity, point_acceleration

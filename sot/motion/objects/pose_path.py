@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation, RotationSpline
 
 from sot.control.pose import Pose
 from sot.motion.trajectory import Track
+from sot.rotation import rotation_of_vector
 
 Array = NDArray[np.float64]
 
@@ -52,7 +53,7 @@ class PosePath:
         if not dt:
             return Pose(track.position[k], track.rotation[k], velocity, acceleration)
         place = track.position[k] + dt * velocity[:3] + 0.5 * dt**2 * acceleration[:3]
-        turn = pin.exp3(dt * velocity[3:] + 0.5 * dt**2 * acceleration[3:])
+        turn = rotation_of_vector(dt * velocity[3:] + 0.5 * dt**2 * acceleration[3:])
         return Pose(place, turn @ track.rotation[k], velocity + dt * acceleration, acceleration)
 
     def placement(self, t: float) -> pin.SE3:

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from sot.behaviours.manipulation.support import (
+from sot.gravity import GRAVITY
+from sot.motion.objects.support import (
     com_over_supports,
     com_shift_of_hands,
     normalised_offsets,
     support_centre,
 )
-from sot.gravity import GRAVITY
 
 FEET_AND_HAND = np.array([[0.0, 0.1], [0.0, -0.1], [0.55, -0.25]])
 COM = np.array([0.15, -0.03])
