@@ -74,6 +74,8 @@ def run(
 ) -> Run:
     """Run a controller in a world for as long as a reference lasts, from the reference's first configuration.
 
+    A schedule may make the motion wait, and may end the run.
+
     Args:
         controller: Its period is the world's timestep.
         world: Reset to the reference's start, things in their places. What the controller does not know of comes last.
@@ -92,9 +94,10 @@ def run(
     if controller.schedule is not None:
         entries += controller.schedule.tasks
     contacts = controller.stack.contacts
+    longest = _max_duration(controller, motion)
     log = RunLog.allocate(
         world.system,
-        round((motion.duration if isfinite(motion.duration) else UNBOUNDED_LOG_S) / world.timestep),
+        round((longest if isfinite(longest) else UNBOUNDED_LOG_S) / world.timestep),
         [f"{level}: {task.name}" for level, task in entries],
         [task.error_unit for _, task in entries],
         [] if all(contact.name in robot.feet for contact in contacts) else [contact.name for contact in contacts],
@@ -129,7 +132,8 @@ def _run_ticks(
 
     wrenches, touches = world.foot_wrenches(), _touches(world, controller, log)
     nq, nv = controller.system.nq, controller.system.nv
-    for k in takewhile(lambda k: k * world.timestep < motion.duration - 0.5 * world.timestep, count()):
+    end = _max_duration(controller, motion) - 0.5 * world.timestep
+    for k in takewhile(lambda k: k * world.timestep < end, count()):
         t = k * world.timestep
         q, v = world.state()
         if not isfinite(q @ q + v @ v):
@@ -160,7 +164,14 @@ def _run_ticks(
             progress(t)
             if reason := watch(t, controller):
                 return Run(log, wall_s(), t, reason)
+        if controller.schedule is not None and controller.schedule.finished:
+            break
     return Run(log, wall_s())
+
+
+def _max_duration(controller: Controller, motion: Reference) -> float:
+    """Longest time that a run may last [s]: the motion's, and what its schedule may wait."""
+    return motion.duration + (controller.schedule.extra_time if controller.schedule is not None else 0.0)
 
 
 def _touches(world: World, controller: Controller, log: RunLog) -> dict[str, Touch]:
@@ -189,10 +200,11 @@ class _FallWatch:
         self._waist, self._chest = motion.pose("waist"), motion.pose("chest")
 
     def __call__(self, t: float, controller: Controller) -> str:
+        played = t if controller.schedule is None else controller.schedule.motion_time(t)
         waist, chest = controller.tick.frame("waist"), controller.tick.frame("chest")
-        if waist.position[2] < MIN_WAIST_HEIGHT_RATIO * self._waist(t).position[2]:
+        if waist.position[2] < MIN_WAIST_HEIGHT_RATIO * self._waist(played).position[2]:
             return "the waist sank below 60 % of its reference height"
-        if chest.rotation[:, 2] @ self._chest(t).rotation[:, 2] < MIN_TRUNK_TILT_COSINE:
+        if chest.rotation[:, 2] @ self._chest(played).rotation[:, 2] < MIN_TRUNK_TILT_COSINE:
             return "the trunk tilted by more than 60° from its reference"
         meant = [c.point for c in controller.stack.contacts if c.mode != "off" and c.is_footing]
         if bodies := self._world.touching([point for point in meant if point in self._world.robot.points]):
