@@ -4,14 +4,12 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 import tasks
@@ -20,13 +18,12 @@ from scenarios.bench import benchmark_figures, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.inputs import clips
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
+from scenarios.live.commands import live_command, stream_command
 from scenarios.page import write_page
 from scenarios.peers import read_peer_figures
 from scenarios.replay import (
     RECORDING_FILE,
-    REPORT_FILE,
     SOLVERS,
-    ProgressCallback,
     Replay,
     check_writable,
     make_solver,
@@ -36,11 +33,11 @@ from scenarios.replay import (
 from scenarios.robots.bench import bench_robots, robot_pieces, show_robots
 from scenarios.robots.commands import robot_app
 from scenarios.robots.summary import robot_summary
+from scenarios.showing import print_remarks, progress, show_report
 from scenarios.studies import MOTION_SCENARIOS, SCENARIOS, default_solver, is_file, run_scenario
 from scenarios.suite import SUITES, bench_suite, suite_pieces
 from scenarios.suite import show as show_suite
 from scenarios.terminal import BAD_INPUT, DONE, FAILED, FELL, INTERRUPTED, messages, output
-from sim.reporting.report import print_table
 from sot.control import Task
 from sot.errors import InputError
 from sot.robots.robot import Robot, robot_names
@@ -53,6 +50,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(robot_app, name="robot")
+app.command("live")(live_command)
+app.command("stream")(stream_command)
 
 Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .npz) or a name of `sot list clips`.")]
 RobotName = Annotated[str, typer.Option("--robot", help="A name of `sot list robots`, or a robot file (.toml).")]
@@ -119,9 +118,9 @@ def replay_command(
     request = Replay(
         clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts, edit, up
     )
-    with _progress() as tell:
+    with progress() as tell:
         report = replay(request, folder, tell)
-    status = _show_report(report, folder)
+    status = show_report(report, folder)
     if view:
         view_command(folder)
     return status
@@ -130,7 +129,9 @@ def replay_command(
 @app.command("run")
 def run_command(
     scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`, or a file of your own (.py).")],
-    clip: Annotated[str | None, typer.Option(help="For ramos: a file, or a name of `sot list clips`.")] = None,
+    clip: Annotated[
+        str | None, typer.Option(help="For ramos and the studies of clips: a file, or a name of `sot list clips`.")
+    ] = None,
     start: Start = 0.0,
     duration: Duration = None,
     robot: RobotName = "hrp2",
@@ -155,11 +156,11 @@ def run_command(
         mismatch=changed,
     )
     folder = out or Path("runs") / Path(scenario).stem
-    with _progress() as tell:
+    with progress() as tell:
         report, show_own = run_scenario(scenario, clip, request, folder, tell)
     status = FELL if report.get("fell") else DONE
     if scenario in MOTION_SCENARIOS or is_file(scenario):
-        status = _show_report(report, folder)
+        status = show_report(report, folder)
     if show_own:
         show_own(report, output)
         output.print(f"\nWritten: {', '.join(str(path) for path in sorted(folder.iterdir()))}", soft_wrap=True)
@@ -184,11 +185,11 @@ def retarget_command(
     request = Replay(
         clip, robot, feet=feet, start=start, duration=duration, rate=rate, mapping=mapping, contacts=contacts, up=up
     )
-    with _progress() as tell:
+    with progress() as tell:
         planned = retarget(request, out, tell)
     if out.suffix == ".toml":
         output.print(f"{out}: {len(planned.travel.dancer) if planned.travel else 0} steps", soft_wrap=True)
-        _print_remarks(planned.remarks)
+        print_remarks(planned.remarks)
         return DONE
     figures = planned.retarget
     output.print(
@@ -196,7 +197,7 @@ def retarget_command(
         f"{1e3 * figures['key_point_rms_m']:.0f} mm from the scaled human's, {figures['frames_per_s']:.0f} frames/s",
         soft_wrap=True,
     )
-    _print_remarks((*planned.motion.robot.remarks, *planned.remarks))
+    print_remarks((*planned.motion.robot.remarks, *planned.remarks))
     return DONE
 
 
@@ -268,7 +269,7 @@ def bench_command(
         check_writable(out or Path())
         make_solver(solver)
         dances = robot_pieces(mocap)
-        with _progress() as tell:
+        with progress() as tell:
             table = bench_robots(common, dances, out, tell)
         return _shown_table(table, show_robots, as_json)
     if suite is not None:
@@ -278,7 +279,7 @@ def bench_command(
     others = read_figures(against) if against else None
     peers = [read_peer_figures(path) for path in peer or ()]
     request = Replay(clip, robot, solver=solver, start=start, duration=duration, rate=rate)
-    with _progress() as tell:
+    with progress() as tell:
         figures = benchmark_figures(request, tell) | ({"peers": peers} if peers else {})
     if as_json:
         print(json.dumps(figures, indent=2))
@@ -309,19 +310,6 @@ def _without_command(context: typer.Context) -> None:
         print(context.get_help())
 
 
-def _show_report(report: dict[str, Any], folder: Path) -> int:
-    """Show a report, and say by which status a run ended."""
-    print_table([report], output)
-    _print_remarks((*report["remarks"], *report["edits"]))
-    output.print(f"\nWritten: {folder / RECORDING_FILE}, {folder / REPORT_FILE}", soft_wrap=True)
-    return FELL if report["fell"] else DONE
-
-
-def _print_remarks(sentences: Sequence[str]) -> None:
-    for sentence in sentences:
-        output.print(f"\n{sentence}", soft_wrap=True, highlight=False)
-
-
 def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | None, as_json: bool) -> int:
     if suite not in SUITES:
         raise InputError(f"unknown suite '{suite}': choose one of {', '.join(SUITES)}")
@@ -329,7 +317,7 @@ def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | No
     make_solver(request.solver)
     Robot.load(request.robot)
     chosen = suite_pieces(mocap)
-    with _progress() as tell:
+    with progress() as tell:
         table = bench_suite(request, chosen, out, tell)
     return _shown_table(table, show_suite, as_json)
 
@@ -350,17 +338,6 @@ def _error_message(error: Exception) -> str:
 def _print_error(status: int, message: str) -> int:
     print(f"sot: {' '.join(message.split())}", file=sys.stderr)
     return status
-
-
-@contextmanager
-def _progress() -> Iterator[ProgressCallback]:
-    """A bar on a terminal, nothing in a pipe."""
-    bar = Progress(
-        TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(), console=messages, transient=True
-    )
-    with bar if messages.is_terminal else nullcontext():
-        task = bar.add_task("", total=None)
-        yield lambda what, share: bar.update(task, description=what, total=share and 1.0, completed=share or 0.0)
 
 
 def _list_rows(kind: Kind) -> Iterator[tuple[str, ...]]:

@@ -7,12 +7,12 @@ import pinocchio as pin
 
 from solvers.compiled import compiled
 from solvers.rows import Rows
+from sot.acceleration_bounds import AccelerationBounds
 from sot.control.task import Task
 from sot.control.tick import Tick
 from sot.proximity import Proximity
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
-from tasks.bounds import AccelerationBounds
 
 Array = np.ndarray
 

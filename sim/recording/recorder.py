@@ -16,14 +16,14 @@ from sim.recording.forces import METRES_PER_NEWTON
 from sim.recording.panels import run_tabs
 from sim.recording.shapes import read_scenery
 from sim.recording.visuals import send_visuals
-from sot.motion.plan import Plan
+from sot.motion.performance import Performance
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.whole_file import atomic_write
 
 
 def write_recording(
-    path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Plan | None, scene: Scene | None = None
+    path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Performance | None, scene: Scene | None = None
 ) -> None:
     """Write a run to a rerun recording (`.rrd`), which appears under its name once it is complete.
 

@@ -157,6 +157,23 @@ def plan(
     )
 
 
+def imitation(human: Human, robot: Robot, rate: float = 1000.0) -> Motion:
+    """The motion of a robot on planted feet that looks like a human, within the joints' limits; nothing balances it.
+
+    It begins with the lead-in from rest, and is meant for a controller that leads the centre of mass by itself.
+
+    Args:
+        human: The clip.
+        robot: Who imitates it.
+        rate: Samples per second of the motion [Hz].
+    """
+    fit = _Fitter(robot, Build.of(robot), Limits.of(robot), None)
+    smooth = human.low_passed(CAPTURE_NOISE_HZ)
+    course = standing_course(human_on_time_line(human_over_feet(smooth, fit.build), PLAN_RATE), robot)
+    _, body_motion = fit.unbalanced_body(course)
+    return sampled_motion(robot, body_motion, course.phases, rate)
+
+
 def _plan(
     human: Human,
     robot: Robot,
