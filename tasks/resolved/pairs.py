@@ -90,8 +90,8 @@ class NearestPairs:
 
     def _drift(self, tick: Tick, chosen: Sequence[tuple[Proximity, int]], values: Array, jacobian: Array) -> Array:
         drift = np.zeros(len(values))
-        near = np.flatnonzero(values < CURVED_DISTANCE)
-        if not len(near):
+        near = np.flatnonzero(values < CURVED_DISTANCE).tolist()
+        if not near:
             return drift
         model = tick.robot.model
         pin.computeJointJacobians(model, self._ahead, pin.integrate(model, tick.q, tick.period * tick.v))
