@@ -13,16 +13,29 @@ import mediapipe as mp
 
 JOINTS = {  # canonical name -> landmark, in an order in which parents come first
     "head": 0,
-    **{f"{side}_{joint}": 11 + 2 * k + s for k, joint in enumerate(("shoulder", "elbow", "wrist"))
-       for s, side in enumerate(("left", "right"))},
-    **{f"{side}_{joint}": 23 + 2 * k + s for k, joint in enumerate(("hip", "knee", "ankle"))
-       for s, side in enumerate(("left", "right"))},
+    **{
+        f"{side}_{joint}": 11 + 2 * k + s
+        for k, joint in enumerate(("shoulder", "elbow", "wrist"))
+        for s, side in enumerate(("left", "right"))
+    },
+    **{
+        f"{side}_{joint}": 23 + 2 * k + s
+        for k, joint in enumerate(("hip", "knee", "ankle"))
+        for s, side in enumerate(("left", "right"))
+    },
     "left_toe": 31,
     "right_toe": 32,
 }
 NAMES = ["pelvis", "chest", *JOINTS]
-ABOVE = {"shoulder": "chest", "elbow": "shoulder", "wrist": "elbow", "hip": "pelvis", "knee": "hip", "ankle": "knee",
-         "toe": "ankle"}
+ABOVE = {
+    "shoulder": "chest",
+    "elbow": "shoulder",
+    "wrist": "elbow",
+    "hip": "pelvis",
+    "knee": "hip",
+    "ankle": "knee",
+    "toe": "ankle",
+}
 
 
 def parent(name):
@@ -53,7 +66,14 @@ with tasks.PoseLandmarker.create_from_options(options) as landmarker:
         at = {name: position(people[0][k]) for name, k in JOINTS.items()}
         for middle, ends in (("pelvis", "hip"), ("chest", "shoulder")):
             at[middle] = [0.5 * (a + b) for a, b in zip(at[f"left_{ends}"], at[f"right_{ends}"], strict=True)]
-        frame = {"sot": 1, "type": "frame", "sequence": sequence, "stamp": stamp, "joints": NAMES,
-                 "parents": [parent(name) for name in NAMES], "positions": [at[name] for name in NAMES]}
+        frame = {
+            "sot": 1,
+            "type": "frame",
+            "sequence": sequence,
+            "stamp": stamp,
+            "joints": NAMES,
+            "parents": [parent(name) for name in NAMES],
+            "positions": [at[name] for name in NAMES],
+        }
         stream.sendto(json.dumps(frame).encode(), ("127.0.0.1", 14044))
         sequence += 1

@@ -3,6 +3,7 @@
 In a sourced ROS 2 environment: python docs/examples/live_ros2.py
 """
 
+import itertools
 import json
 import socket
 
@@ -13,9 +14,12 @@ from sensor_msgs.msg import JointState
 from tf2_ros import Buffer, TransformListener
 
 TO, FRAME_RATE, WORLD = ("127.0.0.1", 14044), 50.0, "world"
-CHAINS = [("pelvis", "chest", "head"), *(("chest", f"{s}_shoulder", f"{s}_elbow", f"{s}_wrist") for s in ("left", "right")),
-          *(("pelvis", f"{s}_hip", f"{s}_knee", f"{s}_ankle", f"{s}_toe") for s in ("left", "right"))]
-PARENT = {below: above for chain in CHAINS for above, below in zip(chain, chain[1:], strict=False)}
+CHAINS = [
+    ("pelvis", "chest", "head"),
+    *(("chest", f"{s}_shoulder", f"{s}_elbow", f"{s}_wrist") for s in ("left", "right")),
+    *(("pelvis", f"{s}_hip", f"{s}_knee", f"{s}_ankle", f"{s}_toe") for s in ("left", "right")),
+]
+PARENT = {below: above for chain in CHAINS for above, below in itertools.pairwise(chain)}
 NAMES = ["pelvis", *PARENT]
 
 
@@ -35,11 +39,16 @@ class Bridge(Node):
 
     def send(self):
         found = [self.buffer.lookup_transform(WORLD, name, Time()).transform for name in NAMES]
-        frame = {"sot": 1, "type": "frame", "sequence": self.sequence, "joints": NAMES,
-                 "stamp": 1e-9 * self.get_clock().now().nanoseconds,
-                 "parents": [NAMES.index(PARENT[name]) if name in PARENT else -1 for name in NAMES],
-                 "positions": [[t.translation.x, t.translation.y, t.translation.z] for t in found],
-                 "rotations": [[t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w] for t in found]}
+        frame = {
+            "sot": 1,
+            "type": "frame",
+            "sequence": self.sequence,
+            "joints": NAMES,
+            "stamp": 1e-9 * self.get_clock().now().nanoseconds,
+            "parents": [NAMES.index(PARENT[name]) if name in PARENT else -1 for name in NAMES],
+            "positions": [[t.translation.x, t.translation.y, t.translation.z] for t in found],
+            "rotations": [[t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w] for t in found],
+        }
         self.stream.sendto(json.dumps(frame).encode(), TO)
         self.sequence += 1
         try:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sot.live.frame import Frame, Skeleton
-from sot.live.time_line import TimeLine
+from sot.live.sensing.time_line import TimeLine
 
 JOINT = Skeleton(("a",), (-1,))
 
