@@ -129,7 +129,9 @@ def replay_command(
 @app.command("run")
 def run_command(
     scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`, or a file of your own (.py).")],
-    clip: Annotated[str | None, typer.Option(help="For ramos: a file, or a name of `sot list clips`.")] = None,
+    clip: Annotated[
+        str | None, typer.Option(help="For ramos and the studies of clips: a file, or a name of `sot list clips`.")
+    ] = None,
     start: Start = 0.0,
     duration: Duration = None,
     robot: RobotName = "hrp2",

@@ -1,7 +1,7 @@
 """Replay of a clip by a robot under physics: from the file to the recording and the report."""
 
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -31,6 +31,8 @@ from sot.motion.performance import Performance
 from sot.motion.plan import Plan, plan
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
+from sot.robots.system import System
+from sot.robots.things.thing import Thing
 from sot.whole_file import atomic_write
 from tasks.editing import edit
 
@@ -161,6 +163,8 @@ def run_motion(
     tell: ProgressCallback,
     scene: Scene | None = None,
     solver: Solver | None = None,
+    system: System | None = None,
+    things: Sequence[Thing] = (),
 ) -> Dance:
     """Run a stack on a planned motion under physics.
 
@@ -172,15 +176,17 @@ def run_motion(
         tell: told of the progress.
         scene: what is in the world besides robot and floor.
         solver: unless given, the one that the request names.
+        system: the robot with the things that the controller knows of; the robot alone unless given.
+        things: what is in the world to be handled; what the controller does not know of comes last.
 
     Raises:
         InputError: anything in the request that does not fit.
     """
     robot, solver = motion.robot, solver or make_solver(request.solver)
     stack, schedule, told = composed_stack(request, compose, motion)
-    controller = Controller(robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
+    controller = Controller(system or robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
     with blaming_stack_file(request.stack):
-        world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes, scene)
+        world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes, scene, things)
     tell("starting (the first time on a machine this compiles, for half a minute)", None)
     _compile_tick(motion)
     with blaming_stack_file(request.stack):

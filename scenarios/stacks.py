@@ -1,11 +1,14 @@
 """The stacks that come with the project. Copy one into a file of your own, change it, and give it to ``--stack``."""
 
+from collections.abc import Mapping
+
 from sot.behaviours.recovery import RecoverySchedule
 from sot.behaviours.sliding import SlidingSchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
+from sot.robots.surface import FLOOR, Surface
 from tasks import (
     Balance,
     FootSliding,
@@ -19,10 +22,17 @@ from tasks import (
 )
 
 
-def planted_stack(robot: Robot, motion: Motion) -> Stack:
-    """Stack for feet that stand: strict levels for what must hold, the posture takes the null space that is left."""
+def planted_stack(robot: Robot, motion: Motion, on: Mapping[str, Surface] | None = None) -> Stack:
+    """Stack for feet that stand: strict levels for what must hold, the posture takes the null space that is left.
+
+    Args:
+        robot: Who stands.
+        motion: What it does.
+        on: Foot -> surface of the world under it; the floor unless given.
+    """
+    under = dict.fromkeys(robot.feet, FLOOR) | dict(on or {})
     return Stack(
-        contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
+        contacts=[Contact(robot.surface(foot), under[foot]) for foot in robot.feet],
         hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
         levels={
             "balance": [Balance(motion.balance, motion.feet, motion.angular_momentum)],

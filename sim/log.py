@@ -10,6 +10,7 @@ import numpy as np
 from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.push import Push
 from sot.robots.robot import Robot
+from sot.robots.system import System
 
 FOOT_OFF, FOOT_FIXED, FOOT_SLIDING = 0, 1, 2
 """Values of `RunLog.foot_mode`."""
@@ -44,10 +45,17 @@ class RunLog:
         level_names: the stack's tasks below the hard level, each with its level's name, in order, and those that come
             later.
         level_units: unit of each one's error.
+        thing_names: the things that move, in the order of their columns.
+        contact_names: the contacts that are in the stack at the start, if any is not of a foot with the floor.
         time: start of the tick [s], (T,).
-        q, v: simulated configuration and velocity, (T, nq) and (T, nv).
+        q, v: simulated configuration and velocity of the robot, (T, nq) and (T, nv).
         torque: commanded joint torque before any actuator clamps it [N m], (T, na).
-        acceleration: commanded generalised acceleration, (T, nv).
+        acceleration: commanded generalised acceleration of the robot, (T, nv).
+        thing_q, thing_v: simulated configuration and velocity of the things, one after the other, (T, ...).
+        contact_mode: planned mode of each contact of `contact_names`, as `foot_mode`, (T, C).
+        contact_ramp: share of its largest normal force that each of them may take, 0..1, (T, C).
+        contact_force: measured force on the first surface of each of them, world axes [N], (T, C, 3).
+        contact_normal: measured sum of their normal forces [N], (T, C).
         foot_wrench: measured force and moment of the floor on each foot, the moment about the foot frame's origin
             [N, N m], (T, 2, 6).
         foot_mode: planned contact of each foot, `FOOT_OFF`, `FOOT_FIXED` or `FOOT_SLIDING`, (T, 2).
@@ -82,6 +90,12 @@ class RunLog:
     v: np.ndarray
     torque: np.ndarray
     acceleration: np.ndarray
+    thing_q: np.ndarray
+    thing_v: np.ndarray
+    contact_mode: np.ndarray
+    contact_ramp: np.ndarray
+    contact_force: np.ndarray
+    contact_normal: np.ndarray
     foot_wrench: np.ndarray
     foot_mode: np.ndarray
     foot_ramp: np.ndarray
@@ -105,18 +119,31 @@ class RunLog:
     conflicts: list[tuple[float, str]] = field(default_factory=list)
     invalid: list[tuple[float, str]] = field(default_factory=list)
     fallbacks: list[Fallback] = field(default_factory=list)
+    thing_names: tuple[str, ...] = ()
+    contact_names: tuple[str, ...] = ()
 
     @classmethod
     def allocate(
-        cls, robot: Robot, ticks: int, level_names: Sequence[str] = (), level_units: Sequence[str] = ()
+        cls,
+        robot: Robot | System,
+        ticks: int,
+        level_names: Sequence[str] = (),
+        level_units: Sequence[str] = (),
+        contact_names: Sequence[str] = (),
     ) -> Self:
         """An empty log with room for a number of ticks."""
-        feet, levels = len(robot.feet), len(level_names)
+        system = System.of(robot)
+        robot, feet, levels, contacts = system.robot, len(system.robot.feet), len(level_names), len(contact_names)
         shapes: dict[str, tuple[int, ...]] = {
             "q": (robot.nq,),
             "v": (robot.nv,),
             "torque": (robot.na,),
             "acceleration": (robot.nv,),
+            "thing_q": (system.nq - robot.nq,),
+            "thing_v": (system.nv - robot.nv,),
+            "contact_ramp": (contacts,),
+            "contact_force": (contacts, 3),
+            "contact_normal": (contacts,),
             "foot_wrench": (feet, 6),
             "foot_ramp": (feet,),
             "zmp_measured": (2,),
@@ -132,11 +159,19 @@ class RunLog:
             if column.type is np.ndarray
         }
         columns["foot_mode"] = np.zeros((ticks, feet), dtype=np.int8)
+        columns["contact_mode"] = np.zeros((ticks, contacts), dtype=np.int8)
         columns["level_share"] = np.zeros((ticks, levels))
         columns["level_place"] = np.zeros((ticks, levels), dtype=np.int8)
         columns["level_active"] = np.zeros((ticks, levels), dtype=np.int32)
         columns["status"], columns["hard_status"] = np.zeros((2, ticks), dtype=np.int8)
-        return cls(ticks=0, level_names=tuple(level_names), level_units=tuple(level_units), **columns)
+        return cls(
+            ticks=0,
+            level_names=tuple(level_names),
+            level_units=tuple(level_units),
+            thing_names=tuple(thing.name for thing in system.moving_things),
+            contact_names=tuple(contact_names),
+            **columns,
+        )
 
     def lengthen(self) -> None:
         """Double the room for rows: the end of some runs is not known."""

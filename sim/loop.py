@@ -13,6 +13,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_SLIDING, Fallback, RunLog
+from sim.touch import Touch
 from sim.world import World
 from solvers.conflict import find_conflict
 from solvers.rows import Level, Solution, Status
@@ -73,9 +74,11 @@ def run(
 ) -> Run:
     """Run a controller in a world for as long as a reference lasts, from the reference's first configuration.
 
+    A schedule may make the motion wait, and may end the run.
+
     Args:
         controller: Its period is the world's timestep.
-        world: Reset to the reference's start.
+        world: Reset to the reference's start, things in their places. What the controller does not know of comes last.
         motion: The reference, for the planned quantities in the log and the signs of a fall; its duration may be
             infinite if a companion ends the run.
         progress: Told the time [s] now and then.
@@ -90,11 +93,14 @@ def run(
     entries = [(level, task) for level, tasks in controller.stack.levels for task in tasks]
     if controller.schedule is not None:
         entries += controller.schedule.tasks
+    contacts = controller.stack.contacts
+    longest = _max_duration(controller, motion)
     log = RunLog.allocate(
-        robot,
-        round(min(motion.duration, UNBOUNDED_LOG_S) / world.timestep),
+        world.system,
+        round((longest if isfinite(longest) else UNBOUNDED_LOG_S) / world.timestep),
         [f"{level}: {task.name}" for level, task in entries],
         [task.error_unit for _, task in entries],
+        [] if all(contact.name in robot.feet for contact in contacts) else [contact.name for contact in contacts],
     )
     columns = {task.name: k for k, (_, task) in enumerate(entries)}
     unsolved: list[tuple[float, Level]] = []
@@ -124,8 +130,10 @@ def _run_ticks(
     def wall_s() -> float:
         return perf_counter() - start - (companion.waited_s if companion else 0.0)
 
-    wrenches = world.foot_wrenches()
-    for k in takewhile(lambda k: k * world.timestep < motion.duration - 0.5 * world.timestep, count()):
+    wrenches, touches = world.foot_wrenches(), _touches(world, controller, log)
+    nq, nv = controller.system.nq, controller.system.nv
+    end = _max_duration(controller, motion) - 0.5 * world.timestep
+    for k in takewhile(lambda k: k * world.timestep < end, count()):
         t = k * world.timestep
         q, v = world.state()
         if not isfinite(q @ q + v @ v):
@@ -134,16 +142,20 @@ def _run_ticks(
             break
         if k == len(log.time):
             log.lengthen()
-        sensed = world.measured(q, v)
+        sensed = world.measured(q[:nq], v[:nv])
         loads = {foot: float(wrench[2]) for foot, wrench in wrenches.items()}
+        if log.contact_names:
+            loads |= {name: touches[name].normal if name in touches else 0.0 for name in log.contact_names}
         begin = perf_counter()
         command = controller(t, *sensed, loads)
         log.tick_us[k] = 1e6 * (perf_counter() - begin)
         if companion:
             companion.command_given(t, command.torque)
         world.step(command.torque)
-        wrenches = world.foot_wrenches()
+        wrenches, touches = world.foot_wrenches(), _touches(world, controller, log)
         _write_log_row(log, k, t, q, v, command, wrenches, controller, world, motion, columns)
+        if log.contact_names:
+            _write_contacts(log, k, controller, touches)
         if command.unsolved is not None:
             unsolved.append((t, command.unsolved))
         log.ticks = k + 1
@@ -152,7 +164,19 @@ def _run_ticks(
             progress(t)
             if reason := watch(t, controller):
                 return Run(log, wall_s(), t, reason)
+        if controller.schedule is not None and controller.schedule.finished:
+            break
     return Run(log, wall_s())
+
+
+def _max_duration(controller: Controller, motion: Reference) -> float:
+    """Longest time that a run may last [s]: the motion's, and what its schedule may wait."""
+    return motion.duration + (controller.schedule.extra_time if controller.schedule is not None else 0.0)
+
+
+def _touches(world: World, controller: Controller, log: RunLog) -> dict[str, Touch]:
+    """Touches of the contacts of a log; none if these are the feet's, which have sensors of their own."""
+    return world.contact_touches(controller.stack.contacts) if log.contact_names else {}
 
 
 @contextmanager
@@ -176,12 +200,14 @@ class _FallWatch:
         self._waist, self._chest = motion.pose("waist"), motion.pose("chest")
 
     def __call__(self, t: float, controller: Controller) -> str:
+        played = t if controller.schedule is None else controller.schedule.motion_time(t)
         waist, chest = controller.tick.frame("waist"), controller.tick.frame("chest")
-        if waist.position[2] < MIN_WAIST_HEIGHT_RATIO * self._waist(t).position[2]:
+        if waist.position[2] < MIN_WAIST_HEIGHT_RATIO * self._waist(played).position[2]:
             return "the waist sank below 60 % of its reference height"
-        if chest.rotation[:, 2] @ self._chest(t).rotation[:, 2] < MIN_TRUNK_TILT_COSINE:
+        if chest.rotation[:, 2] @ self._chest(played).rotation[:, 2] < MIN_TRUNK_TILT_COSINE:
             return "the trunk tilted by more than 60° from its reference"
-        if bodies := self._world.touching():
+        meant = [c.point for c in controller.stack.contacts if c.mode != "off" and c.is_footing]
+        if bodies := self._world.touching([point for point in meant if point in self._world.robot.points]):
             return f"{', '.join(bodies)} touched the floor"
         return ""
 
@@ -200,15 +226,17 @@ def _write_log_row(
     columns: dict[str, int],
 ) -> None:
     """Write one row of the log. The forces are those of the physics step that the command has just driven."""
-    log.time[k], log.q[k], log.v[k] = t, q, v
-    log.torque[k], log.acceleration[k] = command.torque, command.acceleration
+    robot = world.robot
+    log.time[k], log.q[k], log.v[k] = t, q[: robot.nq], v[: robot.nv]
+    log.thing_q[k], log.thing_v[k] = q[robot.nq :], v[robot.nv :]
+    log.torque[k], log.acceleration[k] = command.torque[: robot.na], command.acceleration[: robot.nv]
     log.zmp_control[k], log.zmp_measured[k] = command.zmp, world.zmp()
     log.zmp_planned[k], log.com[k] = motion.balance(t)[3], controller.tick.com
-    for i, foot in enumerate(world.robot.feet):
+    for i, foot in enumerate(robot.feet):
         log.foot_wrench[k, i] = wrenches[foot]
     for contact in controller.stack.contacts:
-        if contact.point in wrenches:
-            i = world.robot.feet.index(contact.point)
+        if contact.point in wrenches and contact.is_footing:
+            i = robot.feet.index(contact.point)
             log.foot_mode[k, i], log.foot_ramp[k, i] = _MODES[contact.mode], contact.load
     solution = command.solution
     log.status[k], log.hard_status[k] = command.status, solution.levels[0].status
@@ -228,6 +256,18 @@ def _write_log_row(
                 log.level_slack[k, column], log.level_active[k, column] = slack, active
                 log.level_place[k, column], log.level_share[k, column] = place, shares.get(task.name, 1.0)
     log.model_us[k], log.assemble_us[k], log.solve_us[k] = command.model_us, command.assemble_us, command.solve_us
+
+
+def _write_contacts(log: RunLog, k: int, controller: Controller, touches: dict[str, Touch]) -> None:
+    """Write the contacts of one row of the log."""
+    log.contact_force[k], log.contact_normal[k] = 0.0, 0.0
+    for contact in controller.stack.contacts:
+        if contact.name in log.contact_names:
+            i = log.contact_names.index(contact.name)
+            log.contact_mode[k, i], log.contact_ramp[k, i] = _MODES[contact.mode], contact.load
+            if contact.name in touches:
+                log.contact_force[k, i] = touches[contact.name].force
+                log.contact_normal[k, i] = touches[contact.name].normal
 
 
 def _describe_fallback(t: float, solution: Solution) -> Fallback:

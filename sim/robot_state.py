@@ -6,6 +6,7 @@ import numpy as np
 from sim.convert import state_from_mujoco, state_to_mujoco
 from sot.errors import InputError
 from sot.robots.robot import Robot
+from sot.robots.things.thing import Thing
 
 
 class RobotState:
@@ -44,3 +45,26 @@ class RobotState:
         """Set a configuration (nq,) and a velocity (nv,), at rest unless given; `mujoco.mj_forward` does the rest."""
         v = np.zeros(len(self._qvel)) if v is None else v
         self._qpos[:], self._qvel[:] = state_to_mujoco(q, v)
+
+
+class ThingState:
+    """Reads and writes the state of a thing in MuJoCo's data, in Pinocchio's conventions (see `RobotState`).
+
+    Args:
+        thing: A thing with joints.
+        model, data: MuJoCo's, the model with the thing in it.
+    """
+
+    def __init__(self, thing: Thing, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        joint = model.joint(thing.model.names[1])
+        q, v = int(joint.qposadr[0]), int(joint.dofadr[0])
+        self._free = int(joint.type[0]) == mujoco.mjtJoint.mjJNT_FREE
+        self._qpos, self._qvel = data.qpos[q : q + thing.nq], data.qvel[v : v + thing.nv]
+
+    def read(self) -> tuple[np.ndarray, np.ndarray]:
+        """Configuration (nq,) and velocity (nv,), new arrays."""
+        return state_from_mujoco(self._qpos, self._qvel) if self._free else (self._qpos.copy(), self._qvel.copy())
+
+    def write(self, q: np.ndarray, v: np.ndarray) -> None:
+        """Set a configuration (nq,) and a velocity (nv,)."""
+        self._qpos[:], self._qvel[:] = state_to_mujoco(q, v) if self._free else (q, v)

@@ -1,12 +1,19 @@
-"""The MuJoCo model of a robot on a floor, built from the robot's own model file."""
+"""The MuJoCo model of a robot on a floor with things around it, built from the model files of all of them."""
+
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
+import pinocchio as pin
 
 from sim.own_scene import ALL_COLLISION_BITS, Scene, add_scene
 from sim.sensors import FloorSensors
 from sot.errors import InputError
+from sot.robots.reading.pinocchio_model import placement
+from sot.robots.reading.solid import VISUAL_GROUP
 from sot.robots.robot import Robot
+from sot.robots.surface import Surface
+from sot.robots.things.thing import Thing
 
 IMPRATIO = 10.0  # friction is that much stiffer than the normal force
 # Contacts take velocity out at the rate 2 / (0.95 time constant), but MuJoCo leaves J̇ v out of their equations, the
@@ -14,10 +21,19 @@ IMPRATIO = 10.0  # friction is that much stiffer than the normal force
 # centripetal, it does not average out, and feet walk off under a body that twists; on the default floor, soft with its
 # 20 ms, by centimetres a minute.
 FLOOR_SOLREF = (0.005, 1.0)  # time constant [s] and damping ratio
+PAD_FRICTION = 1.0  # of the rubber pads in front of palms
+PAD_THICKNESS_M = 0.01
+PAD_COLOR = (0.15, 0.15, 0.16, 1.0)
+# Of two geoms MuJoCo takes the larger friction, unless one has priority: then its own.
+SURROUNDINGS_PRIORITY, PAD_PRIORITY = 1, 2
 
 
 def build_model(
-    robot: Robot, timestep: float = 0.001, friction: float = 0.7, scene: Scene | None = None
+    robot: Robot,
+    timestep: float = 0.001,
+    friction: float = 0.7,
+    scene: Scene | None = None,
+    things: Sequence[Thing] = (),
 ) -> mujoco.MjModel:
     """The robot, driven by one torque motor a joint (Pinocchio's order), on a plane at z = 0.
 
@@ -26,6 +42,7 @@ def build_model(
         timestep: of the physics [s].
         friction: coefficient of every contact with the floor.
         scene: what else is in the world.
+        things: what the robot may handle, stand on and lean on.
 
     Raises:
         InputError: MuJoCo cannot compile it.
@@ -35,13 +52,16 @@ def build_model(
         _add_motors(spec, robot)
         _add_floor(spec, friction)
         _add_lights(spec)
+        _add_pads(spec, robot)
+        for thing in things:
+            _add_thing(spec, thing)
         _add_sensors(spec, robot)
         if scene is not None:
             add_scene(spec, scene)
         _set_options(spec, robot, timestep)
         return spec.compile()
     except (ValueError, mujoco.FatalError) as error:
-        whole = "it" if scene is None else "it and the scene"
+        whole = "it and the scene" if scene is not None else "it and the things" if things else "it"
         raise InputError(f"{robot.path}: MuJoCo cannot compile {whole}: {' '.join(str(error).split())}") from None
 
 
@@ -58,6 +78,51 @@ def _add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:
 def _add_sensors(spec: mujoco.MjSpec, robot: Robot) -> None:
     sites = {foot: spec.site(foot) for foot in robot.feet}
     FloorSensors.add_to(spec, {foot: (site.parent, site.pos) for foot, site in sites.items()})
+
+
+def _add_pads(spec: mujoco.MjSpec, robot: Robot) -> None:
+    """A rubber pad behind each surface of the robot that is no sole; it weighs nothing, and meets no part of the robot.
+
+    The robot's own shapes meet in the pairs of one list only, in which pads are not.
+    """
+    for name, surface in robot.surfaces.items():
+        if name not in robot.feet:
+            site = spec.site(surface.point)
+            _add_pad(spec, site.parent, placement(site.pos, site.quat), surface)
+
+
+def _add_pad(spec: mujoco.MjSpec, body: mujoco.MjsBody, point: pin.SE3, surface: Surface) -> None:
+    low, high = surface.corners.min(axis=0), surface.corners.max(axis=0)
+    half = np.array([*(0.5 * (high - low)[:2]), 0.5 * PAD_THICKNESS_M])
+    middle = np.array([*(0.5 * (low + high)[:2]), -0.5 * PAD_THICKNESS_M])
+    at = point * surface.placement * pin.SE3(np.eye(3), middle)
+    x, y, z, w = pin.Quaternion(at.rotation).coeffs()
+    body.add_geom(
+        name=surface.name,
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        size=half,
+        pos=at.translation,
+        quat=[w, x, y, z],
+        mass=0.0,
+        friction=[PAD_FRICTION, 0.005, 0.0001],
+        priority=PAD_PRIORITY,
+        solref=FLOOR_SOLREF,
+        conaffinity=0,
+        group=VISUAL_GROUP,
+        rgba=PAD_COLOR,
+    )
+
+
+def _add_thing(spec: mujoco.MjSpec, thing: Thing) -> None:
+    """Add a thing; what may collide at all of it may collide with anything but itself."""
+    before = list(spec.geoms)
+    thing.add_to(spec)
+    # A second robot's shapes meet one another in its own pairs only.
+    bits = (2, 1) if thing.compiled.npair else (1, ALL_COLLISION_BITS)
+    for geom in spec.geoms:
+        if (geom.contype or geom.conaffinity) and not any(geom is other for other in before):
+            geom.contype, geom.conaffinity = bits
+            geom.solref, geom.priority, geom.condim = FLOOR_SOLREF, SURROUNDINGS_PRIORITY, 3
 
 
 def _add_floor(spec: mujoco.MjSpec, friction: float) -> None:
@@ -77,9 +142,8 @@ def _add_floor(spec: mujoco.MjSpec, friction: float) -> None:
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=[0, 0, 0.5],
         material="floor",
-        # Of two geoms MuJoCo takes the larger friction, unless one has priority: then its own.
         friction=[friction, 0.005, 0.0001],
-        priority=1,
+        priority=SURROUNDINGS_PRIORITY,
         condim=3,
         solref=FLOOR_SOLREF,
         conaffinity=ALL_COLLISION_BITS,

@@ -1,6 +1,6 @@
 """Sensors of a world: forces between floor and robot, and least distances between the robot's parts."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import nan
 
 import mujoco
@@ -11,6 +11,7 @@ DISTANCE_LIMIT_M = 10.0  # MuJoCo may stop measuring a distance here
 WHOLE_ROBOT = "robot"  # the sensor of the whole robot, beside one a foot
 _SENSOR_FIELDS = ("FOUND", "FORCE", "TORQUE", "POS")
 _SENSOR_WIDTH = 10  # numbers of these fields: 1 + 3 + 3 + 3
+ON = " on "  # between the part and what it touches in a sensor's name
 _HIDDEN_GROUP = 5  # a group that viewers do not show
 _NET_WRENCH_REDUCTION = 3  # MuJoCo's code for contacts reduced to one wrench
 
@@ -21,14 +22,21 @@ class FloorSensors:
     Args:
         model, data: MuJoCo's, the model with what `add_to` declares.
         feet: names of the feet.
+        arms: joints of the arms.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, feet: Sequence[str]):
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, feet: Sequence[str], arms: Sequence[str] = ()):
         self._model, self._data = model, data
         # Live views: to ask MuJoCo for its arrays anew takes longer than to read them.
-        self._sensed = {name: data.sensordata[_sensor_slice(model, name)] for name in (WHOLE_ROBOT, *feet)}
+        names = [model.sensor(k).name for k in range(model.nsensor)]
+        self._sensed = {
+            part: [data.sensordata[_sensor_slice(model, name)] for name in names if name.split(ON)[0] == part]
+            for part in (WHOLE_ROBOT, *feet)
+        }
         sites = {foot: model.site(_site_name(foot)).id for foot in feet}
         self._origins = {foot: data.site_xpos[site] for foot, site in sites.items()}
+        self._floor = int(model.geom("floor").id)
+        self._arm_bodies = {int(model.joint(arm).bodyid[0]) for arm in arms}
         self._foot_bodies = set(model.body_weldid[model.site_bodyid[list(sites.values())]].tolist())
 
     @staticmethod
@@ -36,38 +44,58 @@ class FloorSensors:
         """Declare the sensors: of the first body of the world, the robot's base with all it carries, and of each foot.
 
         Args:
-            spec: of the scene.
+            spec: of the scene, with all fixed bodies that feet may stand on.
             feet: name of a foot -> its body and the origin of the foot frame in it [m].
         """
-        _add_contact_sensor(spec, WHOLE_ROBOT, spec.worldbody.first_body())
+        grounds = ["world", *_fixed_bodies(spec.worldbody)]
+        _add_contact_sensors(spec, WHOLE_ROBOT, spec.worldbody.first_body(), grounds)
         for foot, (body, origin) in feet.items():
-            _add_contact_sensor(spec, foot, body)
+            _add_contact_sensors(spec, foot, body, grounds)
             body.add_site(name=_site_name(foot), pos=origin, group=_HIDDEN_GROUP)
 
     def wrenches(self) -> dict[str, np.ndarray]:
         """Force and moment about the foot frame's origin, by foot (6,), world axes [N, N m]."""
         out = {}
         for foot, origin in self._origins.items():
-            _, fx, fy, fz, mx, my, mz, x, y, z = self._sensed[foot].tolist()
-            ox, oy, oz = origin.tolist()
-            x, y, z = x - ox, y - oy, z - oz
-            out[foot] = np.array((fx, fy, fz, mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx))
+            fx, fy, fz, mx, my, mz = self._wrench(foot, *origin.tolist())
+            out[foot] = np.array((fx, fy, fz, mx, my, mz))
         return out
 
     def zmp(self) -> np.ndarray:
-        """Point (2,) of z = 0 about which the floor's forces have no horizontal moment [m]; nan where none carries."""
-        _, fx, fy, fz, mx, my, _, x, y, z = self._sensed[WHOLE_ROBOT].tolist()
-        if not fz > 0.0:
+        """Point (2,) of z = 0 about which the forces on the feet have no horizontal moment [m]; nan without load."""
+        load = x_moment = y_moment = 0.0
+        for foot in self._origins:
+            _, _, fz, mx, my, _ = self._wrench(foot, 0.0, 0.0, 0.0)
+            load, x_moment, y_moment = load + fz, x_moment + mx, y_moment + my
+        if not load > 0.0:
             return np.array((nan, nan))
-        return np.array((x - (my + z * fx) / fz, y + (mx - z * fy) / fz))
+        return np.array((-y_moment / load, x_moment / load))
 
-    def bodies_touching(self) -> tuple[str, ...]:
-        """Sorted names of the robot's bodies in contact with the floor, feet left out."""
-        found = {name: float(sensed[0]) for name, sensed in self._sensed.items()}
+    def _wrench(self, part: str, ox: float, oy: float, oz: float) -> tuple[float, float, float, float, float, float]:
+        """Force on a part, and its moment about a point of the world."""
+        out = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        for sensed in self._sensed[part]:
+            _, fx, fy, fz, mx, my, mz, x, y, z = sensed.tolist()
+            x, y, z = x - ox, y - oy, z - oz
+            a, b, c, d, e, f = out
+            out = a + fx, b + fy, c + fz, d + mx + y * fz - z * fy, e + my + z * fx - x * fz, f + mz + x * fy - y * fx
+        return out
+
+    def bodies_touching(self, allowed: Collection[str] = ()) -> tuple[str, ...]:
+        """Sorted names of the robot's bodies that touch the floor or what is fixed to it and should not.
+
+        That is all but the feet, arms on what is not the floor, and the bodies of the sites that are allowed to.
+        """
+        found = {part: sum(float(sensed[0]) for sensed in sensors) for part, sensors in self._sensed.items()}
         if found.pop(WHOLE_ROBOT) == sum(found.values()):
             return ()
-        bodies = {body for _, body, _ in self._contacts() if self._model.body_weldid[body] not in self._foot_bodies}
-        return tuple(sorted(self._model.body(body).name for body in bodies))
+        model, bodies = self._model, set()
+        free = self._foot_bodies | {int(model.body_weldid[model.site(site).bodyid[0]]) for site in allowed}
+        for k, body, _ in self._contacts():
+            own = int(model.body_weldid[body])
+            if own not in free and (own not in self._arm_bodies or self._floor in self._data.contact.geom[k]):
+                bodies.add(body)
+        return tuple(sorted(model.body(body).name for body in bodies))
 
     def contact_points(self) -> np.ndarray:
         """Position and force on the robot of each contact with the floor (n, 6), world frame [m, N]."""
@@ -102,18 +130,28 @@ def _sensor_slice(model: mujoco.MjModel, sensor: str) -> slice:
     return slice(start, start + _SENSOR_WIDTH)
 
 
-def _add_contact_sensor(spec: mujoco.MjSpec, name: str, body: mujoco.MjsBody) -> None:
-    """A sensor of the net wrench that the world's static geoms put on a body and all that it carries."""
+def _fixed_bodies(body: mujoco.MjsBody) -> Iterator[str]:
+    """Names of the bodies with shapes that are fixed to one, and to those."""
+    for child in body.bodies:
+        if not child.joints:
+            if child.geoms:
+                yield child.name
+            yield from _fixed_bodies(child)
+
+
+def _add_contact_sensors(spec: mujoco.MjSpec, part: str, body: mujoco.MjsBody, grounds: Sequence[str]) -> None:
+    """Sensors of the net wrench that each fixed body puts on a body and all that it carries."""
     fields = sum(1 << int(getattr(mujoco.mjtConDataField, f"mjCONDATA_{field}")) for field in _SENSOR_FIELDS)
-    spec.add_sensor(
-        name=name,
-        type=mujoco.mjtSensor.mjSENS_CONTACT,
-        objtype=mujoco.mjtObj.mjOBJ_BODY,
-        objname="world",
-        reftype=mujoco.mjtObj.mjOBJ_XBODY,
-        refname=body.name,
-        intprm=[fields, _NET_WRENCH_REDUCTION, 1],
-    )
+    for ground in grounds:
+        spec.add_sensor(
+            name=part if ground == "world" else f"{part}{ON}{ground}",
+            type=mujoco.mjtSensor.mjSENS_CONTACT,
+            objtype=mujoco.mjtObj.mjOBJ_BODY,
+            objname=ground,
+            reftype=mujoco.mjtObj.mjOBJ_XBODY,
+            refname=body.name,
+            intprm=[fields, _NET_WRENCH_REDUCTION, 1],
+        )
 
 
 class SelfDistance:

@@ -1,7 +1,7 @@
 """MuJoCo with a robot on a floor: torques in, state and contact forces out. It never helps the robot."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from math import ceil
 
 import mujoco
@@ -10,10 +10,14 @@ import numpy as np
 from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.own_scene import Scene
 from sim.push import Push, Pusher
-from sim.robot_state import RobotState
+from sim.robot_state import RobotState, ThingState
 from sim.scene import build_model
 from sim.sensors import FloorSensors, SelfDistance
+from sim.touch import Touch, TouchSensors
+from sot.control.contact import Contact
 from sot.robots.robot import Robot
+from sot.robots.system import System
+from sot.robots.things.thing import Thing
 
 MAX_PHYSICS_TIMESTEP = 0.001
 
@@ -32,10 +36,12 @@ class World:
         pushes: forces on the robot's bodies over time.
         scene: what else is in the world: a function that adds to MuJoCo's specification (`mujoco.MjSpec`), or a whole
             MJCF document as text, whose names get the prefix "scene/". What may collide at all may collide with the
-            robot. Touching what does not move counts as touching the floor.
+            robot.
+        things: what the robot may handle, stand on and lean on; those with joints are part of the state.
 
     Attributes:
-        robot, mismatch, pushes: as given.
+        robot, mismatch, pushes, things: as given.
+        system: the robot and the things.
         model, data: MuJoCo's, open for forces of one's own (`data.xfrc_applied`) and rendering.
 
     Raises:
@@ -49,27 +55,41 @@ class World:
         mismatch: Mismatch = NO_MISMATCH,
         pushes: Sequence[Push] = (),
         scene: Scene | None = None,
+        things: Sequence[Thing] = (),
     ):
-        self.robot = robot
+        self.robot, self.things = robot, tuple(things)
+        self.system = System(robot, self.things)
         self.timestep = timestep
         self.mismatch = mismatch
         self.pushes = tuple(pushes)
         self._substeps = max(1, ceil(timestep / MAX_PHYSICS_TIMESTEP - 1e-9))
-        self.model = build_model(robot, timestep / self._substeps, self.mismatch.friction, scene)
+        self.model = build_model(robot, timestep / self._substeps, self.mismatch.friction, scene, self.things)
         self.mismatch.apply(self.model)
         self.data = mujoco.MjData(self.model)
         self._state = RobotState(robot, self.model, self.data)
-        self._motors = self.data.ctrl[: robot.na]  # the live view; what a scene drives comes after
+        self._thing_states = [ThingState(thing, self.model, self.data) for thing in self.system.moving_things]
+        self._motors = self.data.ctrl[: self.system.na]  # the live view; what a scene drives comes after
         self._apply_pushes = Pusher(self.model, self.data, robot, self.pushes)
         self._delay_steps = round(self.mismatch.delay * self._substeps / timestep)
-        self.reset(robot.rest)
-        self._floor = FloorSensors(self.model, self.data, robot.feet)
+        self.reset(self.system.rest)
+        self._floor = FloorSensors(
+            self.model, self.data, robot.feet, [robot.joints[joint] for joint in robot.groups["arms"]]
+        )
+        self._touch = TouchSensors(self.model, self.data, robot, self.things)
         self._self_distance = SelfDistance(self.model, self.data)
 
     def reset(self, q: np.ndarray, v: np.ndarray | None = None) -> None:
-        """Start over at a Pinocchio configuration (nq,) and velocity (nv,), at rest unless given, and time 0."""
+        """Start over at a Pinocchio configuration (nq,) and velocity (nv,), at rest unless given, and time 0.
+
+        Both are the system's, or the robot's alone: then things are in their places, at rest.
+        """
         mujoco.mj_resetData(self.model, self.data)
-        self._state.write(q, v)
+        system, nq, nv = self.system, self.robot.nq, self.robot.nv
+        self._state.write(q[:nq], None if v is None else v[:nv])
+        q = q if len(q) == system.nq else system.rest
+        v = v if v is not None and len(v) == system.nv else np.zeros(system.nv)
+        for thing, state in zip(system.moving_things, self._thing_states, strict=True):
+            state.write(q[system.coordinates[thing.name]], v[system.velocities[thing.name]])
         mujoco.mj_forward(self.model, self.data)
         self._random = np.random.default_rng(self.mismatch.seed)
         self._delayed_torques: deque[np.ndarray] = deque()
@@ -80,18 +100,24 @@ class World:
         return self.data.time
 
     def state(self) -> tuple[np.ndarray, np.ndarray]:
-        """Configuration (nq,) and velocity (nv,) in Pinocchio's conventions; not numbers once the physics diverged."""
-        return self._state.read()
+        """Configuration (nq,) and velocity (nv,) of the system in Pinocchio's conventions, the robot's first.
+
+        Not numbers once the physics diverged.
+        """
+        if not self._thing_states:
+            return self._state.read()
+        states = [self._state.read(), *(state.read() for state in self._thing_states)]
+        return np.concatenate([q for q, _ in states]), np.concatenate([v for _, v in states])
 
     def measured(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """A state as the controller is told: with the mismatch's noise on angular velocities."""
         if self.mismatch.noise:
             v = v.copy()
-            v[3:] += self.mismatch.noise * self._random.standard_normal(self.robot.nv - 3)
+            v[3 : self.robot.nv] += self.mismatch.noise * self._random.standard_normal(self.robot.nv - 3)
         return q, v
 
     def step(self, tau: np.ndarray) -> None:
-        """Advance one control period under joint torques (na,) [N m]; the motors clip them to the effort limits.
+        """Advance one control period under the motors' torques (na,) [N m], which they clip to the effort limits.
 
         With a delay, what was commanded first acts from the start, as if it had been commanded before.
         """
@@ -117,9 +143,34 @@ class World:
         """Measured zero-moment point (2,) on z = 0 [m], not a number where nothing is carried."""
         return self._floor.zmp()
 
-    def touching(self) -> tuple[str, ...]:
-        """Names of the bodies other than the feet that touch the floor, sorted."""
-        return self._floor.bodies_touching()
+    def touches(self) -> dict[tuple[str, str], Touch]:
+        """Touch of each pair of parts of robot, things and world that do; for the parts' names see `TouchSensors`."""
+        return self._touch.touches()
+
+    def contact_touches(self, contacts: Iterable[Contact]) -> dict[str, Touch]:
+        """Touch of each contact's two parts, made or not yet, by its name; those that do not touch are left out."""
+        touches, out = self._touch.touches(), {}
+        for contact in contacts:
+            pair = self._touch.part_of(contact.surface), self._touch.part_of(contact.on)
+            if pair in touches:
+                out[contact.name] = touches[pair]
+            elif pair[::-1] in touches:
+                found = touches[pair[::-1]]
+                out[contact.name] = found._replace(force=-found.force)
+        return out
+
+    def loads(self, contacts: Iterable[Contact]) -> dict[str, float]:
+        """Measured normal force of each contact, made or not yet, by its name [N]; 0 where nothing touches."""
+        contacts = list(contacts)
+        touches = self.contact_touches(contacts)
+        return {c.name: touches[c.name].normal if c.name in touches else 0.0 for c in contacts}
+
+    def touching(self, allowed: Collection[str] = ()) -> tuple[str, ...]:
+        """Sorted names of the bodies that touch the floor or what is fixed to it and should not.
+
+        The feet may, arms may touch what is not the floor, and the bodies of the operational points that are `allowed`.
+        """
+        return self._floor.bodies_touching(allowed)
 
     def self_distance(self) -> float:
         """Least distance [m] between two parts of the robot that may collide, negative in collision; for low rates."""

@@ -107,7 +107,7 @@ def solution_space(J: Array, b: Array) -> tuple[Array, bool]:
     L, V, factors, rows, certain = lq_factorization(J)
     if len(rows) < m or not certain:
         return X, False
-    X[0, :m] = forward_substitution(L, rows, b)
+    copy_into(X[0], forward_substitution(L, rows, b))
     for k in range(n - m):
         X[1 + k, m + k] = 1.0
     for k in range(len(X)):
@@ -174,3 +174,10 @@ def matrix_vector(A: Array, x: Array) -> Array:
         for k in range(len(x)):
             out[i] += A[i, k] * x[k]
     return out
+
+
+@compiled
+def copy_into(out: Array, values: Array) -> None:
+    """Write values (k,) to the start of an array; ``out[:k] = values`` takes ten times as long to compile."""
+    for i in range(len(values)):
+        out[i] = values[i]

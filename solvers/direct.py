@@ -29,6 +29,7 @@ from solvers.dense import (
     WELL_CONDITIONED_ABOVE,
     apply_q_transposed,
     backward_substitution,
+    copy_into,
     forward_substitution,
     gram_cholesky,
     least_squares_in_solution_space,
@@ -240,11 +241,14 @@ def _active_set_optimum(
             count += side[row] != 0.0
         rows, target = np.empty((count, len(x))), np.empty(count)
         owner = np.full(count, -1)
-        rows[: len(r)], target[: len(r)] = K, r
+        for k in range(len(r)):
+            copy_into(rows[k], K[k])
+            target[k] = r[k]
         k = len(r)
         for row in range(len(side)):
             if side[row] != 0.0:
-                rows[k], target[k], owner[k] = C[row], upper[row] if side[row] > 0.0 else lower[row], row
+                copy_into(rows[k], C[row])
+                target[k], owner[k] = upper[row] if side[row] > 0.0 else lower[row], row
                 k += 1
         L, V, factors, kept, certain = lq_factorization(rows[:, leading:].copy())
         if not certain or len(kept) < len(r) or (len(r) and kept[len(r) - 1] >= len(r)):
@@ -261,7 +265,7 @@ def _active_set_optimum(
                 return False, 0.0
         missing = target - matrix_vector(rows[:, :leading], x_1) - matrix_vector(rows[:, leading:], wish)
         step = np.zeros(len(wish))
-        step[: len(kept)] = forward_substitution(L, kept, missing)
+        copy_into(step, forward_substitution(L, kept, missing))
         pushes = backward_substitution(L, kept, step[: len(kept)])
         apply_q_transposed(V, factors, len(kept), step)
         for i in range(leading):
@@ -290,7 +294,7 @@ def _active_set_optimum(
             if not excess <= worst:
                 worst, chosen, above = excess, row, value > upper[row]
         if worst <= tolerance:
-            held[:] = side
+            copy_into(held, side)
             return bool(x @ x < np.inf), max(worst, 0.0)
         if side[chosen] != 0.0:
             return False, 0.0
@@ -316,13 +320,14 @@ def _nearest_leading_and_multipliers(
     """
     free, leading, m = len(X) - 1, X.shape[1], len(rows)
     answered = np.zeros(m, np.bool_)
-    answered[kept] = True
+    for row in kept:
+        answered[row] = True
     over = np.flatnonzero(~answered)
     shares = np.zeros((len(over), len(kept)))
     A, missing = np.zeros((len(over), free)), np.zeros(len(over))
     order, longest = np.arange(free), np.sqrt(np.sum(rows[:, :leading] ** 2))
     for k, row in enumerate(over):
-        shares[k] = backward_substitution(L, kept, L[row, : len(kept)].copy())
+        copy_into(shares[k], backward_substitution(L, kept, L[row, : len(kept)].copy()))
         combined, gap = rows[row, :leading].copy(), target[row]
         for j, other in enumerate(kept):
             if shares[k, j] != 0.0:
@@ -338,10 +343,11 @@ def _nearest_leading_and_multipliers(
         movable = matrix_vector(X[1:], combined)
         # What is left of a row that others imply, or that no x_1 can change, is rounding.
         if size > (DEPENDENT_BELOW * most * longest) ** 2 and movable @ movable > INDEPENDENT_ABOVE**2 * size:
-            A[k], missing[k] = forward_substitution(factor, order, movable), gap  # where the level of W is a distance
+            copy_into(A[k], forward_substitution(factor, order, movable))  # where the level of W is a distance
+            missing[k] = gap
     L_1, V, factors, held, certain = lq_factorization(A)
     step = np.zeros(free)
-    step[: len(held)] = forward_substitution(L_1, held, missing)
+    copy_into(step, forward_substitution(L_1, held, missing))
     nu = backward_substitution(L_1, held, step[: len(held)])
     apply_q_transposed(V, factors, len(held), step)
     y = backward_substitution(factor, order, step)

@@ -104,20 +104,21 @@ def _hull_edges(points: Array) -> tuple[Array, Array]:
     corners, count = np.empty((2 * len(points), 2)), 0
     for way in (1, -1):
         first = count
-        for k in range(len(points)):
-            point = points[k if way > 0 else len(points) - 1 - k]
-            while count - first >= 2 and _turn_direction(corners[count - 2], corners[count - 1], point) <= 0.0:
+        for n in range(len(points)):
+            k = n if way > 0 else len(points) - 1 - n
+            x, y = points[k, 0], points[k, 1]
+            while count - first >= 2 and _turn_direction(corners, count, x, y) <= 0.0:
                 count -= 1
-            corners[count] = point
+            corners[count, 0], corners[count, 1] = x, y
             count += 1
         count -= 1  # the last corner of a chain is the first of the other
     normals, offsets = np.empty((count, 2)), np.empty(count)
     for k in range(count):
-        start, end = corners[k], corners[(k + 1) % count]
-        x, y = end[1] - start[1], start[0] - end[0]
+        next = (k + 1) % count
+        x, y = corners[next, 1] - corners[k, 1], corners[k, 0] - corners[next, 0]
         length = np.sqrt(x * x + y * y)
         normals[k, 0], normals[k, 1] = x / length, y / length
-        offsets[k] = (x * start[0] + y * start[1]) / length
+        offsets[k] = (x * corners[k, 0] + y * corners[k, 1]) / length
     return normals, offsets
 
 
@@ -129,13 +130,14 @@ def _sorted_on_grid(points: Array) -> Array:
         x, y = np.rint(points[k, 0] / POINT_GRID_M) * POINT_GRID_M, np.rint(points[k, 1] / POINT_GRID_M) * POINT_GRID_M
         place = k
         while place and (out[place - 1, 0] > x or (out[place - 1, 0] == x and out[place - 1, 1] > y)):
-            out[place] = out[place - 1]
+            out[place, 0], out[place, 1] = out[place - 1, 0], out[place - 1, 1]
             place -= 1
         out[place, 0], out[place, 1] = x, y
     return out
 
 
 @compiled
-def _turn_direction(a: Array, b: Array, c: Array) -> float:
-    """Positive if the way from a over b to c turns left."""
-    return (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
+def _turn_direction(corners: Array, count: int, x: float, y: float) -> float:
+    """Positive if the way over the last two of so many corners to (x, y) turns left."""
+    ax, ay, bx, by = corners[count - 2, 0], corners[count - 2, 1], corners[count - 1, 0], corners[count - 1, 1]
+    return (bx - ax) * (y - by) - (by - ay) * (x - bx)

@@ -1,6 +1,9 @@
 """Text files that a person writes, in TOML."""
 
 import tomllib
+from collections.abc import Iterable
+from difflib import get_close_matches
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -22,3 +25,14 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: not a TOML file: {error}") from None
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is a finite number."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+
+
+def nearest(name: Any, known: Iterable[str], words: str = "did you mean") -> str:
+    """The known name that is most like another, as the end of a sentence; nothing if none is."""
+    found = get_close_matches(str(name), list(known), n=1)
+    return f" ({words} '{found[0]}'?)" if found else ""

@@ -9,7 +9,7 @@ from solvers.compiled import compiled
 from solvers.rows import Rows
 from sot.behaviours.displacement import Displacement
 from sot.control.task import Task
-from sot.control.tick import Tick
+from sot.control.tick import Tick, TickContact
 from sot.gravity import GRAVITY
 from sot.polygon import WHOLE_FLOOR, Polygon, nearest_point
 
@@ -85,7 +85,7 @@ class Balance(Task):
         plan, state = self.reference(tick.t), (tick.com, tick.com_velocity, tick.com_drift)
         polygon, of = self._polygon, self._axes
         turning = NO_EXCESS if self._momentum is None else tick.momentum_excess_per_weight(self._momentum(tick.t))
-        catching = any(contact.mode == "off" and contact.path is not None for contact in tick.contacts)
+        catching = any(c.mode == "off" and c.path is not None and _is_foot(tick, c) for c in tick.contacts)
         if catching:
             polygon = polygon.inset(CATCHING_MARGIN)
         error, wanted, z = _wanted_acceleration_and_zmp(
@@ -98,7 +98,9 @@ class Balance(Task):
 
     def _update_support(self, tick: Tick) -> None:
         """Compute support polygon and displacement anew if due: standing feet creep by little."""
-        loads = [contact.load if contact.mode == "fixed" else 0.0 for contact in tick.contacts]
+        loads = [
+            contact.load if contact.mode == "fixed" else 0.0 for contact in tick.contacts if _is_foot(tick, contact)
+        ]
         if loads != self._ramps or not 0.0 < tick.t - self._updated_at < SUPPORT_UPDATE_INTERVAL:
             self._polygon, self._displacement = self._support_polygon(tick), self._plan_displacement(tick)
             self._ramps, self._updated_at = loads, tick.t
@@ -106,7 +108,7 @@ class Balance(Task):
     def _plan_displacement(self, tick: Tick) -> Displacement:
         """Displacement of the standing feet from their planned places, weighted by the load that they may take: where a
         foot lands beside its place, the plan moves over as gradually as the foot takes its load."""
-        standing = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load > 0.0]
+        standing = _standing_feet(tick)
         return Displacement.of(
             [
                 (self._feet[contact.point](tick.t)[:2], tick.frame(contact.point).position[:2], contact.load)
@@ -120,7 +122,7 @@ class Balance(Task):
 
         A contact in its load ramp widens the support of the others by as much as it may bear: no jump at its end.
         """
-        standing = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.load > 0.0]
+        standing = _standing_feet(tick)
         if not standing:
             return WHOLE_FLOOR
         soles = [tick.frame(contact.point).floor_projection(contact.vertices) for contact in standing]
@@ -132,6 +134,16 @@ class Balance(Task):
                 share = min(contact.max_normal_force(1.0), 1.0)
                 corners.append(((1.0 - share) * full[:, None] + share * sole).reshape(-1, 2))
         return Polygon.hull(np.concatenate(corners)).inset(self.margin)
+
+
+def _is_foot(tick: Tick, contact: TickContact) -> bool:
+    """Whether a contact is one of a foot with the world: others are no support of the zero-moment point."""
+    return contact.is_footing and contact.point in tick.robot.feet
+
+
+def _standing_feet(tick: Tick) -> list[TickContact]:
+    """Contacts of feet that stand and may carry something."""
+    return [c for c in tick.contacts if c.mode == "fixed" and c.load > 0.0 and _is_foot(tick, c)]
 
 
 def _zmp_rows(tick: Tick, z: Array, wanted: Array) -> tuple[Array, Array]:

@@ -67,6 +67,6 @@ class JointBounds(Task):
 
     def rows(self, tick: Tick) -> Rows:
         """Rows on the joint accelerations; `error` is how far each joint is outside its range."""
-        lower, upper = self._bounds(tick.q[7:], tick.v[6:], tick.period)
+        lower, upper = self._bounds(tick.joint_positions, tick.joint_velocities, tick.period)
         self.error = self._bounds.outside
         return self.make_rows(self._A, lower, upper)

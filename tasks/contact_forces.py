@@ -1,4 +1,4 @@
-"""The smallest contact forces among those that the levels above leave open."""
+"""The smallest contact forces, or those nearest to what contacts wish for, that the levels above leave open."""
 
 import numpy as np
 
@@ -9,6 +9,8 @@ from sot.control.tick import Tick
 
 class LeastForces(Task):
     """All force variables towards zero: of the ways to share the load between vertices, the most even one.
+
+    A contact that wishes for a normal force, as a hand that squeezes does, gets the nearest that is open.
 
     Meant for the last level, which it makes strictly convex: everything above leaves the internal forces free.
 
@@ -23,8 +25,11 @@ class LeastForces(Task):
         self._A, self._nothing = np.eye(0), np.zeros(0)
 
     def rows(self, tick: Tick) -> Rows:
-        """Rows ``φ = 0``."""
+        """Rows ``φ = φ_wished``, zero where no contact wishes for any."""
         count = tick.force_count
         if count != len(self._A):
             self._A, self._nothing, self.selects = np.eye(count), np.zeros(count), slice(0, count)
-        return self.make_rows(self._A, self._nothing, self._nothing)
+        wanted = self._nothing
+        if any(contact.wish for contact in tick.contacts):
+            wanted = np.concatenate([contact.wishes() for contact in tick.contacts])
+        return self.make_rows(self._A, wanted, wanted)

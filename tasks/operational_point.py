@@ -1,4 +1,4 @@
-"""Position and orientation of a point of the robot, any axes of them, Ramos (18)-(19)."""
+"""Position and orientation of a point of the robot or of a thing, any axes of them, Ramos (18)-(19)."""
 
 from collections.abc import Sequence
 
@@ -6,24 +6,24 @@ import numpy as np
 import pinocchio as pin
 
 from solvers.compiled import compiled
-from sot.control.pose import AXIS_NAMES, PoseReference
+from sot.control.pose import AXES, AXIS_NAMES, PoseReference
 from sot.control.task import MotionTask
 from sot.control.tick import Tick
 from sot.errors import InputError
 from sot.robots.robot import Robot
+from sot.robots.system import System
 from sot.rotation import rotation_vector
 from tasks.targets import fixed_pose
 
 Array = np.ndarray
-AXES = "xyzRPY"
 
 
 class OperationalPoint(MotionTask):
-    """A point of the robot follows a trajectory or goes to a target, in the axes selected.
+    """A point of the robot, or of a thing, follows a trajectory or goes to a target, in the axes selected.
 
     Args:
-        robot: The robot.
-        point: Name of one of its operational points.
+        robot: The robot, or the system of it and the things.
+        point: Name of one of its operational points; a thing's name is one.
         reference: A trajectory ``t -> Pose``, a target placement (`pin.SE3`), or, without RPY, a target position (3,).
         axes: Any of "xyz" (position) and "RPY" (rotation about the world's X, Y, Z), the selection of Ramos (18).
         kp, kd, weight: As for `MotionTask`.
@@ -38,7 +38,7 @@ class OperationalPoint(MotionTask):
 
     def __init__(
         self,
-        robot: Robot,
+        robot: Robot | System,
         point: str,
         reference: PoseReference | Array | pin.SE3,
         axes: str = AXES,

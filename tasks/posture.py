@@ -69,4 +69,10 @@ class Posture(MotionTask):
         position, velocity, acceleration = self._reference(tick.t)
         of = self._selected
         forward = acceleration[of] if self.feedforward else self._no_drift
-        return position[of] - tick.q[7:][of], velocity[of] - tick.v[6:][of], self._J, self._no_drift, forward
+        return (
+            position[of] - tick.joint_positions[of],
+            velocity[of] - tick.joint_velocities[of],
+            self._J,
+            self._no_drift,
+            forward,
+        )

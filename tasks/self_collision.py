@@ -12,6 +12,7 @@ from sot.control.task import Task
 from sot.control.tick import Tick
 from sot.proximity import Proximity
 from sot.robots.robot import Robot
+from sot.robots.size import leg_length
 
 Array = np.ndarray
 
@@ -32,6 +33,8 @@ RELIED_DECELERATION = 25.0
 beside one another at up to 20 m/s², hands likewise: what relies on less brakes motions that are in order. An approach
 that is too fast for it is stopped as much harder as it takes, steadily."""
 
+MIN_DISTANCE_LEGS = 0.0166
+"""Distance that is kept [leg lengths]: half of what plans keep, which keeps the two from contradicting each other."""
 REST_DISTANCE_SHARE = 0.5
 """Share of its distance at rest that a pair keeps at most."""
 
@@ -45,19 +48,22 @@ class SelfCollision(Task):
 
     Args:
         robot: The robot.
-        min_distance: Distance that is kept [m], less by pairs that are nearly as near at rest.
+        min_distance: Distance that is kept [m], less by pairs that are nearly as near at rest; MIN_DISTANCE_LEGS by
+            default.
         weight: Scale of its rows within its level.
 
     Attributes:
         pairs: Names of the shapes of the pairs that are kept apart.
+        min_distances: Distances that they are kept at [m].
     """
 
     equality = False
     gives_way = 1
 
-    def __init__(self, robot: Robot, min_distance: float = 0.01, weight: float = 0.1) -> None:
+    def __init__(self, robot: Robot, min_distance: float | None = None, weight: float = 0.1) -> None:
         super().__init__("SelfCollision", "m/s²", "m", weight)
-        self._min_distances = np.minimum(min_distance, REST_DISTANCE_SHARE * robot.rest_distances)
+        min_distance = MIN_DISTANCE_LEGS * leg_length(robot) if min_distance is None else min_distance
+        self.min_distances = np.minimum(min_distance, REST_DISTANCE_SHARE * robot.rest_distances)
         self._acceleration = robot.acceleration
         self._proximity, self._data_ahead = Proximity(robot), robot.model.createData()
         self.pairs = self._proximity.pairs
@@ -94,7 +100,7 @@ class SelfCollision(Task):
         distances, rates, J, drift = self.distances_and_rates(tick, near)
         # What the joints give at the accelerations that are relied upon.
         achievable = np.abs(J[:, 6:]) @ self._acceleration
-        kept = self._min_distances[near]
+        kept = self.min_distances[near]
         brakes = _braking_decelerations(distances - kept, rates, tick.period, achievable)
         unlimited = self._unbounded_above[:count]
         bounds = AccelerationBounds(kept, unlimited, unlimited, brakes, unlimited)
@@ -118,7 +124,7 @@ class SelfCollision(Task):
         """Pairs whose approach may have to be braked before the next look."""
         if tick.t < self._last_look:
             self._unwatched_until[:] = -np.inf  # another run
-        proximity, v, period, kept = self._proximity, tick.v, tick.period, self._min_distances
+        proximity, v, period, kept = self._proximity, tick.v, tick.period, self.min_distances
         within = _watch_distances(
             proximity.rate_bounds(v), period, kept, self._unwatched_until - TIME_TOLERANCE, tick.t
         )

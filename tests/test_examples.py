@@ -15,7 +15,7 @@ from sot.control import Controller
 from sot.robots import Robot
 
 FOLDER = Path(__file__).parents[1] / "docs" / "examples"
-EXAMPLES = sorted(FOLDER.glob("0*.py"))
+EXAMPLES = sorted(FOLDER.glob("[01]*.py"))
 LONGEST = 25  # lines, without blanks and comments
 PACKAGES = {"solvers", "sot", "tasks", "sim", "scenarios"}
 PUBLIC = {"solvers", "sot.control", "sot.motion", "sot.robots", "tasks", "sim", "scenarios", "scenarios.stacks"}
@@ -31,8 +31,8 @@ def point(example, name):
     return Points.of(example["robot"], log.q, (name,)).positions[name]
 
 
-def test_all_nine_are_there():
-    assert [path.name[:2] for path in EXAMPLES] == [f"0{k}" for k in range(1, 10)]
+def test_all_twelve_are_there():
+    assert [path.name[:2] for path in EXAMPLES] == [f"{k:02}" for k in range(1, 13)]
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -135,6 +135,41 @@ def test_09_eases_a_task_in_and_out():
     np.testing.assert_allclose(places[-1], places[0], atol=0.03)
     assert example["stack"].level_of(example["hand"]) is None
     assert example["world"].state()[0][2] == pytest.approx(example["robot"].rest[2], abs=0.005)
+
+
+def assert_bows_and_waves(example, contacts):
+    done, robot, motion = example["done"], example["robot"], example["motion"]
+    log = done.log.trimmed()
+    assert done.fell_at_s is None and log.contact_names == contacts
+    assert np.abs(log.com - motion.com[: len(log.com)])[:, :2].max() < 0.005
+    assert (log.contact_normal[100:].min(axis=0) > 0.2 * 9.81 * robot.mass).all()  # each foot carries its share
+    assert np.abs(np.diff(log.torque, axis=0)).max() < 2.0
+    hand, chest = point(example, "right_hand"), Points.of(robot, log.q, ("head_top",)).positions["head_top"]
+    assert np.ptp(hand[:, 2]) > 0.2 and np.ptp(chest[:, 0]) > 0.1
+
+
+def test_10_bows_and_waves_with_a_foot_on_a_block():
+    assert_bows_and_waves(ran("10_block.py"), ("left_foot on block/top", "right_foot"))
+
+
+def test_11_bows_and_waves_on_a_slope():
+    example = ran("11_slope.py")
+    assert_bows_and_waves(example, ("left_foot on slope/top", "right_foot on slope/top"))
+    tilts = [pose.rotation[2, 0] for pose in example["motion"].phases[0].feet.values()]
+    np.testing.assert_allclose(tilts, np.sin(np.deg2rad(10.0)), atol=1e-6)
+
+
+def test_12_leans_a_hand_on_a_wall():
+    example = ran("12_wall.py")
+    done = example["done"]
+    log = done.log.trimmed()
+    assert done.fell_at_s is None
+    pressed = (log.time > 3.5) & (log.time < 4.0)
+    hand = log.contact_names.index("right_hand_end on wall/front")
+    np.testing.assert_allclose(log.contact_normal[pressed, hand], 40.0, atol=1.5)
+    np.testing.assert_allclose(log.contact_force[pressed, hand, 0], -40.0, atol=1.5)  # the wall pushes it back
+    assert log.contact_normal[log.time > 4.6, hand].max() < 5.0
+    assert np.abs(np.diff(log.torque, axis=0)).max() < 28.0
 
 
 @pytest.mark.parametrize("package", sorted(PACKAGES))

@@ -12,7 +12,7 @@ robot, period, seconds = Robot.load("hrp2"), 0.002, 1.0
 motion = Motion.standing(robot, seconds)
 
 stack = Stack(
-    contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
+    contacts=[Contact(robot.surface(foot)) for foot in robot.feet],
     hard=[TorqueBounds(robot), JointBounds(robot)],
     levels={  # most important first
         "balance": [Balance(motion.balance)],

@@ -16,7 +16,7 @@ stand = Motion.standing(robot, dance.duration, 500.0)
 upper = [joint for k, joint in enumerate(robot.joints) if k not in robot.groups["legs"]]
 
 stack = Stack(
-    contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
+    contacts=[Contact(robot.surface(foot)) for foot in robot.feet],
     hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
     levels={
         "balance": [Balance(stand.balance)],

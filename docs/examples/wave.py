@@ -12,7 +12,7 @@ from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, 
 def stack(robot, motion):
     """What the robot is asked for, most important first."""
     return Stack(
-        contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
+        contacts=[Contact(robot.surface(foot)) for foot in robot.feet],
         hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
         levels={
             "balance": [Balance(motion.balance, motion.feet)],

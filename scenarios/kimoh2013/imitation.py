@@ -63,7 +63,7 @@ def task_levels(robot: Robot, motion: Motion) -> dict[str, Sequence[Task]]:
 def stack(robot: Robot, motion: Motion) -> Stack:
     """Table 1 under dynamics: the feet are contacts."""
     return Stack(
-        contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
+        contacts=[Contact(robot.surface(foot)) for foot in robot.feet],
         hard=[TorqueBounds(robot), JointBounds(narrowed_robot(robot, motion))],
         levels={**task_levels(robot, motion), "forces": [LeastForces()]},
     )

@@ -5,7 +5,6 @@ import numpy as np
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.motion.trajectory import Reference
-from sot.polygon import Polygon
 from sot.robots.robot import Robot
 from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, SelfCollision, TorqueBounds
 
@@ -26,7 +25,10 @@ def live_stack(robot: Robot, reference: Reference) -> Stack:
     """
     upper_body = [robot.joints[joint] for group in UPPER_BODY_GROUPS for joint in robot.groups[group]]
     return Stack(
-        contacts=[Contact(foot, inner_sole(robot, foot)) for foot in robot.feet],
+        contacts=[
+            Contact(robot.surface(foot), inset=SOLE_MARGIN_SHARE * float(np.ptp(robot.sole(foot)[:, 0])))
+            for foot in robot.feet
+        ],
         hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
         levels={
             "balance": [
@@ -44,10 +46,3 @@ def live_stack(robot: Robot, reference: Reference) -> Stack:
             "forces": [LeastForces()],
         },
     )
-
-
-def inner_sole(robot: Robot, foot: str) -> np.ndarray:
-    """Vertices (n, 3) of a foot's sole without its rim, in its frame [m]."""
-    sole = robot.sole(foot)
-    inner = Polygon.hull(sole[:, :2]).inset(SOLE_MARGIN_SHARE * float(np.ptp(sole[:, 0]))).vertices
-    return np.column_stack([inner, np.full(len(inner), sole[:, 2].mean())])

@@ -209,7 +209,7 @@ def posture_stack(clearance: float, edits: Sequence[Edit] = ()) -> Composer:
 
     def compose(robot: Robot, motion: Motion) -> Composition:
         stack = Stack(
-            contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
+            contacts=[Contact(robot.surface(foot)) for foot in robot.feet],
             hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot, clearance)],
             levels={
                 "balance": [Balance(motion.balance, motion.feet, axes="xy")],

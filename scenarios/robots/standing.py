@@ -8,14 +8,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from scenarios.robots.findings import Finding, Severity
+from sot.motion.footing import REACH_TOLERANCE, footing_at
 from sot.robots.limits import FOOT_FREEDOMS
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-SEARCH_STEPS = 40  # of the search for a posture over one foot
-MAX_STEP_LENGTH = 0.01  # m, of the pelvis in one of them
-REACH_TOLERANCE = 2e-3  # m and rad, of feet that are where they should be
 NOTED_EFFORT_SHARE = 0.7  # share of its effort that standing may take of a joint without a word
 
 
@@ -96,34 +94,10 @@ def _torques(robot: Robot, q: Array, feet: Sequence[str]) -> Array:
 
 def _over(robot: Robot, foot: str) -> tuple[Array, bool]:
     """The configuration (nq,) with the centre of mass over the middle of one sole and both feet where they are at rest,
-    within all ranges; and whether there is one. Gauss-Newton over base and legs."""
+    within all ranges; and whether there is one."""
     model, data = robot.model, robot.model.createData()
     pin.framesForwardKinematics(model, data, robot.rest)
     feet = {name: data.oMf[robot.point(name)].copy() for name in robot.feet}
     target = np.mean([feet[foot].act(corner) for corner in robot.sole(foot)], axis=0)[:2]
-    moving = np.concatenate([np.arange(6), 6 + robot.joint_numbers("legs")])
-    q = robot.rest.copy()
-    for _ in range(SEARCH_STEPS):
-        pin.computeJointJacobians(model, data, q)
-        pin.updateFramePlacements(model, data)
-        J_com = pin.jacobianCenterOfMass(model, data, q)
-        away = target - data.com[0][:2]
-        rows, wanted = [J_com[:2]], [away * min(1.0, MAX_STEP_LENGTH / max(float(np.linalg.norm(away)), 1e-9))]
-        for name, place in feet.items():
-            frame = robot.point(name)
-            rows.append(pin.getFrameJacobian(model, data, frame, pin.LOCAL))
-            wanted.append(pin.log6(data.oMf[frame].actInv(place)).vector)
-        tilt = pin.log3(data.oMi[1].rotation.T @ pin.XYZQUATToSE3(robot.rest[:7]).rotation)
-        rows += [1e-2 * np.eye(model.nv)[3:6], 1e-3 * np.eye(model.nv)]
-        wanted += [1e-2 * tilt, np.zeros(model.nv)]
-        step = np.zeros(model.nv)
-        step[moving] = np.linalg.lstsq(np.vstack(rows)[:, moving], np.concatenate(wanted), rcond=None)[0]
-        q = pin.integrate(model, q, step)
-        q[7:] = np.clip(q[7:], robot.lower, robot.upper)
-    pin.centerOfMass(model, data, q)
-    pin.framesForwardKinematics(model, data, q)
-    off = [float(np.linalg.norm(target - data.com[0][:2]))]
-    off += [
-        float(np.abs(pin.log6(data.oMf[robot.point(name)].actInv(place)).vector).max()) for name, place in feet.items()
-    ]
-    return q, max(off) < REACH_TOLERANCE
+    q, _, reached = footing_at(robot, feet, target)
+    return q, reached

@@ -1,12 +1,15 @@
-"""A contact with the floor: the forces that it can exert and the motion that it excludes."""
+"""A contact between two surfaces: the forces that they exert on each other and the motion that it excludes."""
 
 from typing import Literal
 
 import numpy as np
 
 from solvers.compiled import compiled
-from sot.control.pose import AXIS_NAMES, PoseReference
+from sot.control.pose import AXES, AXIS_NAMES, PoseReference
+from sot.control.quantities.frames import FrameState
 from sot.control.tick import Mode, Tick
+from sot.errors import InputError
+from sot.robots.surface import FLOOR, INWARD, Surface
 
 Array = np.ndarray
 Form = Literal["pyramid", "unilateral"]
@@ -30,73 +33,116 @@ FULL_FRICTION_SPEED = 0.002
 
 
 class Contact:
-    """A flat surface of a body on level ground, with the forces at its vertices as variables.
+    """Two surfaces that touch: equal and opposite forces on both, Otani (13), variables at the first one's vertices.
+
+    What is excluded is motion of the first surface relative to the second at the same material points, Otani (4), (15)
+    and (16). The second may be the floor, a surface of the world, of a thing or of another part of the robot.
 
     Forms of its force variables φ [N], whose place among those of all contacts `Tick.force_columns` says:
 
-    - "pyramid": a force (x, y, z), in the point's axes, at each vertex, Ramos (3), vertex after vertex, in the friction
-      pyramid of eight sides inscribed in the cone; a foot that stands presses a little, at every vertex.
-    - "unilateral": the paper's reduced form, Ramos (7)-(9): the wrench at the frame, force over moment in world axes,
-      and after it the vertices' normal forces, linked by three equalities; pressure must not be negative, friction is
-      not limited.
+    - "pyramid": a force (x, y, z) on the first surface at each vertex, Ramos (3), vertex after vertex, in axes of the
+      first surface whose z points into its body (of a sole, the foot's), in the friction pyramid of eight sides
+      inscribed in the cone; a foot that stands presses a little, at every vertex.
+    - "unilateral": the paper's reduced form, Ramos (7)-(9), of soles on the floor: the wrench at the frame, force over
+      moment in world axes, and after it the vertices' normal forces, linked by three equalities; pressure must not be
+      negative, friction is not limited.
 
     Modes:
 
-    - "fixed" holds all six axes and gives forces.
-    - "sliding" holds height, roll and pitch, Ramos IV-C, while a task moves the rest. The paper has no forces then, and
-      the foot hovers. Here it bears a light load, bounded from both sides: the variables are the vertices' normal
-      forces n, and with each goes the floor's friction ``-mu n u / |u|`` against the velocity u that `path` has there.
+    - "fixed" holds all six axes, or those of `axes`, and gives forces.
+    - "sliding" holds height, roll and pitch over the second surface, Ramos IV-C, while a task moves the rest. The paper
+      has no forces then, and the foot hovers. Here it bears a light load, bounded from both sides: the variables are
+      the vertices' normal forces n, and with each goes the friction ``-mu n u / |u|`` against the velocity u that
+      `path` has there.
     - "off" does neither.
 
     Args:
-        point: Operational point of the robot on the surface.
-        vertices: Corners in the point's frame, shape (nc, 3) [m].
-        friction: Coulomb coefficient that is relied upon.
+        surface: Of the robot or of a thing.
+        on: What it touches; its z axis is what the first surface is laid flat against.
+        friction: Coulomb coefficient that is relied upon; unless given, the lesser of the two surfaces'.
         inset: Distance by which the vertices are drawn in: keeps the pressure off the very edge [m].
         form: See above.
-        stiffness: Gain that brings the surface flat onto the floor [1/s²].
+        axes: Which axes of the second surface it holds when fixed, any of "xyzRPY".
+        stiffness: Gain that brings the surfaces together [1/s²].
         damping: Gain against any motion that the contact should not make [1/s].
         path: How the point is to move while it slides, or, if not as planned, while it is off.
-        sliding_friction: Coulomb coefficient that is expected of the floor then.
+        sliding_friction: Coulomb coefficient that is expected then.
+        least, most: Bounds of the normal force in the second half of the load ramp and after it [N]. Unless given, a
+            share of the robot's weight and no bound.
+        wish: Normal force that `tasks.LeastForces` asks for [N]: what hands squeeze with.
+        name: Unless given, the first surface's if it is on the floor, else "surface on other surface".
+
+    Attributes:
+        point: Operational point that the first surface is fixed to.
+        vertices: Where its forces act, in the frame of that point, shape (n, 3) [m].
+
+    Raises:
+        InputError: If both surfaces are of one body, the first is the world's, or the axes are others.
     """
 
     def __init__(
         self,
-        point: str,
-        vertices: Array,
-        friction: float = 0.5,
+        surface: Surface,
+        on: Surface = FLOOR,
+        friction: float | None = None,
         inset: float = 0.004,
         form: Form = "pyramid",
+        axes: str = AXES,
         stiffness: float = 100.0,
         damping: float = 20.0,
         path: PoseReference | None = None,
         sliding_friction: float = 0.7,
+        least: float | None = None,
+        most: float = np.inf,
+        wish: float = 0.0,
+        name: str | None = None,
     ) -> None:
-        self.point, self.form = point, form
+        self.surface, self.on, self.form = surface, on, form
+        self.name = name or (surface.name if on is FLOOR else f"{surface.name} on {on.name}")
+        if surface.point is None:
+            raise InputError(f"contact '{self.name}': name the surface of the robot or thing first, then the world's")
+        if surface.point == on.point or surface is on:
+            raise InputError(f"contact '{self.name}': both surfaces are of one body, '{surface.owner}'")
+        if not axes or set(axes) - set(AXES) or len(set(axes)) < len(axes):
+            raise InputError(f"contact '{self.name}': axes '{axes}': choose some of {AXES}, each once")
+        if form == "unilateral" and (on is not FLOOR or len(axes) < 6):
+            raise InputError(f"contact '{self.name}': the unilateral form is for soles on the floor")
+        self.point: str = surface.point
         self.mode: Mode = "fixed"
         self.load = 1.0
         """Ramp on the normal force: 1 carries whatever is needed, 0 nothing. The limit in between goes with the cube:
         a foot that carries little is unloaded as gradually as one that carries much."""
-        centre = vertices.mean(axis=0)
-        self.vertices = vertices - inset * np.sign(vertices - centre) * [1.0, 1.0, 0.0]
-        self.friction, self.stiffness, self.damping = friction, stiffness, damping
+        corners = surface.corners @ INWARD
+        drawn_in = inset * np.sign(corners - corners.mean(axis=0)) * [1.0, 1.0, 0.0]
+        self._corners = corners - drawn_in  # from the surface's origin, in the axes of the forces
+        self.vertices = self._corners @ (surface.placement.rotation @ INWARD).T + surface.placement.translation
+        self.friction = min(surface.friction, on.friction) if friction is None else friction
+        self.stiffness, self.damping = stiffness, damping
         self.path, self.sliding_friction = path, sliding_friction
+        self.least, self.most, self.wish = least, most, wish
         self.unlimited_force = False
         """Whether the fixed contact exerts any force that is needed: no floor does, but a rehearsal may ask for it."""
         self.arrival_acceleration: Array | None = None
-        """Acceleration (6,) that the point had when the contact was made, world axes [m/s², rad/s²]. The contact's own
-        demand fades in from it within the load ramp, so that no joint's torque steps."""
-        self._bounds_at_load = -1.0, 0.0, np.empty(0), np.empty(0)  # at which load, and the bounds of the forces then
-        self._normal_selector = np.eye(len(vertices))
+        """Relative acceleration (6,) that the surfaces had when the contact was made, world axes [m/s², rad/s²]. The
+        contact's own demand fades in from it within the load ramp, so that no joint's torque steps."""
+        self._fixed_axes = tuple(k for k, axis in enumerate(AXES) if axis in axes)
+        self._bounds_at: tuple[float, float, float | None, float] = (
+            -1.0,
+            0.0,
+            None,
+            0.0,
+        )  # at which load, weight, least and most
+        self._bounds = np.empty(0), np.empty(0)  # and the bounds of the forces then
+        self._normal_selector = np.eye(len(corners))
         sides = ("+x", "+x+y", "+y", "-x+y", "-x", "-x-y", "-y", "+x-y", "normal")
         self._force_labels: dict[int, list[str]] = {0: []} | {
-            len(part) * len(vertices): [f"vertex {k} {side}" for k in range(len(vertices)) for side in part]
+            len(part) * len(corners): [f"vertex {k} {side}" for k in range(len(corners)) for side in part]
             for part in (sides, sides[-1:])
         }
         self._force_rows = (
             self._friction_pyramids()
             if form == "pyramid"
-            else np.hstack([np.zeros((len(vertices), 6)), np.eye(len(vertices))])
+            else np.hstack([np.zeros((len(corners), 6)), np.eye(len(corners))])
         )
 
     @property
@@ -114,31 +160,55 @@ class Contact:
 
     @property
     def held_axes(self) -> tuple[int, ...]:
-        """Axes (x, y, z, roll, pitch, yaw) that the present mode holds."""
-        return {"fixed": (0, 1, 2, 3, 4, 5), "sliding": (2, 3, 4), "off": ()}[self.mode]
+        """Axes (x, y, z, roll, pitch, yaw) of the second surface that the present mode holds."""
+        return {"fixed": self._fixed_axes, "sliding": (2, 3, 4), "off": ()}[self.mode]
 
     @property
     def held_axis_names(self) -> list[str]:
         """Names of the held axes."""
         return [AXIS_NAMES[axis] for axis in self.held_axes]
 
+    @property
+    def is_footing(self) -> bool:
+        """Whether it is a surface of the world that is touched, of any height and slope."""
+        return self.on.point is None
+
     def force_labels(self, rows: int) -> list[str]:
         """Names of the rows of `force_inequalities`, of which there are `rows`."""
         return self._force_labels[rows]
 
+    def motion(self, tick: Tick) -> FrameState:
+        """Place and axes (see "pyramid") of the first surface's origin, and its motion relative to the second surface.
+
+        Velocity, Jacobian and drift are those of the first body less those of the second one's material point there.
+        """
+        return tick.relative_frame(self.surface, self.on)
+
     def wrench_map(self, tick: Tick) -> Array:
-        """Map from φ to the wrench (force, moment about the point) that the floor exerts, world axes, (6, k)."""
+        """Map from φ to the wrench that the first surface feels, about its origin, world axes, (6, k)."""
         if self.mode == "sliding":
             return self._sliding_wrench_map(tick)
         if self.form == "unilateral":
             return np.hstack([np.eye(6), np.zeros((6, len(self.vertices)))])
-        return _vertex_wrench_map(tick.frame(self.point).rotation, self.vertices)
+        return _vertex_wrench_map(self.motion(tick).rotation, self._corners)
+
+    def normal_map(self) -> Array:
+        """Map from φ to the normal force, shape (k,)."""
+        if self.mode == "sliding" or self.form == "unilateral":
+            row = np.ones(self.force_count)
+            row[: self.force_count - len(self.vertices)] = 0.0
+            return row
+        return np.tile([0.0, 0.0, 1.0], self.force_count // 3)
+
+    def wishes(self) -> Array:
+        """What `tasks.LeastForces` asks of φ: the wish shared by the vertices' normal forces, shape (k,)."""
+        return (self.load * self.wish / max(len(self.vertices), 1)) * self.normal_map()
 
     def force_equalities(self, tick: Tick) -> Array:
         """Rows E with ``E φ = 0``, shape (e, k): Ramos (7) for the unilateral form when fixed, else none."""
         if not self.force_equality_count:
             return np.zeros((0, self.force_count))
-        arms = self.vertices @ tick.frame(self.point).rotation.T
+        arms = self._corners @ self.motion(tick).rotation.T
         E = np.zeros((3, self.force_count))
         # Normal force, and its moments about x and y, as sums over the vertices: Ramos (8), (9) with the frame on the
         # surface (c_z = 0).
@@ -148,8 +218,10 @@ class Contact:
         return E
 
     def max_normal_force(self, weight: float) -> float:
-        """Normal force that the ramp admits now [N], for a robot of this weight [N]; no limit at full load."""
-        return np.inf if self.load >= 1.0 else self.load**3 * MAX_RAMPED_LOAD_WEIGHTS * weight
+        """Normal force that the ramp admits now [N], for a robot of this weight [N]; `most` at full load."""
+        if self.load >= 1.0:
+            return self.most
+        return self.load**3 * (self.most if np.isfinite(self.most) else MAX_RAMPED_LOAD_WEIGHTS * weight)
 
     def force_inequalities(self, weight: float) -> tuple[Array, Array, Array]:
         """Rows ``lower <= C φ <= upper``; `weight` is the robot's [N]."""
@@ -159,28 +231,29 @@ class Contact:
             count = len(self.vertices)
             least, most = (share * weight / count for share in SLIDING_LOAD_RANGE_WEIGHTS)
             return self._normal_selector, np.full(count, least), np.full(count, most)
-        if (self.load, weight) != self._bounds_at_load[:2]:
+        if (self.load, weight, self.least, self.most) != self._bounds_at:
             count = len(self.vertices)
             top = self.max_normal_force(weight) / count
             if self.form == "unilateral":
                 lower, upper = np.zeros(count), np.full(count, top)
             else:
+                least = MIN_STANDING_LOAD_WEIGHTS * weight if self.least is None else self.least
                 lower, upper = np.full((PYRAMID_SIDES + 1) * count, -np.inf), np.zeros((PYRAMID_SIDES + 1) * count)
-                lower[PYRAMID_SIDES :: PYRAMID_SIDES + 1] = (
-                    max(0.0, 2.0 * self.load - 1.0) * MIN_STANDING_LOAD_WEIGHTS * weight / count
-                )
+                lower[PYRAMID_SIDES :: PYRAMID_SIDES + 1] = min(max(0.0, 2.0 * self.load - 1.0) * least / count, top)
                 upper[PYRAMID_SIDES :: PYRAMID_SIDES + 1] = top
             lower.flags.writeable = upper.flags.writeable = False  # the same until the load changes, and known to be
-            self._bounds_at_load = self.load, weight, lower, upper
-        return self._force_rows, self._bounds_at_load[2], self._bounds_at_load[3]
+            self._bounds_at, self._bounds = (self.load, weight, self.least, self.most), (lower, upper)
+        return self._force_rows, *self._bounds
 
     def acceleration(self, tick: Tick) -> Array:
-        """Acceleration that the point is to have, shape (6,): what brings the surface flat onto the floor and to rest.
+        """Relative acceleration that is to be, shape (6,): what lays the surfaces flat on each other and to rest.
 
         Velocity damping alone would keep a foot in the tilt in which it has landed.
         """
-        frame = tick.frame(self.point)
-        wanted = _flattening_acceleration(frame.position, frame.rotation, frame.velocity, self.stiffness, self.damping)
+        motion = self.motion(tick)
+        axes = tick.surface_axes(self.on)
+        place = motion.position, motion.rotation, motion.velocity
+        wanted: Array = _closing_acceleration(*place, axes.translation, axes.rotation, self.stiffness, self.damping)
         if self.arrival_acceleration is not None:
             wanted += (1.0 - self.load) ** ARRIVAL_ACCELERATION_FADE_POWER * (self.arrival_acceleration - wanted)
             if self.load >= 1.0:
@@ -189,13 +262,14 @@ class Contact:
 
     def _sliding_wrench_map(self, tick: Tick) -> Array:
         """Map from the normal forces, with the friction that goes with them, to the wrench at the point, (6, nc)."""
-        arms = self.vertices @ tick.frame(self.point).rotation.T
-        twist = self.path(tick.t).velocity if self.path else tick.frame(self.point).velocity
-        along = twist[:2] + twist[5] * np.column_stack([-arms[:, 1], arms[:, 0]])
+        motion, axes = self.motion(tick), tick.surface_axes(self.on).rotation
+        arms = self._corners @ (axes.T @ motion.rotation).T
+        twist = self.path(tick.t).velocity if self.path else motion.velocity
+        along = (twist[:3] @ axes)[:2] + (twist[3:] @ axes)[2] * np.column_stack([-arms[:, 1], arms[:, 0]])
         # At rest friction has no direction: it fades with the speed.
         along /= np.maximum(np.linalg.norm(along, axis=1), FULL_FRICTION_SPEED)[:, None]
         forces = np.column_stack([-self.sliding_friction * along, np.ones(len(arms))])
-        return np.vstack([forces.T, np.cross(arms, forces).T])
+        return np.vstack([axes @ forces.T, axes @ np.cross(arms, forces).T])
 
     def _friction_pyramids(self) -> Array:
         """Rows of the friction pyramids of all vertices; the last row of each is the normal force."""
@@ -206,14 +280,27 @@ class Contact:
 
 
 @compiled
-def _flattening_acceleration(
-    position: Array, rotation: Array, velocity: Array, stiffness: float, damping: float
+def _closing_acceleration(
+    position: Array,
+    rotation: Array,
+    velocity: Array,
+    origin: Array,
+    axes: Array,
+    stiffness: float,
+    damping: float,
 ) -> Array:
+    """Acceleration that brings a surface, its z axis into its body, onto the plane of others, whose z is its normal."""
     wanted = -damping * velocity
-    wanted[2] -= stiffness * position[2]
-    # The floor's normal seen from the sole's: n × e_z is the rotation that brings the sole flat.
-    wanted[3] += stiffness * rotation[1, 2]
-    wanted[4] -= stiffness * rotation[0, 2]
+    x, y, z = axes[0, 2], axes[1, 2], axes[2, 2]
+    gap = x * (position[0] - origin[0]) + y * (position[1] - origin[1]) + z * (position[2] - origin[2])
+    wanted[0] -= stiffness * gap * x
+    wanted[1] -= stiffness * gap * y
+    wanted[2] -= stiffness * gap * z
+    # The other's normal seen from one's own: n × e_z is the rotation that brings the surface flat.
+    a, b, c = rotation[0, 2], rotation[1, 2], rotation[2, 2]
+    wanted[3] += stiffness * (b * z - c * y)
+    wanted[4] += stiffness * (c * x - a * z)
+    wanted[5] += stiffness * (a * y - b * x)
     return wanted
 
 

@@ -15,6 +15,7 @@ from sot.control.stack import Stack
 from sot.control.tick import Tick
 from sot.errors import InvalidRowsError
 from sot.robots.robot import Robot
+from sot.robots.system import System
 
 Array = np.ndarray
 
@@ -29,9 +30,10 @@ class Command:
     """What a tick commands, and what it knows about it.
 
     Args:
-        torque: τ, shape (na,), within the robot's limits [N m].
+        torque: τ, shape (na,), within the limits, the robot's first [N m].
         acceleration: v̇ that the controller expects, shape (nv,).
-        wrenches: Floor on each contact of the stack, at its point, world axes, shape (contacts, 6) [N, N m].
+        wrenches: On the first surface of each contact of the stack, at its origin, world axes, shape (contacts, 6)
+            [N, N m].
         zmp: Predicted zero-moment point, Ramos (11), shape (2,) [m]; nan without load.
         solution: The solver's answer, level by level.
         status: The solution's. If level 0 has none (`Status.FAILED` or `INVALID` there), the torque is a damped hold of
@@ -60,7 +62,7 @@ class Controller:
     """Runs a stack on a robot.
 
     Args:
-        robot: The robot.
+        robot: The robot, or the system of it and of the things that it handles.
         stack: What it is asked for; may be changed between ticks.
         solver: `Cascade`, `Weighted`, ...
         period: Control period [s].
@@ -70,17 +72,17 @@ class Controller:
 
     def __init__(
         self,
-        robot: Robot,
+        robot: Robot | System,
         stack: Stack,
         solver: Solver,
         period: float = 0.001,
         schedule: Schedule | None = None,
         form: FormName = "condensed",
     ) -> None:
-        self.robot, self.stack, self.solver, self.schedule = robot, stack, solver, schedule
-        self.dynamics = Dynamics(robot, form)
-        self.tick = Tick(robot, period)
-        self._last_torque = np.zeros(robot.na)
+        self.system, self.stack, self.solver, self.schedule = System.of(robot), stack, solver, schedule
+        self.dynamics = Dynamics(self.system, form)
+        self.tick = Tick(self.system, period)
+        self._last_torque = np.zeros(self.system.na)
         self._last_explained = -np.inf
         self._contacts_off: list[Contact] = []  # contacts that were, a tick ago
         self._started = False
@@ -89,7 +91,7 @@ class Controller:
     def __call__(self, t: float, q: Array, v: Array, loads: Mapping[str, float] | None = None) -> Command:
         """One tick: the state at time `t` [s], Pinocchio's conventions, to torques.
 
-        `loads` are the measured normal forces on the feet [N]; a schedule may use them.
+        `loads` are the measured normal forces of the contacts, by their names [N]; a schedule may use them.
 
         Raises:
             InputError: In the first tick, if a task's rows cannot be used; later on the last torque is held. Also
@@ -102,7 +104,7 @@ class Controller:
         else:
             stack.advance(t)
         self._note_arrivals(stack.contacts)
-        tick.contacts = stack.contacts
+        tick.contacts, tick.loads, tick.carried = stack.contacts, stack.loads, tuple(stack.carried)
         tick.update(t, q, v)
         modelled = assembled = perf_counter()
         invalid, unsolved = "", None
@@ -129,7 +131,7 @@ class Controller:
             torque, acceleration, wrenches, zmp = decoded.torque, decoded.acceleration, decoded.wrenches, decoded.zmp
             self._last_torque, tick.acceleration = torque, acceleration
         else:
-            torque, acceleration = self._held_torque(v), np.zeros(self.robot.nv)
+            torque, acceleration = self._held_torque(v), np.zeros(self.system.nv)
             wrenches, zmp = np.full((len(stack.contacts), 6), np.nan), np.full(2, np.nan)
         solved = perf_counter()
         return Command(
@@ -160,7 +162,7 @@ class Controller:
             return solution, None
         decoded = self.dynamics.decode(solution.x)
         # Only rounding is left to clip: the bounds are rows of level 0.
-        decoded.torque, finite = _within(decoded.torque, self.robot.effort, solution.x)
+        decoded.torque, finite = _within(decoded.torque, self.system.effort, solution.x)
         if not finite:
             raise InvalidRowsError(f"solver '{self.solver.name}': its answer is not finite")
         return solution, decoded
@@ -170,15 +172,16 @@ class Controller:
 
         Never a held one: damping added to damping would become a stiffness.
         """
-        damping = np.where(np.isfinite(v[6:]), HOLD_DAMPING * v[6:], 0.0)
-        held: Array = np.clip(self._last_torque - damping, -self.robot.effort, self.robot.effort)
+        speeds = v[self.system.driven]
+        damping = np.where(np.isfinite(speeds), HOLD_DAMPING * speeds, 0.0)
+        held: Array = np.clip(self._last_torque - damping, -self.system.effort, self.system.effort)
         return held
 
     def _note_arrivals(self, contacts: Sequence[Contact]) -> None:
         """Give contacts that have just been made the acceleration with which their points arrive."""
         for contact in self._contacts_off:
             if contact.mode != "off" and self.tick.finite:
-                frame = self.tick.frame(contact.point)  # of the last tick still
+                frame = contact.motion(self.tick)  # of the last tick still
                 contact.arrival_acceleration = frame.jacobian @ self.tick.acceleration + frame.drift
         self._contacts_off = [contact for contact in contacts if contact.mode == "off"]
 

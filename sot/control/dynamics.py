@@ -16,6 +16,7 @@ from sot.control.task import Task
 from sot.control.tick import Tick
 from sot.errors import InputError
 from sot.robots.robot import Robot
+from sot.robots.system import System
 
 Array = np.ndarray
 FormName = Literal["condensed", "full"]
@@ -33,9 +34,9 @@ class Decoded:
         acceleration: v̇, shape (nv,).
         torque: τ, shape (na,) [N m].
         forces: φ of all contacts, one after the other, shape (forces,) [N].
-        wrenches: Wrench of the floor on each contact's point, world axes, shape (contacts, 6) [N, N m].
-        zmp: Point of the floor about which these have no horizontal moment, shape (2,) [m]; nan without load. With all
-            vertices on the floor it is the mean of them weighted by their normal forces, Ramos (11).
+        wrenches: Wrench on each contact's first surface, about its origin, world axes, shape (contacts, 6) [N, N m].
+        zmp: Point of z = 0 about which those on the feet have no horizontal moment, shape (2,) [m]; nan without load.
+            With all vertices on the floor it is the mean of them weighted by their normal forces, Ramos (11).
     """
 
     acceleration: Array
@@ -52,13 +53,13 @@ class Dynamics:
     the next `assemble`.
 
     Args:
-        robot: The robot.
+        robot: The robot, or the system of it and things.
         form: "condensed", the one that runs, or "full", the paper's; both give the same answer.
     """
 
-    def __init__(self, robot: Robot, form: FormName = "condensed") -> None:
-        self.robot, self.name = robot, form
-        self.units = Units.of(robot)
+    def __init__(self, robot: Robot | System, form: FormName = "condensed") -> None:
+        self.system, self.name = System.of(robot), form
+        self.units = Units.of(self.system.robot)
         self._layout: Layout | None = None
         self._key: list[object] = []
 
@@ -96,7 +97,7 @@ class Dynamics:
             key += [own.A.shape for own in rows]
             key += [len(own.lower) for own in rows]
         except (AttributeError, TypeError):
-            counts = variable_counts(self.robot, sum(contact.force_count for contact in contacts))
+            counts = variable_counts(self.system, sum(contact.force_count for contact in contacts))
             for task, own in zip(tasks, rows, strict=True):
                 check_rows(task, own, counts[task.variable])
             raise
@@ -104,8 +105,9 @@ class Dynamics:
             key += [name, *own_tasks]
         if self._layout is None or key != self._key:
             self._layout, self._key = None, key
-            form = _FORMS[self.name](self.robot, self.units, sum(contact.force_count for contact in contacts))
-            self._layout = Layout(form, contacts, all_levels, rows)
+            forces = sum(contact.force_count for contact in contacts)
+            form = _FORMS[self.name](self.system, self.units, forces, _untouched_velocities(self.system, contacts))
+            self._layout = Layout(form, contacts, all_levels, rows, self.system.robot.feet)
         form = self._layout.form
         form.motion[:, : form.nv], form.bias = tick.M.T, tick.h  # M is symmetric, and so it lies in memory like motion
         return self._layout.write(tick, rows)
@@ -115,13 +117,24 @@ class Dynamics:
         assert self._layout is not None
         layout, form = self._layout, self._layout.form
         forces = self.units.force * x[form.nv : form.nv + form.forces]
-        wrenches, zmp = _wrenches_and_zmp(layout.wrench_maps, layout.contact_of_force, layout.contact_positions, forces)
+        wrenches, zmp = _wrenches_and_zmp(
+            layout.wrench_maps, layout.contact_of_force, layout.contact_positions, layout.is_foot, forces
+        )
         return Decoded(x[: form.nv], form.torque(x), forces, wrenches, zmp)
+
+
+def _untouched_velocities(system: System, contacts: Sequence[Contact]) -> list[int]:
+    """Velocities without motors of the things that no contact exerts a force on."""
+    touched = {part for contact in contacts if contact.force_count for part in (contact.point, contact.on.point)}
+    owners = {point.split("/", 1)[0] for point in touched if point is not None}
+    motorless = set(system.undriven.tolist())
+    loose = [of for name, of in system.velocities.items() if name not in owners]
+    return [k for of in loose for k in range(of.start, of.stop) if k in motorless]
 
 
 @compiled
 def _wrenches_and_zmp(
-    wrench_maps: Array, contact_of_force: Array, contact_positions: Array, forces: Array
+    wrench_maps: Array, contact_of_force: Array, contact_positions: Array, is_foot: Array, forces: Array
 ) -> tuple[Array, Array]:
     """Wrenches of the contact forces and their zero-moment point; for the arguments see `Layout`, `Decoded`."""
     wrenches = np.zeros((len(contact_positions), 6))
@@ -130,6 +143,8 @@ def _wrenches_and_zmp(
             wrenches[contact_of_force[k], i] += wrench_maps[i, k] * forces[k]
     x = y = load = 0.0
     for k in range(len(contact_positions)):
+        if not is_foot[k]:
+            continue
         fx, fy, fz, mx, my, _ = wrenches[k]
         x += contact_positions[k, 0] * fz - contact_positions[k, 2] * fx - my
         y += contact_positions[k, 1] * fz - contact_positions[k, 2] * fy + mx

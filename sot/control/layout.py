@@ -43,13 +43,15 @@ class Layout:
         contacts: Contacts, those that are off included.
         levels: Names and tasks of all levels, level 0 first.
         rows: Rows of all tasks, in the order of the levels, at such a tick.
+        feet: Points of the robot's feet.
 
     Attributes:
         levels: Levels as they were written last.
-        wrench_maps: Each force of φ [N] as the wrench of the floor at the point of its contact, world axes, shape
-            (6, forces).
+        wrench_maps: Each force of φ [N] as the wrench on the first surface of its contact, about that one's origin,
+            world axes, shape (6, forces).
         contact_of_force: Number of the contact that each of these forces belongs to, shape (forces,).
-        contact_positions: Points of the contacts that are not off, world, shape (contacts, 3) [m].
+        contact_positions: These origins, of the contacts that are not off, world, shape (contacts, 3) [m].
+        is_foot: Whether each contact is one of a foot with the world, shape (contacts,).
 
     Raises:
         InvalidRowsError: If rows have a wrong shape or type, or a value that is not finite.
@@ -61,12 +63,15 @@ class Layout:
         contacts: Sequence[Contact],
         levels: Sequence[tuple[str, Sequence[Task]]],
         rows: Sequence[Rows],
+        feet: Sequence[str],
     ) -> None:
         self.form = form
         self.levels: list[Level] = []
         self.wrench_maps, self.contact_positions = np.zeros((6, form.forces)), np.zeros((len(contacts), 3))
         self.contact_of_force = np.repeat(np.arange(len(contacts)), [contact.force_count for contact in contacts])
+        self.is_foot = np.array([contact.is_footing and contact.point in feet for contact in contacts], dtype=bool)
         self._contact_rows: list[ContactRows] = []
+        self._untouched: Equality | None = None
         self._equalities: list[tuple[int, float, Task, Equality]] = []
         self._inequalities: list[tuple[int, float, Task, _InequalityRows]] = []
         asked = iter(enumerate(rows))
@@ -77,6 +82,9 @@ class Layout:
                 self._dynamics = builder.add_equality(
                     form.equation_block(), Equality(*form.equation(), form.equation_scale)
                 )
+                if len(form.untouched_equation()[1]):
+                    untouched = Equality(*form.untouched_equation(), form.equation_scale)
+                    self._untouched = builder.add_equality(form.untouched_block(), untouched)
             for task in tasks:
                 k, own = next(asked)
                 check_rows(task, own, form.counts[task.variable])
@@ -85,7 +93,8 @@ class Layout:
                 )
                 start, unit = form.variables.get(task.variable, _NO_VARIABLE_START_AND_UNIT)
                 if task.equality:
-                    equality = Equality(own.A, own.lower, start=start, selects=own.selects if unit else None)
+                    A = self._widened(own.A) if unit and task.variable == "acceleration" else own.A
+                    equality = Equality(A, own.lower, start=start, selects=own.selects if unit else None)
                     self._equalities.append((k, unit, task, builder.add_equality(block, equality)))
                 else:
                     width = own.A.shape[1] if unit else form.nv + form.forces
@@ -106,11 +115,15 @@ class Layout:
         for contact_rows in self._contact_rows:
             contact_rows.write(tick)
         dynamics.A, dynamics.b = form.equation()
+        if self._untouched is not None:
+            self._untouched.A, self._untouched.b = form.untouched_equation()
         for k, unit, task, equality in self._equalities:
             own = rows[k]
             weight, wanted = own.weight, own.lower
             if unit:
-                equality.A, equality.scale = own.A, weight * unit
+                if not (own.selects is not None and own.A.shape[1] < equality.A.shape[1]):
+                    equality.A = self._widened(own.A) if task.variable == "acceleration" else own.A
+                equality.scale = weight * unit
             else:
                 equality.A, offset = form.torque_rows(own)
                 equality.scale, wanted = weight, wanted - offset
@@ -129,6 +142,14 @@ class Layout:
         for level in self.levels:
             level.clear_cache()
         return self.levels
+
+    def _widened(self, A: Array) -> Array:
+        """Rows on the robot's accelerations, or on all, as rows on all: solvers tell v̇ from φ by the columns."""
+        if not isinstance(A, np.ndarray) or A.ndim != 2 or A.shape[1] == self.form.nv:
+            return A
+        out = np.zeros((len(A), self.form.nv))
+        out[:, : A.shape[1]] = A
+        return out
 
     def _invalid(self, task: Task, rows: Rows) -> InvalidRowsError:
         """Error that says what is wrong with rows."""
@@ -165,9 +186,12 @@ class ContactRows:
     ) -> None:
         self._contact, self._units, self._map, self._place = contact, form.units, map, place
         self._axes = list(contact.held_axes)
+        self._turns_axes = len(self._axes) < 6 and not (
+            contact.is_footing and np.array_equal(contact.on.placement.rotation, np.eye(3))
+        )
         columns = slice(form.nv + own.start, form.nv + own.stop)
         self._on_motion = form.motion[:, columns]
-        block = Block(f"Contact {contact.point}", "m/s²", 1.0, True, _ROWS_NOT_PLACED, labels=contact.held_axis_names)
+        block = Block(f"Contact {contact.name}", "m/s²", 1.0, True, _ROWS_NOT_PLACED, labels=contact.held_axis_names)
         self._held = builder.add_equality(
             block, Equality(np.empty((len(self._axes), form.nv)), np.empty(len(self._axes)))
         )
@@ -178,20 +202,23 @@ class ContactRows:
         share = 1.0 / form.units.force
         if links := contact.force_equality_count:
             E = np.empty((links, contact.force_count))
-            block = Block(f"Pressure {contact.point}", "N", share, True, _ROWS_NOT_PLACED)
+            block = Block(f"Pressure {contact.name}", "N", share, True, _ROWS_NOT_PLACED)
             self._pressure = builder.add_equality(block, Equality(E, np.zeros(links), start=columns.start))
         count = len(contact.force_inequalities(1.0)[1])
         labels = contact.force_labels(count)
         block = Block(
-            f"Friction {contact.point}", "N", share, False, _ROWS_NOT_PLACED, FRICTION_RELAXATION_ORDER, labels
+            f"Friction {contact.name}", "N", share, False, _ROWS_NOT_PLACED, FRICTION_RELAXATION_ORDER, labels
         )
         self._friction = builder.add_inequality(_InequalityRows(block, columns, count, constant=True))
 
     def write(self, tick: Tick) -> None:
         """Write its rows at a tick."""
         contact, held = self._contact, self._held
-        frame = tick.frame(contact.point)
+        frame = contact.motion(tick)
         held.A, held.b = frame.jacobian, contact.acceleration(tick) - frame.drift
+        if self._turns_axes:
+            axes = np.kron(np.eye(2), tick.surface_axes(contact.on).rotation.T)
+            held.A, held.b = axes @ held.A, axes @ held.b
         if len(self._axes) < 6:
             held.A, held.b = held.A[self._axes], held.b[self._axes]
         self._place[:] = frame.position
@@ -199,7 +226,7 @@ class ContactRows:
             return
         G = contact.wrench_map(tick)
         if not _write_wrench_map_and_motion_columns(frame.jacobian, G, -self._units.force, self._map, self._on_motion):
-            raise InvalidRowsError(f"contact '{contact.point}': its path holds a value that is not finite")
+            raise InvalidRowsError(f"contact '{contact.name}': its path holds a value that is not finite")
         if self._pressure is not None:
             self._pressure.A = contact.force_equalities(tick)
         F, lower, upper = contact.force_inequalities(self._units.weight)

@@ -6,6 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 Array = np.ndarray
+AXES = "xyzRPY"
+"""Letters that choose axes: position, and rotation about X, Y and Z."""
 AXIS_NAMES = ("x", "y", "z", "roll", "pitch", "yaw")
 
 

@@ -1,5 +1,7 @@
 """Checks of the rows that tasks return, before compiled code reads them."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from solvers.rows import Rows
@@ -13,13 +15,13 @@ _WANTED_COLUMNS: dict[Variable, str] = {
 }
 
 
-def check_rows(task: Task, rows: Rows, columns: int) -> None:
+def check_rows(task: Task, rows: Rows, columns: Sequence[int]) -> None:
     """See that rows are float arrays of fitting shapes without nan; bounds of limits may be infinite.
 
     Args:
         task: Who returned the rows.
         rows: What it returned.
-        columns: Number of variables of the kind that the task is about.
+        columns: Numbers of columns that rows may have in the kind of variable that the task is about.
 
     Raises:
         InvalidRowsError: Naming the task and the sizes.
@@ -38,9 +40,9 @@ def check_rows(task: Task, rows: Rows, columns: int) -> None:
     A, lower, upper = rows.A, rows.lower, rows.upper
     if A.ndim != 2 or lower.ndim != 1 or upper.ndim != 1:
         shapes = f"{A.shape}, its bounds {lower.shape} and {upper.shape}"
-        raise invalid(f"its {matrix} has shape {shapes}, not (m, {columns}), (m,) and (m,)")
-    if A.shape[1] != columns:
-        raise invalid(f"its {matrix} has {A.shape[1]} columns, {_WANTED_COLUMNS[task.variable].format(columns)}")
+        raise invalid(f"its {matrix} has shape {shapes}, not (m, {columns[0]}), (m,) and (m,)")
+    if A.shape[1] not in columns:
+        raise invalid(f"its {matrix} has {A.shape[1]} columns, {_WANTED_COLUMNS[task.variable].format(columns[0])}")
     if not len(A) == len(lower) == len(upper):
         raise invalid(f"its {matrix} has {len(A)} rows, its bounds {len(lower)} and {len(upper)}")
     if not np.isfinite(A).all():

@@ -7,10 +7,14 @@ import numpy as np
 from solvers.rows import Solution
 from sot.control.contact import Contact
 from sot.control.levels import Levels
+from sot.control.load import Load
 from sot.control.task import Task
-from sot.control.tick import Tick
+from sot.control.tick import Tick, contact_named
 from sot.control.transition import TASK_RAMP, Transition
 from sot.errors import InputError
+
+LOAD_RAMP = 0.2
+"""Default time in which a load comes or goes [s]."""
 
 
 class Stack(Levels):
@@ -22,11 +26,13 @@ class Stack(Levels):
     within a ramp (see `Transition`), so that what the robot is asked for has no jump; with `ramp=0.0` they are not.
 
     Args:
-        contacts: Surfaces on the floor.
+        contacts: Pairs of surfaces that touch.
         hard: Limits that hold before any task.
         levels: Tasks of each level, by the level's name, in order of priority. Tasks of one level share by weight.
+        loads: What the robot carries or is pulled by, and knows.
 
     Attributes:
+        carried: Names of the things that count as the robot's own in mass, centre of mass and momentum.
         time: Time of the present tick [s]; None while the stack does not run.
         transition_shares: Name of each task that is coming, going or moving -> share of its transition that is done.
 
@@ -34,14 +40,22 @@ class Stack(Levels):
         InputError: If two tasks or two contacts have the same name.
     """
 
-    def __init__(self, contacts: Iterable[Contact], hard: Iterable[Task], levels: Mapping[str, Sequence[Task]]) -> None:
+    def __init__(
+        self,
+        contacts: Iterable[Contact],
+        hard: Iterable[Task],
+        levels: Mapping[str, Sequence[Task]],
+        loads: Iterable[Load] = (),
+    ) -> None:
         super().__init__(levels)
         self.contacts = list(contacts)
+        self.loads = list(loads)
+        self.carried: list[str] = []
         self.hard = list(hard)
         self.time: float | None = None
         self.transition_shares: dict[str, float] = {}
         self._transitions: dict[str, Transition] = {}
-        names = [task.name for task in (*self.hard, *self.tasks)] + [contact.point for contact in self.contacts]
+        names = [task.name for task in (*self.hard, *self.tasks)] + [contact.name for contact in self.contacts]
         for name in names:
             if names.count(name) > 1:
                 raise InputError(f"the stack has two entries named '{name}': give one of them another name")
@@ -114,10 +128,41 @@ class Stack(Levels):
     def advance(self, t: float) -> None:
         """Let transitions be where they are at a time [s]; the controller calls it every tick."""
         self.time = t
+        for load in self.loads:
+            load.advance(t)
+        self.loads = [load for load in self.loads if load.share or not load.is_going]
         for name, transition in list(self._transitions.items()):
             self.transition_shares[name] = transition.apply(t, self)
             if self.transition_shares[name] >= 1.0:
                 del self.transition_shares[name], self._transitions[name]
+
+    def add_load(self, load: Load, ramp: float = LOAD_RAMP) -> None:
+        """Let the robot know of a mass that it carries, or of a wrench on it; it counts fully `ramp` [s] from now on.
+
+        Raises:
+            InputError: If there is a load of that name.
+        """
+        if any(load.name == other.name for other in self.loads):
+            raise InputError(f"the stack has a load '{load.name}' already")
+        if self.time is not None:
+            load.begin_ramp(self.time, ramp, 0.0, 1.0)
+        self.loads.append(load)
+
+    def remove_load(self, name: str, ramp: float = LOAD_RAMP) -> Load:
+        """Let a load go within `ramp` [s] and return it.
+
+        Raises:
+            InputError: If there is none of that name.
+        """
+        load = next((load for load in self.loads if load.name == name), None)
+        if load is None:
+            known = ", ".join(load.name for load in self.loads) or "none"
+            raise InputError(f"the stack has no load '{name}': it has {known}")
+        if self.time is None:
+            self.loads.remove(load)
+        else:
+            load.begin_ramp(self.time, ramp, load.share, 0.0)
+        return load
 
     def settle(self) -> None:
         """Finish all transitions at once, and make changes at once until the next tick: for the start of a run."""
@@ -127,16 +172,13 @@ class Stack(Levels):
         self.transition_shares.clear()
         self.time = None
 
-    def contact(self, point: str) -> Contact:
-        """The contact at an operational point, to change its mode or load.
+    def contact(self, name: str) -> Contact:
+        """The contact of a name, or of a surface or point that has one only, to change its mode or load.
 
         Raises:
-            InputError: If the stack has none there.
+            InputError: If the stack has none.
         """
-        for contact in self.contacts:
-            if contact.point == point:
-                return contact
-        raise InputError(f"the stack has no contact '{point}': it has {', '.join(c.point for c in self.contacts)}")
+        return contact_named(self.contacts, name)
 
     def _begin_transition(
         self, task: Task, level: str | None, before: str | None, ramp: float, start: float | None

@@ -1,63 +1,49 @@
-"""Model quantities of the robot's state at one control tick, each computed at most once."""
+"""Model quantities of the system's state at one control tick, each computed at most once."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal, Protocol
+from collections.abc import Iterable, Sequence
+from typing import Literal, Protocol, TypeVar
 
 import numpy as np
 import pinocchio as pin
 
 from solvers.compiled import compiled
+from sot.control.load import Carried, KnownWrench, Load
 from sot.control.pose import PoseReference
+from sot.control.quantities.bias import add_joint_forces, coulomb_speeds, write_bias_and_com
+from sot.control.quantities.carrying import Carrying
+from sot.control.quantities.frames import FrameState, RelativeMotion, write_point_motion
 from sot.errors import InputError
 from sot.gravity import GRAVITY
 from sot.robots.robot import Robot
+from sot.robots.surface import Surface
+from sot.robots.system import System
 
 Array = np.ndarray
 Mode = Literal["fixed", "sliding", "off"]
 
-COULOMB_SPEED = 0.1
-"""Least joint speed [rad/s] over which the Coulomb friction that is compensated changes sign: a step would chatter."""
-COMPENSATION_RATE_LIMIT = 100.0
-"""Bound of the rate [1/s] at which compensated friction speeds a joint up that has none: where the joint is light, the
-compensation changes sign over a larger speed."""
-
-
-@dataclass(slots=True)
-class FrameState:
-    """State of a frame of the robot, in world axes.
-
-    Args:
-        position: Origin, shape (3,) [m].
-        rotation: Axes in the world, shape (3, 3).
-        velocity: Linear velocity of the origin and angular velocity, world axes, shape (6,) [m/s, rad/s].
-        jacobian: ``velocity = J v``, shape (6, nv).
-        drift: J̇ v, the classical acceleration of the frame when v̇ is zero, shape (6,) [m/s², rad/s²].
-    """
-
-    position: Array
-    rotation: Array
-    velocity: Array
-    jacobian: Array
-    drift: Array
-
-    def floor_projection(self, points: Array) -> Array:
-        """Horizontal positions (n, 2) in the world of points (n, 3) of the frame [m]."""
-        places: Array = self.position[:2] + (points @ self.rotation.T)[:, :2]
-        return places
+NamedContact = TypeVar("NamedContact", bound="TickContact")
 
 
 class TickContact(Protocol):
     """Attributes of a contact that tasks may use: see `sot.control.contact.Contact`."""
 
+    name: str
     point: str
+    surface: Surface
+    on: Surface
     mode: Mode
     load: float
+    wish: float
     vertices: Array
     path: PoseReference | None
 
     @property
     def force_count(self) -> int: ...
+
+    @property
+    def is_footing(self) -> bool: ...
+
+    def wishes(self) -> Array: ...
 
     def wrench_map(self, tick: "Tick") -> Array: ...
 
@@ -69,72 +55,189 @@ class TickContact(Protocol):
 class Tick:
     """Model quantities of one state (q, v); `update` moves it to the next one, in place: copy an array to keep it.
 
+    Args:
+        robot: The robot, or a system of it and things.
+        period: Control period [s].
+
     Attributes:
+        robot, system: The robot; and what the state is of, the robot alone or with things.
+        model: Pinocchio's of the system, with the loads that are carried.
         t: Time [s].
         period: Control period, from this tick to the next [s].
         contacts: The contacts of this tick, those that are off included.
-        mass: Of the robot [kg].
+        loads: What is carried or acts from outside, beyond the model.
+        mass: Of the robot and what it carries [kg].
         acceleration: What the controller commanded a tick ago, v̇ (nv,); none at first.
-        q, v: State, Pinocchio's conventions, shapes (nq,), (nv,).
+        q, v: State, Pinocchio's conventions, shapes (nq,), (nv,); the robot's first, then the things'.
+        joint_positions, joint_velocities: Of the robot's joints (na,) [rad, rad/s].
         M: Mass matrix with the rotors' inertia, shape (nv, nv).
-        h: Coriolis, centrifugal and gravity forces, and what the joints' damping and friction take, so that
-            ``M v̇ + h = Sᵀ τ + Jᵀ φ``; shape (nv,).
+        h: Coriolis, centrifugal and gravity forces, what the joints' damping, friction and springs take, and known
+            wrenches, so that ``M v̇ + h = Sᵀ τ + Jᵀ φ``; shape (nv,).
         finite: Whether all of the state is; nothing else here means anything if not.
-        com, com_velocity, com_drift: Centre of mass, its velocity, and J̇ v, shape (3,).
+        com, com_velocity, com_drift: Centre of mass of the robot and what it carries, Otani (33), its velocity, and
+            J̇ v, shape (3,).
     """
 
-    def __init__(self, robot: Robot, period: float = 0.001) -> None:
-        self.robot = robot
+    def __init__(self, robot: Robot | System, period: float = 0.001) -> None:
+        self.system = system = System.of(robot)
+        self.robot = system.robot
+        self.model, self._model_is_own = system.model, False
         self.t = 0.0
         self.period = period
         self.contacts: Sequence[TickContact] = ()
-        self.acceleration = np.zeros(robot.nv)
-        self.data = data = robot.model.createData()
+        self.loads: Sequence[Load] = ()
+        self._carried_shares: list[tuple[Carried, float]] = []
+        self.acceleration = np.zeros(system.nv)
+        self.data = data = system.model.createData()
         # Live views of where Pinocchio writes: to ask it for them anew takes longer than to compute what is in them.
         self.M, self.com = data.M, data.com[0]
         self._forces, self._base, self._A_g = data.nle, data.oMi[1].rotation, data.Ag
-        self._coulomb_speeds = coulomb_speeds(robot)
-        self._J, self.mass = data.J, robot.mass
-        self.h, self.com_jacobian = np.empty(robot.nv), np.empty((3, robot.nv))
+        self._coulomb_speeds = coulomb_speeds(self.robot)
+        self._J, self.mass = data.J, self.robot.mass
+        self.h, self.com_jacobian = np.empty(system.nv), np.empty((3, system.nv))
         self.com_velocity, self.com_drift = np.empty(3), np.empty(3)
-        self._points: dict[str, tuple[FrameState, Array]] = {}
+        self._points: dict[str, tuple[FrameState, Array, int]] = {}
         self._frames: dict[str, FrameState] = {}
+        self._relative_frames: dict[tuple[Surface, Surface], FrameState] = {}
+        self._pairs: dict[tuple[Surface, Surface], RelativeMotion] = {}
         self._centroidal: tuple[Array, Array, Array] | None = None
+        self._carrying: Carrying | None = None
+        self._carried: tuple[str, ...] = ()
+        if moving := system.moving_things:
+            self._carrying = Carrying(system, data)
+            self.com, self._A_g = self._carrying.com, self._carrying.A_g
+            self._losses = np.array(
+                [
+                    np.concatenate([getattr(thing, kind) for thing in moving])
+                    for kind in ("stiffness", "spring_reference", "damping", "friction")
+                ]
+            )
+            joints = [np.arange(system.nq)[system.coordinates[thing.name]] for thing in moving]
+            # Free joints have no springs: any coordinate will do for them.
+            self._spring_coordinates = np.concatenate(
+                [own[-thing.nv :] for thing, own in zip(moving, joints, strict=True)]
+            )
         self.finite = True
-        self.update(0.0, robot.rest, np.zeros(robot.nv))
+        self.update(0.0, system.rest, np.zeros(system.nv))
+
+    @property
+    def carried(self) -> tuple[str, ...]:
+        """Names of the things that count as the robot's: in its mass, centre of mass and momentum.
+
+        Raises:
+            InputError: On setting it, if there is no such thing, or it is not free.
+        """
+        return self._carried
+
+    @carried.setter
+    def carried(self, names: Sequence[str]) -> None:
+        if tuple(names) != self._carried:
+            if self._carrying is None:
+                self.system.thing(names[0])
+                raise InputError(f"'{names[0]}' does not move and cannot be carried")
+            self._carrying.choose(names)
+            self._carried = tuple(names)
+            self._update_mass()
 
     def update(self, t: float, q: Array, v: Array) -> "Tick":
         """Move to a new state; returns the tick itself."""
-        model, data, robot = self.robot.model, self.data, self.robot
+        data, robot = self.data, self.robot
         self.t, self.q, self.v = t, q, v
+        self.joint_positions, self.joint_velocities = q[7 : robot.nq], v[6 : robot.nv]
+        if self.loads or self._carried_shares:
+            self._count_carried_loads()
+        model = self.model
         # In world axes it leaves the joints' places and Jacobians, the centre of mass and A_g as well.
         pin.crba(model, data, q, pin.Convention.WORLD)
         pin.nonLinearEffects(model, data, q, v)
         pin.updateFramePlacements(model, data)
-        self.finite = _write_bias_and_com(
+        if self._carrying is not None:
+            self._carrying.update()
+        self.finite = write_bias_and_com(
             *(self._forces, self._base, self._A_g, self.mass, v, robot.damping, robot.friction, self._coulomb_speeds),
             *(self.h, self.com_jacobian, self.com_velocity, self.com_drift),
         )
+        if self._carrying is not None:
+            self.com_drift[:] = self._carrying.rate[:3] / self.mass
+            add_joint_forces(self.h, q[self._spring_coordinates], v, robot.nv, *self._losses)
         self._frames.clear()
+        self._relative_frames.clear()
         self._centroidal = None
+        for load in self.loads:
+            if isinstance(load, KnownWrench):
+                self.h -= self.frame(load.point).jacobian.T @ load.wrench(t)
         return self
+
+    def _count_carried_loads(self) -> None:
+        """Let the model have the masses of the loads that are carried, as far as they act now."""
+        shares = [(load, load.share) for load in self.loads if isinstance(load, Carried)]
+        if shares == self._carried_shares:
+            return
+        if not self._model_is_own:
+            self.model, self._model_is_own = pin.Model(self.model), True
+        plain, model = self.system.model, self.model
+        for load, _ in (*self._carried_shares, *shares):
+            joint = plain.frames[self.system.point(load.point)].parentJoint
+            model.inertias[joint] = plain.inertias[joint].copy()
+        for load, _ in shares:
+            frame = plain.frames[self.system.point(load.point)]
+            model.inertias[frame.parentJoint] += load.present_inertia(frame.placement)
+        self._carried_shares = shares
+        self._update_mass()
+
+    def _update_mass(self) -> None:
+        things = self._carrying.thing_mass if self._carrying is not None else 0.0
+        self.mass = self.robot.mass + things + sum(share * load.mass for load, share in self._carried_shares)
 
     def frame(self, point: str) -> FrameState:
         """State of an operational point.
 
         Raises:
-            InputError: If the robot has no such point.
+            InputError: If there is no such point.
         """
         state = self._frames.get(point)
         if state is None:
             if point not in self._points:
                 self._points[point] = self._make_point(point)
-            state, moving_velocities = self._points[point]
-            _write_point_motion(
-                self._J, self.v, moving_velocities, state.position, state.velocity, state.jacobian, state.drift
+            state, moving_velocities, free = self._points[point]
+            write_point_motion(
+                self._J, self.v, moving_velocities, free, state.position, state.velocity, state.jacobian, state.drift
             )
             self._frames[point] = state
         return state
+
+    def surface_axes(self, surface: Surface) -> pin.SE3:
+        """Place of a surface in the world: its origin, and axes whose z points out of its body."""
+        if surface.point is None:
+            return surface.placement
+        frame = self.frame(surface.point)
+        return pin.SE3(frame.rotation, frame.position) * surface.placement
+
+    def relative_frame(self, surface: Surface, on: Surface) -> FrameState:
+        """State of a surface's origin relative to the material point of another's body that is there, world axes.
+
+        Its rotation is the one of the surface's axes turned so that z points into its body: a foot's axes for a sole.
+
+        Raises:
+            InputError: If one of them is on a point that does not exist, or both are of one body.
+        """
+        key = surface, on
+        state = self._relative_frames.get(key)
+        if state is None:
+            if key not in self._pairs:
+                self._refuse_one_body(surface, on)
+                self._pairs[key] = RelativeMotion(surface, on, self.system.nv)
+            assert surface.point is not None
+            other = None if on.point is None else self.frame(on.point)
+            state = self._relative_frames[key] = self._pairs[key].state(self.frame(surface.point), other)
+        return state
+
+    def _refuse_one_body(self, surface: Surface, on: Surface) -> None:
+        """Check that two surfaces are of bodies that can move against each other."""
+        frames = [self.model.frames[self.system.point(s.point)] for s in (surface, on) if s.point is not None]
+        joints = [frame.parentJoint for frame in frames]
+        if joints[0] == (joints[1] if len(joints) > 1 else 0):
+            raise InputError(f"contact '{surface.name} on {on.name}': both surfaces are of one body")
 
     @property
     def force_count(self) -> int:
@@ -144,33 +247,30 @@ class Tick:
             count += contact.force_count
         return count
 
-    def force_columns(self, point: str) -> slice:
-        """Where the forces of the contact at a point are in φ: the columns of rows with ``variable = "force"``.
+    def force_columns(self, name: str) -> slice:
+        """Where the forces of a contact are in φ: the columns of rows with ``variable = "force"``.
 
         φ has the force variables of all contacts, one after the other in the order of the stack, in N. What they are
         depends on the contact's form and mode, see `sot.control.Contact`; `contact.wrench_map(tick)` says what they
         amount to in any of them. None while the contact is off.
 
         Raises:
-            InputError: If there is no contact at that point.
+            InputError: If there is no such contact.
         """
-        start = 0
+        wanted, start = self.contact(name), 0
         for contact in self.contacts:
-            if contact.point == point:
-                return slice(start, start + contact.force_count)
+            if contact is wanted:
+                break
             start += contact.force_count
-        raise InputError(f"there is no contact '{point}': there are {', '.join(c.point for c in self.contacts)}")
+        return slice(start, start + wanted.force_count)
 
-    def contact(self, point: str) -> TickContact:
-        """The contact at a point.
+    def contact(self, name: str) -> TickContact:
+        """The contact of a name (see `contact_named`).
 
         Raises:
             InputError: If there is none.
         """
-        for contact in self.contacts:
-            if contact.point == point:
-                return contact
-        raise InputError(f"there is no contact '{point}': there are {', '.join(c.point for c in self.contacts)}")
+        return contact_named(self.contacts, name)
 
     @property
     def momentum(self) -> Array:
@@ -187,7 +287,9 @@ class Tick:
 
         Linear part first, world axes.
         """
-        if self._centroidal is None:
+        if self._centroidal is None and self._carrying is not None:
+            self._centroidal = self.momentum, self._A_g, self._carrying.rate
+        elif self._centroidal is None:
             # Ȧ_g v is what has to act on the base from outside when v̇ is zero, seen from the CoM, less the weight.
             force, moment = self._base @ self._forces[:3], self._base @ self._forces[3:6]
             moment += np.cross(self.data.oMi[1].translation - self.com, force)
@@ -195,119 +297,42 @@ class Tick:
             self._centroidal = self.momentum, self._A_g, np.concatenate([force, moment])
         return self._centroidal
 
-    def _make_point(self, name: str) -> tuple[FrameState, Array]:
-        """Arrays for a point's state, and the indices of the velocities that move it, from the base outwards."""
-        robot, model = self.robot, self.robot.model
-        frame = robot.point(name)
+    def _make_point(self, name: str) -> tuple[FrameState, Array, int]:
+        """Arrays for a point's state, the velocities that move it, and how many of them a free joint at the root has.
+
+        Velocities are named by their indices, from the root outwards.
+        """
+        model = self.model
+        frame = self.system.point(name)
         place = self.data.oMf[frame]
         moving_velocities = [
             model.idx_vs[joint] + k
             for joint in model.supports[model.frames[frame].parentJoint]
             for k in range(model.nvs[joint])
         ]
-        state = FrameState(place.translation, place.rotation, np.empty(6), np.zeros((6, robot.nv)), np.empty(6))
-        return state, np.array(moving_velocities)
+        joints = [joint for joint in model.supports[model.frames[frame].parentJoint] if joint]
+        free = 6 if joints and model.nvs[joints[0]] == 6 else 0
+        state = FrameState(place.translation, place.rotation, np.empty(6), np.zeros((6, self.system.nv)), np.empty(6))
+        return state, np.array(moving_velocities, dtype=int), free
+
+
+def contact_named(contacts: Iterable[NamedContact], name: str) -> NamedContact:
+    """The contact of a name; or the one whose first surface or point has that name, where there is only one.
+
+    Raises:
+        InputError: If there is none, or more than one.
+    """
+    contacts = list(contacts)
+    for contact in contacts:
+        if contact.name == name:
+            return contact
+    of_surface = [contact for contact in contacts if name in (contact.surface.name, contact.point)]
+    if len(of_surface) == 1:
+        return of_surface[0]
+    found = f"there are several contacts of '{name}'" if of_surface else f"there is no contact '{name}'"
+    raise InputError(f"{found}: there are {', '.join(contact.name for contact in contacts)}")
 
 
 @compiled
 def _momentum_excess_per_weight(momentum: Array, planned: Array, weight: float) -> Array:
     return np.array(((momentum[4] - planned[1]) / weight, (planned[0] - momentum[3]) / weight))
-
-
-def coulomb_speeds(robot: Robot) -> Array:
-    """Speeds over which each joint's compensated Coulomb friction changes sign, shape (na,) [rad/s].
-
-    The compensation f tanh(v / s) adds at most f / s to a speed's rate over its inertia, f / (s I). Were the joint's
-    friction less than the model's, that would be positive feedback: s bounds it. I is the least inertia that the joint
-    can feel, 1 / (M⁻¹)ᵢᵢ, all others left free, at rest.
-    """
-    M = pin.crba(robot.model, robot.model.createData(), robot.rest)
-    M = np.triu(M) + np.triu(M, 1).T
-    inertias = 1.0 / np.diag(np.linalg.inv(M))[6:]
-    return np.maximum(COULOMB_SPEED, robot.friction / (COMPENSATION_RATE_LIMIT * inertias))
-
-
-@compiled
-def _write_bias_and_com(
-    forces: Array,
-    base: Array,
-    A_g: Array,
-    mass: float,
-    v: Array,
-    damping: Array,
-    friction: Array,
-    coulomb_speeds: Array,
-    h: Array,
-    com_jacobian: Array,
-    com_velocity: Array,
-    com_drift: Array,
-) -> bool:
-    """Write h with joint losses, and the CoM's Jacobian, velocity and drift, from Pinocchio's forces and A_g.
-
-    Returns:
-        Whether the state that these come from is finite: one value of it that is not makes a sum of them so.
-    """
-    h[:] = forces
-    total = 0.0
-    for k in range(len(damping)):
-        h[6 + k] += damping[k] * v[6 + k] + friction[k] * np.tanh(v[6 + k] / coulomb_speeds[k])
-    for i in range(3):
-        com_velocity[i] = 0.0
-        for k in range(len(v)):
-            com_jacobian[i, k] = A_g[i, k] / mass
-            com_velocity[i] += com_jacobian[i, k] * v[k]
-        # The force on the base that lets nothing accelerate but by J̇ v.
-        com_drift[i] = (base[i, 0] * forces[0] + base[i, 1] * forces[1] + base[i, 2] * forces[2]) / mass
-        total += com_velocity[i] + com_drift[i]
-    com_drift[2] -= GRAVITY
-    for k in range(len(h)):
-        total += h[k]
-    return bool(np.isfinite(total))
-
-
-@compiled
-def _write_point_motion(
-    J: Array, v: Array, moving_velocities: Array, position: Array, velocity: Array, jacobian: Array, drift: Array
-) -> None:
-    """Write a point's velocity, Jacobian and drift, from the joints' Jacobian J with twists about the world's origin.
-
-    A joint's axis is carried by what it turns: ``J̇_k = V × J_k`` with the twist V (linear, angular) of the body before
-    it; the base's six together carry themselves, ``V × V = 0``.
-    """
-    px, py, pz = position[0], position[1], position[2]
-    twist, change = np.zeros(6), np.zeros(6)
-    for n in range(len(moving_velocities)):
-        k = moving_velocities[n]
-        x, y, z, a, b, c = J[0, k], J[1, k], J[2, k], J[3, k], J[4, k], J[5, k]
-        jacobian[0, k], jacobian[1, k], jacobian[2, k] = x + b * pz - c * py, y + c * px - a * pz, z + a * py - b * px
-        jacobian[3, k], jacobian[4, k], jacobian[5, k] = a, b, c
-        x, y, z, a, b, c = x * v[k], y * v[k], z * v[k], a * v[k], b * v[k], c * v[k]
-        if n >= 6:
-            u, w = twist[:3], twist[3:]
-            change[0] += w[1] * z - w[2] * y + u[1] * c - u[2] * b
-            change[1] += w[2] * x - w[0] * z + u[2] * a - u[0] * c
-            change[2] += w[0] * y - w[1] * x + u[0] * b - u[1] * a
-            change[3] += w[1] * c - w[2] * b
-            change[4] += w[2] * a - w[0] * c
-            change[5] += w[0] * b - w[1] * a
-        twist[0] += x
-        twist[1] += y
-        twist[2] += z
-        twist[3] += a
-        twist[4] += b
-        twist[5] += c
-    _write_shifted_twist(twist, position, velocity)
-    _write_shifted_twist(change, position, drift)
-    # What turns and moves on leaves its place on a curve.
-    drift[0] += twist[4] * velocity[2] - twist[5] * velocity[1]
-    drift[1] += twist[5] * velocity[0] - twist[3] * velocity[2]
-    drift[2] += twist[3] * velocity[1] - twist[4] * velocity[0]
-
-
-@compiled
-def _write_shifted_twist(twist: Array, to: Array, out: Array) -> None:
-    """Write a twist about the world's origin as one about the point `to`."""
-    out[:] = twist
-    out[0] += twist[4] * to[2] - twist[5] * to[1]
-    out[1] += twist[5] * to[0] - twist[3] * to[2]
-    out[2] += twist[3] * to[1] - twist[4] * to[0]

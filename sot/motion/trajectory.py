@@ -3,7 +3,7 @@
 import itertools
 import zipfile
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -15,7 +15,9 @@ from sot.control.pose import Pose
 from sot.errors import InputError
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footfalls import Footfalls
+from sot.motion.footing import footing_on
 from sot.robots.robot import Robot
+from sot.robots.surface import Surface
 
 Array = NDArray[np.float64]
 
@@ -122,26 +124,37 @@ class Motion:
         object.__setattr__(self, "_slices", [slice(a, b) for a, b in itertools.pairwise(edges)])
 
     @staticmethod
-    def standing(robot: Robot, seconds: float, rate: float = 1000.0) -> "Motion":
+    def standing(
+        robot: Robot, seconds: float, rate: float = 1000.0, on: Mapping[str, Surface] | None = None
+    ) -> "Motion":
         """A robot that stands still in its rest posture, on all feet.
 
         Args:
             robot: who stands.
             seconds: how long.
             rate: samples per second [Hz].
+            on: foot -> surface of the world under it, a block's or a slope's, that it is moved up or down to; the legs
+                bend as they must. The floor unless given.
 
         Raises:
-            InputError: that is not even one step of the rate.
+            InputError: that is not even one step of the rate, or the legs do not reach these surfaces.
         """
         count = round(seconds * rate) + 1
         if not (0.0 < rate < np.inf and count > 1):
             raise InputError(f"a motion of {seconds:g} s at {rate:g} Hz has no two samples")
-        com = pin.centerOfMass(robot.model, robot.model.createData(), robot.rest).copy()
+        q, phases = robot.rest, planted_phases(robot, (count - 1) / rate)
+        if on:
+            q, feet, reached = footing_on(robot, on)
+            if not reached:
+                names = ", ".join(f"{foot} on {surface.name}" for foot, surface in on.items())
+                raise InputError(f"{robot.label} cannot stand with {names}: its legs do not reach")
+            phases = tuple(replace(phase, feet=dict(feet)) for phase in phases)
+        com = pin.centerOfMass(robot.model, robot.model.createData(), q).copy()
         still, nothing = np.zeros((count, robot.nv)), np.zeros((count, 3))
         return Motion(
             robot=robot,
             rate=rate,
-            q=np.tile(robot.rest, (count, 1)),
+            q=np.tile(q, (count, 1)),
             v=still,
             a=still,
             com=np.tile(com, (count, 1)),
@@ -149,7 +162,7 @@ class Motion:
             com_acceleration=nothing,
             zmp=np.tile(com[:2], (count, 1)),
             momentum=nothing,
-            phases=planted_phases(robot, (count - 1) / rate),
+            phases=phases,
         )
 
     @property

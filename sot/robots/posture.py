@@ -7,7 +7,8 @@ import numpy as np
 import pinocchio as pin
 
 from sot.robots.reading.mjcf import KeyFrame
-from sot.robots.robot_file import FEET, SIDED, RobotFile, nearest
+from sot.robots.robot_file import FEET, SIDED, RobotFile
+from sot.toml_file import nearest
 
 Array = np.ndarray
 

@@ -18,6 +18,7 @@ from sot.robots.reading import models_of, read_model
 from sot.robots.reading.tree import Tree
 from sot.robots.robot_file import FEET, GROUPS, POINTS, RobotFile
 from sot.robots.standing import stand
+from sot.robots.surface import Surface
 
 __all__ = ["FEET", "GROUPS", "HANDS", "MODELS", "POINTS", "Robot", "robot_names", "shipped_robot_names"]
 
@@ -56,6 +57,7 @@ class Robot:
         rest_distances: of these pairs at rest (pairs,) [m].
         points: operational point -> Pinocchio frame. `<side>_foot` lies on the sole, parallel to the world at rest.
         soles: foot -> contact vertices (nc, 3) in the foot frame [m].
+        surfaces: name -> what it may touch the world and things with: the soles, named as their feet, and palms.
         groups: joint group -> indices into the joints; one may be empty.
         tree: the links as numbers, of which both libraries' models are made.
         remarks: what was guessed, mended, left out or is not modelled, a sentence each.
@@ -80,6 +82,7 @@ class Robot:
     rest_distances: np.ndarray = field(repr=False)
     points: Mapping[str, int] = field(repr=False)
     soles: Mapping[str, np.ndarray] = field(repr=False)
+    surfaces: Mapping[str, Surface] = field(repr=False)
     groups: Mapping[str, tuple[int, ...]] = field(repr=False)
     tree: Tree = field(repr=False)
     remarks: tuple[str, ...] = field(repr=False)
@@ -146,6 +149,17 @@ class Robot:
         except KeyError:
             raise InputError(f"{self.name} has no foot '{foot}': choose one of {', '.join(self.soles)}") from None
 
+    def surface(self, name: str) -> Surface:
+        """A surface of the robot: a sole, by the name of its foot, or another that the robot file names.
+
+        Raises:
+            InputError: the robot has no such surface.
+        """
+        try:
+            return self.surfaces[name]
+        except KeyError:
+            raise InputError(f"{self.name} has no surface '{name}': choose one of {', '.join(self.surfaces)}") from None
+
     def joint_numbers(self, joints: str | Sequence[str]) -> np.ndarray:
         """Numbers (n,) of the joints of a group, or of some that are named.
 
@@ -186,6 +200,7 @@ def _load(path: Path) -> Robot:
     points = {name: model.getFrameId(name, pin.FrameType.OP_FRAME) for name in file.points()}
     groups["legs"] = tuple(sorted(groups["left_leg"] + groups["right_leg"]))
     groups["arms"] = tuple(sorted(groups["left_arm"] + groups["right_arm"]))
+    surfaces = {foot: Surface.of_sole(foot, corners) for foot, corners in standing.soles.items()} | file.surfaces()
     dofs = slice(6, None)
     losses = {"damping": model.damping[dofs], "friction": model.upperDryFrictionLimit[dofs]}
     return Robot(
@@ -199,6 +214,7 @@ def _load(path: Path) -> Robot:
         rest_distances=_frozen(distances),
         points=MappingProxyType(points),
         soles=MappingProxyType({foot: _frozen(corners) for foot, corners in standing.soles.items()}),
+        surfaces=MappingProxyType(surfaces),
         groups=MappingProxyType(groups),
         tree=replace(standing.tree, pairs=named),
         remarks=tuple(remarks),

@@ -1,8 +1,6 @@
 """The text file of a robot: what a humanoid needs named and its model leaves unnamed."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from difflib import get_close_matches
-from math import isfinite
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +8,9 @@ import numpy as np
 
 from sot.errors import InputError
 from sot.robots.fetch import Package, package_folder
-from sot.toml_file import read_toml
+from sot.robots.surface import Surface
+from sot.robots.surface_table import read_surfaces
+from sot.toml_file import is_number, nearest, read_toml
 
 FEET = ("left_foot", "right_foot")
 SIDED = ("hip", "knee", "ankle", "foot", "shoulder", "elbow", "wrist", "hand")
@@ -22,7 +22,7 @@ GROUPS = ("left_leg", "right_leg", "chest", "head", "left_arm", "right_arm")
 LIMITS = ("lower", "upper", "velocity", "acceleration", "acceleration_hard", "effort")
 DYNAMICS = ("armature", "damping", "friction")
 KEYS = {
-    "": ("label", "listed", "model", "package", "locked", "rest", "points", "soles", "groups", "limits"),
+    "": ("label", "listed", "model", "package", "locked", "rest", "points", "soles", "surfaces", "groups", "limits"),
     "listed": ("joints", "mass", "height"),
     "package": ("name", "version", "sha256", "source", "licence"),
     "soles": FEET,
@@ -159,6 +159,10 @@ class RobotFile:
             raise self.error(f"'{key}' needs three corners or more")
         return corners
 
+    def surfaces(self) -> dict[str, Surface]:
+        """Surfaces beside the soles: name -> corners in the frame of one of the robot's points, and friction."""
+        return read_surfaces(self.path, self.content.get("surfaces", {}), tuple(self.get("points", dict)))
+
     def vector(self, key: str, value: Any) -> np.ndarray:
         """Three numbers (3,)."""
         if not isinstance(value, list) or len(value) != 3 or not all(is_number(v) for v in value):
@@ -169,14 +173,3 @@ class RobotFile:
         for key in table:
             if key not in known:
                 raise self.error(f"no robot file has '{prefix}{key}'{nearest(key, known)}: {', '.join(known)}")
-
-
-def is_number(value: Any) -> bool:
-    """Whether a value is a finite number."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
-
-
-def nearest(name: Any, known: Iterable[str], words: str = "did you mean") -> str:
-    """The known name that is most like another, as the end of a sentence; nothing if none is."""
-    found = get_close_matches(str(name), list(known), n=1)
-    return f" ({words} '{found[0]}'?)" if found else ""

@@ -9,8 +9,9 @@ import pinocchio as pin
 
 from sot.robots.posture import UPRIGHT_POINTS, standing_rotation
 from sot.robots.reading.tree import Tree
-from sot.robots.robot_file import FEET, RobotFile, nearest
+from sot.robots.robot_file import FEET, RobotFile
 from sot.robots.soles import heights_over_shapes, refuse_uneven, with_soles
+from sot.toml_file import nearest
 
 Array = np.ndarray
 

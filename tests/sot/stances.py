@@ -46,7 +46,7 @@ def standing_stack(
         return OperationalPoint(robot, point, target, axes="RPY")
 
     return Stack(
-        contacts=[Contact(foot, robot.sole(foot), form=form) for foot in robot.feet],
+        contacts=[Contact(robot.surface(foot), form=form) for foot in robot.feet],
         hard=[TorqueBounds(robot, fraction), JointBounds(robot)],
         levels={
             "balance": [Balance(lambda t: (centre, still, still, centre[:2]))],

@@ -86,7 +86,7 @@ def commanded_pressure(tick, rows, reference):
 @pytest.mark.parametrize("standing", [("left_foot", "right_foot"), ("left_foot",), ("right_foot",)])
 def test_no_pressure_is_asked_for_outside_what_the_feet_carry(robot, standing):
     rng, tick = np.random.default_rng(1), Tick(robot)
-    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    tick.contacts = [Contact(robot.surface(foot)) for foot in robot.feet]
     for contact in tick.contacts:
         contact.load = 1.0 if contact.point in standing else 0.0
     inside = 0
@@ -118,7 +118,7 @@ def test_no_pressure_is_asked_for_outside_what_the_feet_carry(robot, standing):
 @pytest.mark.parametrize("change", ["off", "sliding", "unloaded"])
 def test_feet_that_do_not_carry_bound_nothing(robot, change):
     tick = Tick(robot)
-    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    tick.contacts = [Contact(robot.surface(foot)) for foot in robot.feet]
     for contact in tick.contacts:
         contact.mode, contact.load = (change, 1.0) if change != "unloaded" else ("fixed", 0.0)
     far = np.array([2.0, 0.0, 0.0])
@@ -129,7 +129,7 @@ def test_feet_that_do_not_carry_bound_nothing(robot, change):
 
 def test_the_polygon_follows_the_feet(robot):
     tick = Tick(robot)
-    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    tick.contacts = [Contact(robot.surface(foot)) for foot in robot.feet]
     task = Balance(
         lambda t: (tick.com + np.array([1.0, 0, 0]), np.zeros(3), np.zeros(3), tick.com[:2] + np.array([1.0, 0.0]))
     )
@@ -144,7 +144,7 @@ def test_the_polygon_follows_the_feet(robot):
 def test_the_plan_goes_with_feet_that_have_crept(crept):
     robot = Robot.load("hrp2")
     tick = Tick(robot)
-    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    tick.contacts = [Contact(robot.surface(foot)) for foot in robot.feet]
     still = tick.frame("left_foot"), tick.frame("right_foot")
     com, z = tick.com.copy(), tick.com[:2].copy()
     planned = {foot: frame.position - np.array((*crept, 0.0)) for foot, frame in zip(robot.feet, still, strict=True)}
@@ -167,7 +167,7 @@ def test_a_foot_counts_as_much_as_it_may_carry():
     """While a foot that has landed beside its place takes its load, neither plan nor support jump."""
     robot = Robot.load("hrp2")
     tick = Tick(robot)
-    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    tick.contacts = [Contact(robot.surface(foot)) for foot in robot.feet]
     left, right = (tick.frame(foot).position.copy() for foot in robot.feet)
     beside, nothing = np.array([0.0, 0.02, 0.0]), np.zeros(3)
     over = np.array([0.0, right[1] - beside[1] - tick.com[1], 0.0])  # to its place for the right foot
@@ -188,7 +188,7 @@ def test_angular_momentum_is_given_up_where_it_leaves_too_little_room():
     """The plan has its zero-moment point near the edge for its spin; pushed over that edge, the pivot goes there."""
     robot = Robot.load("hrp2")
     tick = Tick(robot)
-    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    tick.contacts = [Contact(robot.surface(foot)) for foot in robot.feet]
     edge = max((tick.frame("left_foot").position + corner)[1] for corner in tick.contacts[0].vertices) - 0.001
     com, nothing = tick.com.copy(), np.zeros(3)
     spun = np.array([com[0], edge - 0.01])
@@ -219,7 +219,7 @@ def test_a_plan_goes_on_as_a_pendulum_s_motion_on_feet_that_stand_elsewhere():
     """Its zero-moment point over the left foot stays there; nothing is asked for but what the moved plan does."""
     robot = Robot.load("hrp2")
     tick = Tick(robot)
-    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    tick.contacts = [Contact(robot.surface(foot)) for foot in robot.feet]
     left, right = (tick.frame(foot).position.copy() for foot in robot.feet)
     planned = {"left_foot": lambda t: left - (0.1, 0.0, 0.0), "right_foot": lambda t: right}
     acceleration, height = np.array([0.1, -0.4, 0.0]), tick.com[2]
@@ -243,7 +243,7 @@ def test_room_is_left_for_what_the_body_turns_too_much():
     """Pushed over the edge, and turning over it: the pivot is as far from the edge as stopping that takes."""
     robot = Robot.load("hrp2")
     tick = Tick(robot)
-    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    tick.contacts = [Contact(robot.surface(foot)) for foot in robot.feet]
     edge = max((tick.frame("left_foot").position + corner)[1] for corner in tick.contacts[0].vertices) - 0.001
     still, k = np.zeros(3), 4.0
     spin = np.array([-3.0, 0.0, 0.0])  # to the left
@@ -264,7 +264,7 @@ def test_while_a_foot_catches_the_robot_the_zero_moment_point_is_what_is_command
     """The rows hold for exactly those accelerations under which the floor's force and moment are at the point."""
     robot, rng = Robot.load("hrp2"), np.random.default_rng(3)
     tick = Tick(robot)
-    tick.contacts = [Contact(foot, robot.sole(foot)) for foot in robot.feet]
+    tick.contacts = [Contact(robot.surface(foot)) for foot in robot.feet]
     tick.contacts[1].mode, tick.contacts[1].path = "off", lambda t: None
     tick.update(0.0, *standing_state(robot, rng))
     reference = lambda t: (tick.com - (0.3, 0.0, 0.0), np.zeros(3), np.zeros(3), tick.com[:2] - (0.3, 0.0))  # noqa: E731

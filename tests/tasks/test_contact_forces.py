@@ -21,7 +21,7 @@ def robot(request):
 @pytest.mark.parametrize("form", ["pyramid", "unilateral"])
 def test_rows_cover_the_force_variables_of_the_present_modes(robot, form):
     tick, each = Tick(robot), 12 if form == "pyramid" else 10
-    tick.contacts = [Contact(foot, robot.sole(foot), form=form) for foot in robot.feet]
+    tick.contacts = [Contact(robot.surface(foot), form=form) for foot in robot.feet]
     for mode, count in (("fixed", 2 * each), ("sliding", each + 4), ("off", each)):
         tick.contacts[0].mode = mode
         rows = LeastForces().rows(tick)

@@ -31,14 +31,14 @@ def test_jacobian_and_drift(robot):
     tick, (q, v) = Tick(robot), random_state(robot, np.random.default_rng(0))
     frame = tick.update(0.0, q, v).frame("left_foot")
     task = FootSliding(robot, "left_foot", still(frame.position + np.array([0.1, 0.2, 0.3]), frame.rotation.copy()))
-    tick.contacts = [Contact("left_foot", robot.sole("left_foot"))]
+    tick.contacts = [Contact(robot.surface("left_foot"))]
     assert task.rows(tick).lower.shape == (0,)  # it stands
     tick.contacts[0].mode = "sliding"
     assert_jacobian_and_drift(task, tick, q, v)
 
 
 def test_task_and_contact_share_the_axes(robot):
-    contact = Contact("left_foot", robot.sole("left_foot"))
+    contact = Contact(robot.surface("left_foot"))
     contact.mode = "sliding"
     task = FootSliding(robot, "left_foot", still(np.zeros(3), np.eye(3)))
     assert sorted([*contact.held_axes, *task.selected]) == [0, 1, 2, 3, 4, 5]

@@ -28,7 +28,7 @@ def motion(robot):
 def swung(robot, motion, t: float, mode: str) -> tuple[SwingFoot, np.ndarray]:
     """The task and its wanted accelerations on a robot that is where the motion is at a time."""
     task, tick = SwingFoot(robot, FOOT, motion), Tick(robot)
-    contact = Contact(FOOT, robot.sole(FOOT))
+    contact = Contact(robot.surface(FOOT))
     contact.mode = mode
     tick.contacts = [contact]
     now = motion.sample(t)
@@ -77,7 +77,7 @@ def test_a_path_that_ends_above_the_floor_is_led_onto_it(robot, motion):
 
 def test_a_foot_leaves_with_what_its_contact_asked_for_and_is_led_over_to_its_path(robot, motion):
     """Off its path: a foot that stood beside its place is not pulled there at once."""
-    task, tick, contact = SwingFoot(robot, FOOT, motion), Tick(robot), Contact(FOOT, robot.sole(FOOT))
+    task, tick, contact = SwingFoot(robot, FOOT, motion), Tick(robot), Contact(robot.surface(FOOT))
     tick.contacts = [contact]
     there = motion.sample(FIRST + 0.05)
     velocity = there.v + 0.01

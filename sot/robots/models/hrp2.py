@@ -116,6 +116,14 @@ CORNERS = {  # right sole, in the foot frame, going round
     "right_sole_back_out": (SOLE_X[0], SOLE_Y[0]),
 }
 
+# Rubber pads of the right hand in its frame: middle, and two edges whose product points out of the hand. Nearer than
+# 52 mm to its axis, or 12 mm to its end, the hand itself would touch first.
+PAD_SIDE, PAD_FRICTION = 0.07, 0.6  # m; the coefficient that is relied upon
+PADS: dict[str, tuple[Vector, Vector, Vector]] = {
+    "right_palm": ((0.0, 0.052, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
+    "right_hand_end": ((0.0, 0.0, -0.072), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)),
+}
+
 
 def _joint_from_table(name: str) -> Joint:
     axis, _, limits, torque, gear, armature = JOINTS[name]
@@ -223,6 +231,26 @@ def model_text(name: str, tree: Sequence[Link]) -> str:
     return mjcf.mjcf_text(name, tree, LOSSES, LOOKS, ("half_sitting", half_sitting_configuration(joints)), note)
 
 
+def _surface_text(surface: str, left: bool) -> list[str]:
+    """A pad of a hand in the robot file: corners counter-clockwise seen from outside."""
+    middle, first, second = PADS[surface]
+    around = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
+    corners: list[Vector] = []
+    for a, b in around:
+        x, y, z = (round(m + PAD_SIDE * (a * u + b * v), 6) for m, u, v in zip(middle, first, second, strict=True))
+        corners.append((x, y, z))
+    if left:
+        corners = [mjcf.mirror(corner) for corner in reversed(corners)]
+    side = "left" if left else "right"
+    return [
+        f"[surfaces.{surface.replace('right', side)}]",
+        f'point = "{side}_hand"',
+        f"corners = [{', '.join(str([x + 0.0 for x in corner]) for corner in corners)}]",
+        f"friction = {PAD_FRICTION}",
+        "",
+    ]
+
+
 def robot_text(name: str, label: str, tree: Sequence[Link]) -> str:
     """The robot file (TOML) beside the model."""
     joints = [link.joint for link in tree if link.joint]
@@ -247,6 +275,7 @@ def robot_text(name: str, label: str, tree: Sequence[Link]) -> str:
         "[soles]                            # corners: frames of the model",
         *(f"{side}_foot = {_string_list(c.replace('right', side) for c in CORNERS)}" for side in ("left", "right")),
         "",
+        *(line for left in (False, True) for surface in PADS for line in _surface_text(surface, left)),
         "[groups]",
         *(f"{group} = {_string_list(j.name for j in joints if j.name.startswith(p))}" for group, p in groups.items()),
         "",

@@ -244,7 +244,7 @@ def _shapes_and_looks(
     for k, body in enumerate(bodies):
         first = int(compiled.body_geomadr[body])
         for geom in range(first, first + int(compiled.body_geomnum[body])):
-            shape = _shape(compiled, geom)
+            shape = shape_of_geom(compiled, geom)
             if shape is None:
                 skipped.add(compiled.body(body).name)
                 continue
@@ -258,7 +258,7 @@ def _shapes_and_looks(
     return shapes, looks
 
 
-def _shape(compiled: mujoco.MjModel, geom: int) -> Solid | Mesh | None:
+def shape_of_geom(compiled: mujoco.MjModel, geom: int) -> Solid | Mesh | None:
     """A geom in its body; of another kind than primitives and meshes none."""
     place = placement(compiled.geom_pos[geom], compiled.geom_quat[geom])
     material = int(compiled.geom_matid[geom])

@@ -14,13 +14,13 @@ AXIS_JOINTS = (
 
 
 def pinocchio_model(compiled: mujoco.MjModel) -> pin.Model:
-    """A Pinocchio model of a robot that MuJoCo has compiled.
+    """A Pinocchio model of a robot or of things that MuJoCo has compiled.
 
     Joints, bodies and sites have MuJoCo's names and order. Several hinges of one body become a chain of joints, all but
     the last without mass. Every joint, body and site is a frame.
 
     Args:
-        compiled: one tree of bodies whose root has a free joint and whose other joints are hinges.
+        compiled: trees of bodies; a root may have a free joint, all other joints turn about one axis or slide.
     """
     model = pin.Model()
     model.name = compiled.names.split(b"\0", 1)[0].decode()
@@ -36,7 +36,7 @@ def pinocchio_model(compiled: mujoco.MjModel) -> pin.Model:
             place = place * placement(compiled.body_pos[body], compiled.body_quat[body])
             for k in range(first, first + count):
                 anchor = pin.SE3(np.eye(3), compiled.jnt_pos[k].copy())
-                joint = _add_hinge(model, compiled, k, joint, place * anchor)
+                joint = _add_axis_joint(model, compiled, k, joint, place * anchor)
                 place = anchor.inverse()
         carriers[body] = joint, place
         model.appendBodyToJoint(joint, _inertia(compiled, body), place)
@@ -55,13 +55,18 @@ def placement(position: Array, quaternion: Array) -> pin.SE3:
     return pin.SE3(pin.Quaternion(w, x, y, z).normalized().matrix(), np.array(position, dtype=float))
 
 
-def _add_hinge(model: pin.Model, compiled: mujoco.MjModel, k: int, parent: int, place: pin.SE3) -> int:
+def _add_axis_joint(model: pin.Model, compiled: mujoco.MjModel, k: int, parent: int, place: pin.SE3) -> int:
     axis, dof = compiled.jnt_axis[k].copy(), int(compiled.jnt_dofadr[k])
     reference = float(compiled.qpos0[compiled.jnt_qposadr[k]])
-    if reference:
-        place = place * pin.SE3(pin.AngleAxis(-reference, axis).toRotationMatrix(), np.zeros(3))
-    kind = next((plain() for plain, along in AXIS_JOINTS if tuple(axis) == along), None)
-    joint = model.addJoint(parent, kind or pin.JointModelRevoluteUnaligned(axis), place, compiled.joint(k).name)
+    if compiled.jnt_type[k] == mujoco.mjtJoint.mjJNT_SLIDE:
+        place = place * pin.SE3(np.eye(3), -reference * axis)
+        kind: pin.JointModel = pin.JointModelPrismaticUnaligned(axis)
+    else:
+        if reference:
+            place = place * pin.SE3(pin.AngleAxis(-reference, axis).toRotationMatrix(), np.zeros(3))
+        plain = next((plain() for plain, along in AXIS_JOINTS if tuple(axis) == along), None)
+        kind = plain or pin.JointModelRevoluteUnaligned(axis)
+    joint = model.addJoint(parent, kind, place, compiled.joint(k).name)
     model.addJointFrame(joint)
     v, q = model.idx_vs[joint], model.idx_qs[joint]
     lower, upper = compiled.jnt_range[k] if compiled.jnt_limited[k] else (-np.inf, np.inf)

@@ -28,7 +28,7 @@ def motion(robot):
 
 
 def standing(robot) -> Stack:
-    return Stack([Contact(foot, robot.sole(foot)) for foot in robot.feet], [], {})
+    return Stack([Contact(robot.surface(foot)) for foot in robot.feet], [], {})
 
 
 def moving(robot, stack, velocity, t: float = 0.0) -> Tick:

@@ -29,7 +29,7 @@ def stack(motion, **posture):
     """Balance and a posture, without limits."""
     robot = motion.robot
     return Stack(
-        contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
+        contacts=[Contact(robot.surface(foot)) for foot in robot.feet],
         hard=[],
         levels={
             "balance": [Balance(motion.balance, motion.feet, axes="xy")],

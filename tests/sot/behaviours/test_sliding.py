@@ -14,7 +14,7 @@ from sot.robots.robot import Robot, shipped_robot_names
 def test_contacts_slide_and_stand_again_with_the_phases(name):
     robot = Robot.load(name)
     phases = phases_with_slides(planted_phases(robot, 20.0), [Slide("left_foot", 3.0, 8.0, (0.05, 0.0, 0.0))], robot)
-    stack, schedule = Stack([Contact(foot, robot.sole(foot)) for foot in robot.feet], [], {}), SlidingSchedule(phases)
+    stack, schedule = Stack([Contact(robot.surface(foot)) for foot in robot.feet], [], {}), SlidingSchedule(phases)
     seen = []
     for t in (1.0, 2.99, 3.0, 7.99, 8.0, 8.1):
         schedule.apply(t, stack)

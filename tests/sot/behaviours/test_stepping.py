@@ -20,7 +20,7 @@ def robot() -> Robot:
 
 @pytest.fixture
 def stack(robot: Robot) -> Stack:
-    return Stack([Contact(foot, robot.sole(foot)) for foot in robot.feet], [], {})
+    return Stack([Contact(robot.surface(foot)) for foot in robot.feet], [], {})
 
 
 @pytest.fixture

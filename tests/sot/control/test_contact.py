@@ -9,7 +9,8 @@ from scipy.optimize import linprog
 
 from sot.control.contact import Contact
 from sot.control.pose import Pose
-from sot.control.tick import FrameState, Tick
+from sot.control.quantities.frames import FrameState
+from sot.control.tick import Tick
 from sot.robots.robot import Robot, shipped_robot_names
 from tests.sot.states import random_state
 
@@ -41,7 +42,7 @@ def forces_in_cone(rng, count, friction):
 
 def test_wrench_map_sums_the_vertex_forces_and_their_moments(robot):
     rng = np.random.default_rng(0)
-    contact, tick = Contact(FOOT, robot.sole(FOOT)), Tick(robot)
+    contact, tick = Contact(robot.surface(FOOT)), Tick(robot)
     for _ in range(5):
         tick.update(0.0, *random_state(robot, rng))
         R, forces = tick.frame(FOOT).rotation, rng.normal(size=contact.vertices.shape)
@@ -53,7 +54,7 @@ def test_wrench_map_sums_the_vertex_forces_and_their_moments(robot):
 def test_wrench_map_gives_the_forces_power(robot):
     """Power of the vertex forces at the vertices' velocities: what makes J^T G the right map to joint torques."""
     rng = np.random.default_rng(1)
-    contact, tick = Contact(FOOT, robot.sole(FOOT)), Tick(robot)
+    contact, tick = Contact(robot.surface(FOOT)), Tick(robot)
     q, v = random_state(robot, rng)
     step, model, forces = 1e-6, robot.model, rng.normal(size=contact.vertices.shape)
 
@@ -69,14 +70,14 @@ def test_wrench_map_gives_the_forces_power(robot):
 
 def test_vertices_are_drawn_in_towards_the_middle(robot):
     sole = robot.sole(FOOT)
-    drawn = Contact(FOOT, sole, inset=0.01).vertices
+    drawn = Contact(robot.surface(FOOT), inset=0.01).vertices
     np.testing.assert_allclose(np.ptp(sole, axis=0) - np.ptp(drawn, axis=0), [0.02, 0.02, 0.0], atol=1e-12)
     np.testing.assert_allclose(drawn.mean(axis=0), sole.mean(axis=0), atol=1e-12)
 
 
 @pytest.mark.parametrize("friction", [0.2, 0.7])
 def test_friction_pyramids_lie_in_the_cone_and_touch_it(robot, friction):
-    contact = Contact(FOOT, robot.sole(FOOT), friction)
+    contact = Contact(robot.surface(FOOT), friction=friction)
     C, lower, upper = contact.force_inequalities(1000.0)
     count, slopes = len(contact.vertices), []
     for angle in np.linspace(0, 2 * np.pi, 80, endpoint=False):
@@ -96,7 +97,7 @@ def test_friction_pyramids_lie_in_the_cone_and_touch_it(robot, friction):
 @pytest.mark.parametrize("seed", range(3))
 def test_the_paper_s_form_holds_for_whatever_vertices_can_give(robot, seed):
     rng, tick = np.random.default_rng(seed), standing(robot, seed)
-    vertices, reduced = Contact(FOOT, robot.sole(FOOT)), Contact(FOOT, robot.sole(FOOT), form="unilateral")
+    vertices, reduced = Contact(robot.surface(FOOT)), Contact(robot.surface(FOOT), form="unilateral")
     E, (C, lower, upper) = reduced.force_equalities(tick), reduced.force_inequalities(1000.0)
     for _ in range(5):
         forces = forces_in_cone(rng, len(vertices.vertices), vertices.friction)
@@ -125,21 +126,21 @@ def largest(contact, direction):
 
 @pytest.mark.parametrize("load", [0.0, 0.3, 0.99])
 def test_load_limits_the_normal_force_and_with_it_the_friction(robot, load):
-    contact = Contact(FOOT, robot.sole(FOOT), friction=0.5)
+    contact = Contact(robot.surface(FOOT), friction=0.5)
     contact.load = load
     count = len(contact.vertices)
     assert largest(contact, np.tile([0.0, 0.0, 1.0], count)) == pytest.approx(load**3 * 2000.0, abs=1e-6)
     assert largest(contact, np.tile([1.0, 0.0, 0.0], count)) == pytest.approx(
         0.5 * np.cos(np.pi / 8) * load**3 * 2000, abs=1e-6
     )
-    contact = Contact(FOOT, robot.sole(FOOT), form="unilateral")
+    contact = Contact(robot.surface(FOOT), form="unilateral")
     contact.load = load
     normals = np.concatenate([np.zeros(6), np.ones(count)])
     assert largest(contact, normals) == pytest.approx(load**3 * 2000.0, abs=1e-6)
 
 
 def test_a_foot_that_stands_presses_at_every_vertex_and_in_a_ramp_only_as_it_may(robot):
-    contact = Contact(FOOT, robot.sole(FOOT))
+    contact = Contact(robot.surface(FOOT))
     presses = []
     for contact.load in np.linspace(0.0, 1.0, 11):
         C, lower, upper = contact.force_inequalities(1000.0)
@@ -154,13 +155,13 @@ def test_a_foot_that_stands_presses_at_every_vertex_and_in_a_ramp_only_as_it_may
 
 def test_full_load_is_not_limited(robot):
     for form in ("pyramid", "unilateral"):
-        assert np.isinf(Contact(FOOT, robot.sole(FOOT), form=form).force_inequalities(1000.0)[2]).any()
+        assert np.isinf(Contact(robot.surface(FOOT), form=form).force_inequalities(1000.0)[2]).any()
 
 
 @pytest.mark.parametrize(("mode", "axes", "forces"), [("fixed", 6, True), ("sliding", 3, True), ("off", 0, False)])
 def test_modes_hold_what_they_say(robot, mode, axes, forces):
     for form in ("pyramid", "unilateral"):
-        contact = Contact(FOOT, robot.sole(FOOT), form=form)
+        contact = Contact(robot.surface(FOOT), form=form)
         contact.mode = mode
         assert len(contact.held_axes) == axes
         assert bool(contact.force_count) == forces
@@ -172,7 +173,7 @@ def test_a_sliding_foot_meets_friction_against_its_way(robot, form):
     """Each vertex on its own: the foot goes forward and turns."""
     twist = np.array([0.1, 0.02, 0.0, 0.0, 0.0, 0.5])
     path = Pose(np.zeros(3), np.eye(3), twist, np.zeros(6))
-    contact = Contact(FOOT, robot.sole(FOOT), form=form, path=lambda t: path, sliding_friction=0.6)
+    contact = Contact(robot.surface(FOOT), form=form, path=lambda t: path, sliding_friction=0.6)
     contact.mode = "sliding"
     tick = Tick(robot)
     G, normals = contact.wrench_map(tick), np.array([3.0, 4.0, 5.0, 6.0])
@@ -188,7 +189,7 @@ def test_a_sliding_foot_meets_friction_against_its_way(robot, form):
 
 
 def test_a_sliding_load_is_light_and_bounded_and_friction_fades_at_rest(robot):
-    contact = Contact(FOOT, robot.sole(FOOT))
+    contact = Contact(robot.surface(FOOT))
     contact.mode = "sliding"
     C, lower, upper = contact.force_inequalities(1000.0)
     np.testing.assert_array_equal(C, np.eye(4))
@@ -197,13 +198,14 @@ def test_a_sliding_load_is_light_and_bounded_and_friction_fades_at_rest(robot):
 
 
 def test_the_drive_lays_a_tilted_foot_flat_and_at_rest(robot):
-    contact = Contact(FOOT, robot.sole(FOOT))
+    contact = Contact(robot.surface(FOOT))
     rotation = pin.exp3(np.array([0.0, 0.0, 0.8])) @ pin.exp3(np.array([0.06, -0.09, 0.0]))
     position, velocity = np.array([0.3, -0.2, 0.01]), np.array([0.1, -0.1, 0.05, 0.3, 0.2, -0.1])
     heading, tilts, step = rotation[:, 0].copy(), [], 0.001
     for _ in range(2000):
         frame = FrameState(position, rotation, velocity, np.zeros((6, 0)), np.zeros(6))
-        velocity = velocity + step * contact.acceleration(SimpleNamespace(frame=lambda point, frame=frame: frame))
+        tick = SimpleNamespace(relative_frame=lambda *pair, frame=frame: frame, surface_axes=lambda of: of.placement)
+        velocity = velocity + step * contact.acceleration(tick)
         position, rotation = position + step * velocity[:3], pin.exp3(step * velocity[3:]) @ rotation
         tilts.append(np.arccos(min(rotation[2, 2], 1.0)))
     assert tilts[0] > 0.1
@@ -213,7 +215,7 @@ def test_the_drive_lays_a_tilted_foot_flat_and_at_rest(robot):
 
 
 def test_what_a_contact_asks_for_is_led_over_from_how_its_point_arrived(robot):
-    contact, tick = Contact(FOOT, robot.sole(FOOT)), Tick(robot)
+    contact, tick = Contact(robot.surface(FOOT)), Tick(robot)
     tick.update(0.0, *random_state(robot, np.random.default_rng(3)))
     wanted, contact.arrival_acceleration = contact.acceleration(tick), np.arange(6.0)
     away = []

@@ -22,7 +22,7 @@ def task(name):
 
 def feet():
     robot = Robot.load("hrp2")
-    return Stack([Contact(foot, robot.sole(foot)) for foot in robot.feet], [], {"first": [task("a")]})
+    return Stack([Contact(robot.surface(foot)) for foot in robot.feet], [], {"first": [task("a")]})
 
 
 def test_events_happen_once_in_order_of_time():

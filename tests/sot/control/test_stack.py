@@ -18,7 +18,7 @@ def robot():
 @pytest.fixture
 def stack(robot):
     return Stack(
-        contacts=[Contact(foot, robot.sole(foot)) for foot in robot.feet],
+        contacts=[Contact(robot.surface(foot)) for foot in robot.feet],
         hard=[TorqueBounds(robot)],
         levels={"first": [task("a"), task("b")], "empty": [], "second": [task("c")]},
     )
@@ -67,7 +67,7 @@ def test_move(stack):
 
 
 def test_a_change_does_not_touch_what_the_stack_was_made_from(robot):
-    levels, contacts = {"first": [task("a")]}, [Contact("left_foot", robot.sole("left_foot"))]
+    levels, contacts = {"first": [task("a")]}, [Contact(robot.surface("left_foot"))]
     stack = Stack(contacts, [], levels)
     stack.remove("a")
     stack.contacts.clear()
@@ -90,7 +90,7 @@ def test_a_contact_by_its_point(stack):
         (lambda stack: stack.remove("z"), "no task 'z': it has a, b, c"),
         (lambda stack: stack.move("z", "new"), "no task 'z'"),
         (lambda stack: stack.move("a", "new", before="nowhere"), "no level 'nowhere'"),
-        (lambda stack: stack.contact("left_hand"), "no contact 'left_hand': it has left_foot, right_foot"),
+        (lambda stack: stack.contact("left_hand"), "no contact 'left_hand': there are left_foot, right_foot"),
     ],
 )
 def test_errors_say_what_there_is_and_change_nothing(stack, change, message):
@@ -107,7 +107,7 @@ def test_names_are_unique_from_the_start(robot):
     with pytest.raises(InputError, match="two entries named 'JointBounds'"):
         Stack([], [JointBounds(robot), JointBounds(robot)], {})
     with pytest.raises(InputError, match="two entries named 'left_foot'"):
-        Stack([Contact("left_foot", robot.sole("left_foot"))] * 2, [], {})
+        Stack([Contact(robot.surface("left_foot"))] * 2, [], {})
     Stack([], [], {"first": [Posture(robot, robot.rest[7:], "arms"), Posture(robot, robot.rest[7:], "legs")]})
 
 

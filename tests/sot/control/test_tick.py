@@ -8,7 +8,8 @@ import pytest
 
 from solvers import Cascade
 from sot.control.controller import Controller
-from sot.control.tick import COMPENSATION_RATE_LIMIT, COULOMB_SPEED, Tick, coulomb_speeds
+from sot.control.quantities.bias import COMPENSATION_RATE_LIMIT, COULOMB_SPEED, coulomb_speeds
+from sot.control.tick import Tick
 from sot.errors import InputError
 from sot.robots.robot import Robot, shipped_robot_names
 from tests.sot.stances import standing_stack

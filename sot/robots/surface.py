@@ -1,0 +1,88 @@
+"""Surfaces: flat patches of robots, of things and of the world around them, which contacts pair."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import pinocchio as pin
+
+from sot.errors import InputError
+
+Array = np.ndarray
+
+FLATNESS_TOLERANCE = 1e-3
+"""Distance [m] by which the corners of a surface may be off their plane."""
+INWARD = np.diag([1.0, -1.0, -1.0])
+"""Turns axes whose z points out of a body into axes whose z points into it, and back."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A flat patch of a body, or of the world.
+
+    Attributes:
+        name: what contacts, events and recordings call it; a thing's are called "thing/surface".
+        corners: (n, 3) in the surface's own axes, whose z points out of the body [m].
+        placement: of these axes in the frame of `point`, or in the world.
+        point: the operational point of a robot or of a thing that it is fixed to; None for the world.
+        friction: Coulomb coefficient that may be relied upon at it.
+    """
+
+    name: str
+    corners: Array = field(repr=False)
+    placement: pin.SE3 = field(default_factory=pin.SE3.Identity, repr=False)
+    point: str | None = None
+    friction: float = 0.5
+
+    @staticmethod
+    def of_corners(
+        name: str, corners: Sequence[Sequence[float]] | Array, point: str | None = None, friction: float = 0.5
+    ) -> "Surface":
+        """The surface between corners (n, 3) in the frame of a point, or in the world unless one is given [m].
+
+        Seen from outside of the body the corners go round counter-clockwise. The surface's origin is in their middle,
+        its x axis along the first edge.
+
+        Raises:
+            InputError: fewer than three corners, or corners that are not in one plane.
+        """
+        try:
+            at = np.array(corners, dtype=float)
+        except (TypeError, ValueError):
+            at = np.empty(0)
+        if at.ndim != 2 or at.shape[1] != 3 or len(at) < 3 or not np.isfinite(at).all():
+            raise InputError(f"surface '{name}': give three corners or more, each of three numbers [m]")
+        middle, edges = at.mean(axis=0), np.roll(at, -1, axis=0) - at
+        normal: Array = np.cross(edges, np.roll(edges, -1, axis=0)).sum(axis=0)
+        x, z = edges[0] / max(np.linalg.norm(edges[0]), 1e-12), normal / max(np.linalg.norm(normal), 1e-12)
+        if np.linalg.norm(x) < 0.5 or np.linalg.norm(z) < 0.5 or np.abs((at - middle) @ z).max() > FLATNESS_TOLERANCE:
+            raise InputError(f"surface '{name}': its corners are not in one plane, or not in order around it")
+        x -= (x @ z) * z
+        x /= np.linalg.norm(x)
+        placement = pin.SE3(np.column_stack([x, np.cross(z, x), z]), middle)
+        return Surface(name, (at - middle) @ placement.rotation, placement, point, friction)
+
+    @staticmethod
+    def of_sole(foot: str, corners: Array, friction: float = 0.5) -> "Surface":
+        """The sole between corners (n, 3) of a foot's frame, whose z points into the foot and whose origin it keeps."""
+        return Surface(foot, corners @ INWARD, pin.SE3(INWARD, np.zeros(3)), foot, friction)
+
+    @property
+    def owner(self) -> str:
+        """What it belongs to: a thing, "floor", or itself for one of a robot or of the world."""
+        return self.name.split("/", 1)[0]
+
+    @property
+    def corners_at_point(self) -> Array:
+        """Its corners (n, 3) in the frame of its point, or in the world [m]."""
+        return self.corners @ self.placement.rotation.T + self.placement.translation
+
+    def distances(self, place: pin.SE3, points: Array) -> Array:
+        """Heights (n,) of points (n, 3) of the world over the surface, whose point's frame has a place [m]."""
+        axes = place * self.placement
+        heights: Array = (points - axes.translation) @ axes.rotation[:, 2]
+        return heights
+
+
+FLOOR = Surface("floor", np.zeros((0, 3)))
+"""The floor at z = 0, of any size; what a sole may rely on is a matter of the sole's friction."""
