@@ -32,7 +32,8 @@ def pelvis_leans(robot: Robot) -> Array:
     """The least and greatest leans (2, 2) of the pelvis, forward and to the left, over feet as at rest [rad].
 
     The centre of mass stays where it is at rest, and legs as far apart as plans keep them; the hips may be lower. Where
-    a joint's range ends before legs meet, UNLIMITED_LEAN: a fit keeps to ranges by itself. LEAN_RESOLUTION at least.
+    something else ends first, a joint's range or a leg's length, UNLIMITED_LEAN: a fit keeps to those by itself.
+    LEAN_RESOLUTION at least.
     """
     return np.array(
         [[end * max(_farthest_lean(robot, end * way), LEAN_RESOLUTION) for way in np.eye(2)] for end in ENDS]
@@ -80,9 +81,10 @@ def _farthest_lean(robot: Robot, way: Array) -> float:
             place = place - np.append((place + turn @ (com - middle))[:2] - com_at_rest, 0.0)
         return place, postures
 
-    farthest = 0.0
+    farthest = []
     for height in (middle[2], ankles[:, 2].mean() + LOW_HIPS_LEGS * length):
         done, now, step = 0.0, (np.array([*middle[:2], height]), [leg.rest for leg in stance.legs]), FIRST_LEAN_STEP
+        ahead = None
         while done < MAX_LEAN and step > LEAN_RESOLUTION:
             ahead = leaning(done + step, *now)
             if ahead is None or not stance.are_apart(ahead[1]):
@@ -91,5 +93,6 @@ def _farthest_lean(robot: Robot, way: Array) -> float:
                 done, now = done + step, ahead
         if done >= MAX_LEAN or not stance.are_in_range(now[1]):
             return UNLIMITED_LEAN
-        farthest = max(farthest, done)
-    return farthest
+        if ahead is not None:
+            farthest.append(done)
+    return max(farthest, default=UNLIMITED_LEAN)

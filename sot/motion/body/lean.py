@@ -29,25 +29,19 @@ def with_leans_in_range(
     """Frames and directions of a body whose pelvis leans no farther than `pelvis_leans`, and trunk and chest no farther
     than `trunk_leans`, seen from a heading; and how much less the trunk leans (T,) [rad].
 
-    Head and arms are turned with the chest: where they pointed, legs and trunk may be now.
-
     Args:
         robot: whose legs and waist.
-        frames: pelvis, chest, head -> (T, 3, 3).
-        directions: trunk, and the segments of head and arms -> (T, 3).
+        frames: pelvis, chest and others -> (T, 3, 3).
+        directions: trunk and others -> (T, 3).
         facing: (T,) heading of the feet [rad].
     """
-    on_pelvis = _turn_within(pelvis_leans(robot), frames["pelvis"][:, :, 2], facing)
-    on_chest = _turn_within(trunk_leans(robot), frames["chest"][:, :, 2], facing)
-    trunk = _turn_within(trunk_leans(robot), directions["trunk"], facing)
-    turned_frames = {
-        body: ((on_pelvis if body == "pelvis" else on_chest) * Rotation.from_matrix(rotation)).as_matrix()
-        for body, rotation in frames.items()
+    pelvis, trunk = pelvis_leans(robot), trunk_leans(robot)
+    limited = {
+        body: (_turn_within(leans, frames[body][:, :, 2], facing) * Rotation.from_matrix(frames[body])).as_matrix()
+        for body, leans in (("pelvis", pelvis), ("chest", trunk))
     }
-    turned_directions = {
-        segment: (trunk if segment == "trunk" else on_chest).apply(along) for segment, along in directions.items()
-    }
-    return turned_frames, turned_directions, trunk.magnitude()
+    turn = _turn_within(trunk, directions["trunk"], facing)
+    return frames | limited, directions | {"trunk": turn.apply(directions["trunk"])}, turn.magnitude()
 
 
 def lean_cut(cut: Array, period: float) -> LeanCut | None:

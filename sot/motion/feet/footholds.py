@@ -126,30 +126,30 @@ class LegReach:
             turn_speed=TURN_SPEED_SHARE * min(float(robot.velocity[yaw(side)]) for side in SIDES),
             soles=soles,
         )
-        (most_in, most_out), (least, most) = _toe_out_with_legs_apart(reach, robot), reach.toe_out_range
-        return replace(reach, toe_out_range=(max(least, most_in), min(most, most_out)))
+        return replace(reach, toe_out_range=_toe_out_with_legs_apart(reach, robot))
 
 
 def _toe_out_with_legs_apart(reach: LegReach, robot: Robot) -> tuple[float, float]:
-    """The least and greatest angle from the right foot's heading to the left one's over which legs stay apart [rad].
+    """The part of the range of angles from the right foot's heading to the left one's over which legs stay apart [rad].
 
     Feet are turned alike, as near to each other as at rest or as their soles allow, and the hips are as high as they
     can be over them: the lower, the farther knees stand out.
     """
     stance, ends = Stance(robot), []
     at_rest = float(np.ptp([leg.ankle[1] for leg in stance.legs]))
-    for way in (-1.0, 1.0):
-        posture, turned = [leg.rest for leg in stance.legs], 0.0
-        for angle in np.arange(0.0, 0.5 * np.pi, TOE_ANGLE_RESOLUTION):
-            yaws = way * angle, -way * angle
+    for end in reach.toe_out_range:
+        posture, turned, before = [leg.rest for leg in stance.legs], end, 0.0
+        for angle in (np.sign(end) * np.arange(0.0, 0.5 * abs(end), TOE_ANGLE_RESOLUTION)).tolist():
+            yaws = angle, -angle
             apart = max(min_ankle_separation(yaws, reach, np.array([0.0, 1.0])), at_rest)
             out = 0.5 * (apart - reach.hip_width)
             down = np.sqrt((MAX_EXTENSION * reach.leg_length) ** 2 - out**2)
             ankles = [np.array([0.0, out, -down]), np.array([0.0, -out, -down])]
             found = stance.postures(posture, ankles, [pin.utils.rotate("z", yaw) for yaw in yaws])
             if found is None or not stance.are_apart(found):
+                turned = before
                 break
-            posture, turned = found, 2.0 * way * float(angle)
+            posture, before = found, 2.0 * angle
         ends.append(turned)
     return ends[0], ends[1]
 

@@ -51,3 +51,10 @@ def test_a_waist_adds_what_its_joints_turn(robot):
     pelvis, trunk = pelvis_leans(thick), trunk_leans(thick)
     np.testing.assert_allclose(trunk[:, 1], pelvis[:, 1], atol=0.01)
     assert 0.4 * robot.upper[pitch] < trunk[1, 0] - pelvis[1, 0] < robot.upper[pitch]
+
+
+def test_legs_that_cannot_lean_at_all_limit_no_lean(robot):
+    """Without the roll of the ankles no lean to the side leaves feet flat: it is not legs that meet."""
+    thick = without_ranges(with_thick_legs(robot, 0.024))
+    groups = dict(thick.groups) | {leg: thick.groups[leg][:5] for leg in ("left_leg", "right_leg")}
+    np.testing.assert_allclose(np.abs(pelvis_leans(replace(thick, groups=groups))[:, 1]), UNLIMITED_LEAN)
