@@ -90,7 +90,8 @@ class Proximity:
         for n, k in enumerate(pairs):
             distances[n], normals[n] = self._distance_results[k].min_distance, self._normals[k]
             points[n] = self._distance_results[k].getNearestPoint2()
-        return distances, _distance_jacobian(normals, points, data.J, self._relative_motion, np.array(pairs, dtype=int))
+        J = data.J[:, : self._relative_motion.shape[1]]  # of a system: the robot's velocities come first
+        return distances, _distance_jacobian(normals, points, J, self._relative_motion, np.array(pairs, dtype=int))
 
     def _renew_results(self) -> None:
         self._results = self._geometry.createData()

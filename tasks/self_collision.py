@@ -70,11 +70,12 @@ class SelfCollision(Task):
         """Distances d of n pairs (n,), their rates (n,), J (n, nv) and J̇ v (n,)."""
         model, proximity = tick.robot.model, self._proximity
         distances, J = proximity.distances_and_jacobian(tick.data, pairs)
-        rates = J @ tick.v
+        q, v = tick.q[: model.nq], tick.v[: model.nv]
+        rates = J @ v
         # What the rates become after a period without acceleration: they depend on how the shapes are curved.
-        pin.computeJointJacobians(model, self._data_ahead, pin.integrate(model, tick.q, tick.period * tick.v))
+        pin.computeJointJacobians(model, self._data_ahead, pin.integrate(model, q, tick.period * v))
         _, ahead = proximity.distances_and_jacobian(self._data_ahead, pairs)
-        return distances, rates, J, (ahead @ tick.v - rates) / tick.period
+        return distances, rates, J, (ahead @ v - rates) / tick.period
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``d̈ >= d̈_min`` of the pairs that are near and approach; `error` is how much too near each of
@@ -86,7 +87,7 @@ class SelfCollision(Task):
             self._watched, self._last_look = self._pairs_to_watch(tick), tick.t
         near, count = self._watched, len(self._watched)
         if count > len(self._unbounded_below):
-            self._allocate_rows(count, len(tick.v))
+            self._allocate_rows(count, tick.robot.nv)
         if not near:
             self.error, self.labels = _NO_ERROR, ()
             return self.make_rows(self._zero_rows, self._unbounded_below, self._unbounded_above)
@@ -118,11 +119,12 @@ class SelfCollision(Task):
         """Pairs whose approach may have to be braked before the next look."""
         if tick.t < self._last_look:
             self._unwatched_until[:] = -np.inf  # another run
-        proximity, v, period, kept = self._proximity, tick.v, tick.period, self._min_distances
+        proximity, period, kept = self._proximity, tick.period, self._min_distances
+        q, v = tick.q[: tick.robot.nq], tick.v[: tick.robot.nv]
         within = _watch_distances(
             proximity.rate_bounds(v), period, kept, self._unwatched_until - TIME_TOLERANCE, tick.t
         )
-        near = proximity.pairs_within(tick.data, tick.q, within)
+        near = proximity.pairs_within(tick.data, q, within)
         if not near:
             return near
         distances, J = proximity.latest_distances_and_jacobian(tick.data, near)

@@ -14,6 +14,7 @@ from scenarios.inputs.stack_file import Composition
 from scenarios.otani2017.handling_stack import contacts_of, handling_stack
 from scenarios.otani2017.scene import ObjectOptions, placement_noise, scene_things
 from scenarios.replay import Dance, ProgressCallback, Replay, check_writable, make_solver, run_motion, write_outputs
+from sim.recording.things import HandledThings
 from sim.reporting import report
 from sim.reporting.objects import object_figures
 from sot.behaviours.manipulation.schedule import ManipulationSchedule
@@ -142,7 +143,9 @@ def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tupl
     danced = run_motion(
         replace(request, clip=handling.clip), compose, demonstration.motion, None, tell, system=system, things=actual
     )
-    return replace(danced, motion=schedule.played()), schedule, System(robot, actual)
+    simulated = System(robot, actual)
+    handled_things = HandledThings(simulated, schedule.history, schedule.played_times())
+    return replace(danced, motion=schedule.played(), handled=handled_things), schedule, simulated
 
 
 def read_demonstration(handling: Handling) -> tuple[Human, HandledObjects, ContactPlan]:
