@@ -49,7 +49,7 @@ def footing_on(robot: Robot, on: Mapping[str, Surface]) -> Footing:
         normal = axes.rotation[:, 2]
         rise = normal @ (axes.translation - place.translation) / normal[2]
         tilt = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), normal).matrix()
-        feet[foot] = pin.SE3(tilt @ place.rotation, place.translation + [0.0, 0.0, rise])
+        feet[foot] = pin.SE3(tilt @ place.rotation, place.translation + np.array([0.0, 0.0, rise]))
     com = pin.centerOfMass(model, data, robot.rest)[:2].copy()
     lowest = min(place.translation[2] for place in feet.values())
     return footing_at(robot, feet, com, robot.rest[2] + lowest)
