@@ -3,8 +3,7 @@
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from enum import StrEnum
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,18 +11,17 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-import tasks
 from scenarios import viewer
 from scenarios.bench import benchmark_figures, read_figures
 from scenarios.bench import show as show_bench
-from scenarios.inputs import clips
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
+from scenarios.listing import Kind, list_rows
 from scenarios.live.commands import live_command, stream_command
+from scenarios.otani2017 import options
 from scenarios.page import write_page
 from scenarios.peers import read_peer_figures
 from scenarios.replay import (
     RECORDING_FILE,
-    SOLVERS,
     Replay,
     check_writable,
     make_solver,
@@ -32,15 +30,13 @@ from scenarios.replay import (
 )
 from scenarios.robots.bench import bench_robots, robot_pieces, show_robots
 from scenarios.robots.commands import robot_app
-from scenarios.robots.summary import robot_summary
 from scenarios.showing import print_remarks, progress, show_report
-from scenarios.studies import MOTION_SCENARIOS, SCENARIOS, default_solver, is_file, run_scenario
+from scenarios.studies import MOTION_SCENARIOS, default_solver, is_file, run_scenario
 from scenarios.suite import SUITES, bench_suite, suite_pieces
 from scenarios.suite import show as show_suite
 from scenarios.terminal import BAD_INPUT, DONE, FAILED, FELL, INTERRUPTED, messages, output
-from sot.control import Task
 from sot.errors import InputError
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot
 
 TRACEBACK_VARIABLE = "SOT_TRACEBACK"
 
@@ -78,16 +74,6 @@ UpAxis = Annotated[
     typer.Option("--up", help="Up axis of the clip's file: x, y, z, -x, -y or -z; found in the clip by default."),
 ]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
-
-
-class Kind(StrEnum):
-    """What `sot list` lists."""
-
-    CLIPS = "clips"
-    ROBOTS = "robots"
-    SCENARIOS = "scenarios"
-    SOLVERS = "solvers"
-    TASKS = "tasks"
 
 
 @app.command("replay")
@@ -129,6 +115,7 @@ def replay_command(
 @app.command("run")
 def run_command(
     scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`, or a file of your own (.py).")],
+    study: options.Study = None,
     clip: Annotated[
         str | None, typer.Option(help="For ramos and the studies of clips: a file, or a name of `sot list clips`.")
     ] = None,
@@ -139,9 +126,21 @@ def run_command(
     rate: Rate = 1000.0,
     push: Pushes = None,
     mismatch: MismatchText = "",
+    mass: options.Mass = None,
+    stiffness: options.Stiffness = None,
+    damping: options.Damping = None,
+    friction: options.Friction = None,
+    assumed_mass: options.AssumedMass = None,
+    assumed_stiffness: options.AssumedStiffness = None,
+    without_object: options.WithoutObject = False,
+    from_plate: options.FromPlate = False,
+    seed: options.Seed = None,
+    events: options.Events = None,
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/NAME by default.")] = None,
 ) -> int:
     """Run a scenario; record it and report on it."""
+    told = stiffness, damping, friction, assumed_mass, assumed_stiffness, without_object, from_plate, seed, events
+    handling = options.handling_options(scenario, study, mass, *told)
     pushes, changed = tuple(parse_push(text) for text in push or ()), parse_mismatch(mismatch)
     chosen = solver or default_solver(scenario)
     request = Replay(
@@ -157,9 +156,9 @@ def run_command(
     )
     folder = out or Path("runs") / Path(scenario).stem
     with progress() as tell:
-        report, show_own = run_scenario(scenario, clip, request, folder, tell)
+        report, show_own = run_scenario(scenario, clip, request, folder, tell, handling)
     status = FELL if report.get("fell") else DONE
-    if scenario in MOTION_SCENARIOS or is_file(scenario):
+    if handling is not None or scenario in MOTION_SCENARIOS or is_file(scenario):
         status = show_report(report, folder)
     if show_own:
         show_own(report, output)
@@ -237,7 +236,7 @@ def report_command(
 def list_command(kind: Annotated[Kind, typer.Argument(help="What to list.")]) -> int:
     """List what there is to choose from."""
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
-    for row in _list_rows(kind):
+    for row in list_rows(kind):
         table.add_row(*row)
     output.print(table)
     return DONE
@@ -338,29 +337,3 @@ def _error_message(error: Exception) -> str:
 def _print_error(status: int, message: str) -> int:
     print(f"sot: {' '.join(message.split())}", file=sys.stderr)
     return status
-
-
-def _list_rows(kind: Kind) -> Iterator[tuple[str, ...]]:
-    match kind:
-        case Kind.CLIPS:
-            for clip in clips.named_clips():
-                yield clip.name, f"{clip.seconds:.1f} s", clip.what, f"{clip.source}, {clip.licence}"
-        case Kind.ROBOTS:
-            for name in robot_names():
-                robot = robot_summary(name)
-                figures = f"{robot.joints} joints, {robot.mass:.1f} kg, {robot.height:.2f} m"
-                yield name, robot.label, figures, robot.origin and f"fetched once: {robot.origin}"
-        case Kind.SCENARIOS:
-            for name, scenario in SCENARIOS.items():
-                yield name, _first_line(scenario)
-        case Kind.SOLVERS:
-            for name, solver in SOLVERS.items():
-                yield name, _first_line(solver)
-        case Kind.TASKS:
-            for name in tasks.__all__:
-                if issubclass(getattr(tasks, name), Task):
-                    yield name, _first_line(getattr(tasks, name))
-
-
-def _first_line(thing: object) -> str:
-    return (thing.__doc__ or "").strip().splitlines()[0]

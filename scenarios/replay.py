@@ -17,6 +17,7 @@ from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.own_scene import Scene
 from sim.push import Push
 from sim.recording import recorder
+from sim.recording.things import HandledThings
 from sim.reporting import report, timeline
 from sim.reporting.traces import Traces
 from sim.world import World
@@ -90,6 +91,8 @@ class Dance:
         plan: how the reference came from a human; None if it came from a file.
         edits: a line for each edit of the dance.
         scene: what was in the world besides robot and floor.
+        handled: the things that were handled.
+        remarks: what happened otherwise than planned, a sentence each.
     """
 
     run: Run
@@ -98,11 +101,13 @@ class Dance:
     plan: Performance | None
     edits: tuple[str, ...] = ()
     scene: Scene | None = None
+    handled: HandledThings | None = None
+    remarks: tuple[str, ...] = ()
 
     def write_recording(self, path: Path) -> float:
         """Write the recording; returns how long that took [s]."""
         begun = perf_counter()
-        recorder.write_recording(path, self.run.log, self.info, self.motion, self.plan, self.scene)
+        recorder.write_recording(path, self.run.log, self.info, self.motion, self.plan, self.scene, self.handled)
         return perf_counter() - begun
 
 
@@ -129,6 +134,7 @@ def write_outputs(
     if timeline.has_changes(danced.run.log):
         timeline.write_timeline(out / TIMELINE_FILE, danced.run.log, danced.info, danced.motion.robot)
     figures = report.run_report(danced.run.log, danced.info, wall, danced.motion, danced.plan)
+    figures["remarks"] = [*figures["remarks"], *danced.remarks]
     figures |= {"edits": list(danced.edits)} | dict(extra_figures)
     report.write_json(figures, out / REPORT_FILE)
     Traces.of(danced.run.log, danced.info, danced.motion).save(out / TRACES_FILE)
@@ -204,7 +210,8 @@ def run_motion(
         mismatch=request.mismatch,
         pushes=request.pushes,
     )
-    return Dance(done, info, motion, planned, told, scene)
+    remarks = () if schedule is None else tuple(schedule.remarks())
+    return Dance(done, info, motion, planned, told, scene, remarks=remarks)
 
 
 def composed_stack(

@@ -8,6 +8,7 @@ import pinocchio as pin
 
 from sim.own_scene import ALL_COLLISION_BITS, Scene, add_scene
 from sim.sensors import FloorSensors
+from sot.control.load import Carried
 from sot.errors import InputError
 from sot.robots.reading.pinocchio_model import placement
 from sot.robots.reading.solid import VISUAL_GROUP
@@ -22,7 +23,7 @@ IMPRATIO = 10.0  # friction is that much stiffer than the normal force
 # 20 ms, by centimetres a minute.
 FLOOR_SOLREF = (0.005, 1.0)  # time constant [s] and damping ratio
 PAD_FRICTION = 1.0  # of the rubber pads in front of palms
-PAD_THICKNESS_M = 0.01
+GRAIN_INERTIA = 1e-6  # kg m² a kg: of a ball of 1.6 mm
 PAD_COLOR = (0.15, 0.15, 0.16, 1.0)
 # Of two geoms MuJoCo takes the larger friction, unless one has priority: then its own.
 SURROUNDINGS_PRIORITY, PAD_PRIORITY = 1, 2
@@ -34,6 +35,7 @@ def build_model(
     friction: float = 0.7,
     scene: Scene | None = None,
     things: Sequence[Thing] = (),
+    loads: Sequence[Carried] = (),
 ) -> mujoco.MjModel:
     """The robot, driven by one torque motor a joint (Pinocchio's order), on a plane at z = 0.
 
@@ -43,6 +45,7 @@ def build_model(
         friction: coefficient of every contact with the floor.
         scene: what else is in the world.
         things: what the robot may handle, stand on and lean on.
+        loads: masses that are fixed to the robot.
 
     Raises:
         InputError: MuJoCo cannot compile it.
@@ -53,6 +56,8 @@ def build_model(
         _add_floor(spec, friction)
         _add_lights(spec)
         _add_pads(spec, robot)
+        for load in loads:
+            _add_load(spec, robot, load)
         for thing in things:
             _add_thing(spec, thing)
         _add_sensors(spec, robot)
@@ -92,10 +97,8 @@ def _add_pads(spec: mujoco.MjSpec, robot: Robot) -> None:
 
 
 def _add_pad(spec: mujoco.MjSpec, body: mujoco.MjsBody, point: pin.SE3, surface: Surface) -> None:
-    low, high = surface.corners.min(axis=0), surface.corners.max(axis=0)
-    half = np.array([*(0.5 * (high - low)[:2]), 0.5 * PAD_THICKNESS_M])
-    middle = np.array([*(0.5 * (low + high)[:2]), -0.5 * PAD_THICKNESS_M])
-    at = point * surface.placement * pin.SE3(np.eye(3), middle)
+    half, place = surface.pad()
+    at = point * place
     x, y, z, w = pin.Quaternion(at.rotation).coeffs()
     body.add_geom(
         name=surface.name,
@@ -111,6 +114,17 @@ def _add_pad(spec: mujoco.MjSpec, body: mujoco.MjsBody, point: pin.SE3, surface:
         group=VISUAL_GROUP,
         rgba=PAD_COLOR,
     )
+
+
+def _add_load(spec: mujoco.MjSpec, robot: Robot, load: Carried) -> None:
+    """Fix a mass to the robot's body that carries a point."""
+    robot.point(load.point)
+    site, inertia = spec.site(load.point), load.inertia
+    body = site.parent.add_body(name=load.name, pos=site.pos, quat=site.quat)
+    body.explicitinertial, body.mass, body.ipos = True, inertia.mass, inertia.lever
+    # MuJoCo's bodies without any inertia are refused where they move: a load that is a point gets a grain's.
+    turning = inertia.inertia + GRAIN_INERTIA * inertia.mass * np.eye(3)
+    body.fullinertia = [*np.diagonal(turning), turning[0, 1], turning[0, 2], turning[1, 2]]
 
 
 def _add_thing(spec: mujoco.MjSpec, thing: Thing) -> None:

@@ -15,6 +15,7 @@ from sim.scene import build_model
 from sim.sensors import FloorSensors, SelfDistance
 from sim.touch import Touch, TouchSensors
 from sot.control.contact import Contact
+from sot.control.load import Carried
 from sot.robots.robot import Robot
 from sot.robots.system import System
 from sot.robots.things.thing import Thing
@@ -38,6 +39,7 @@ class World:
             MJCF document as text, whose names get the prefix "scene/". What may collide at all may collide with the
             robot.
         things: what the robot may handle, stand on and lean on; those with joints are part of the state.
+        loads: masses that are fixed to the robot, whether its controller knows of them or not.
 
     Attributes:
         robot, mismatch, pushes, things: as given.
@@ -56,6 +58,7 @@ class World:
         pushes: Sequence[Push] = (),
         scene: Scene | None = None,
         things: Sequence[Thing] = (),
+        loads: Sequence[Carried] = (),
     ):
         self.robot, self.things = robot, tuple(things)
         self.system = System(robot, self.things)
@@ -63,7 +66,7 @@ class World:
         self.mismatch = mismatch
         self.pushes = tuple(pushes)
         self._substeps = max(1, ceil(timestep / MAX_PHYSICS_TIMESTEP - 1e-9))
-        self.model = build_model(robot, timestep / self._substeps, self.mismatch.friction, scene, self.things)
+        self.model = build_model(robot, timestep / self._substeps, self.mismatch.friction, scene, self.things, loads)
         self.mismatch.apply(self.model)
         self.data = mujoco.MjData(self.model)
         self._state = RobotState(robot, self.model, self.data)

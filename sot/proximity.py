@@ -1,12 +1,14 @@
-"""How near the parts of a robot come to one another: pairs of collision shapes, and how their distances change."""
+"""How near parts of a robot come to one another and to things: pairs of collision shapes, and how distances change."""
 
 from collections.abc import Sequence
 
+import coal
 import numpy as np
 import pinocchio as pin
 
 from solvers.compiled import compiled
 from sot.robots.robot import Robot
+from sot.robots.system import System
 
 Array = np.ndarray
 
@@ -18,38 +20,61 @@ OVERLAP_CHECK_PERIOD = 0.05
 
 
 class Proximity:
-    """Distances between the pairs of a robot's shapes that may collide.
+    """Distances between the pairs of shapes of a robot that may collide, and of these with things and of things.
 
     Most pairs are far apart, and stay so for many ticks: a distance changes by no more than the joints between the two
     shapes turn, each times its reach. Only pairs that may have come near since they were last looked at are looked at
-    again.
+    again. Pairs with a thing come after the robot's own; balls about their shapes tell which are far apart.
 
     Args:
-        robot: The robot.
+        robot: The robot, or the system of it and things.
 
     Attributes:
         pairs: Names of the shapes of each pair.
+        bodies: Bodies of the shapes of each pair, see `System.body_of`.
+        rest_distances: Distances as all is at rest (pairs,) [m], 0 where shapes overlap.
     """
 
-    def __init__(self, robot: Robot) -> None:
-        self._model = robot.model
+    def __init__(self, robot: Robot | System) -> None:
+        self._system = system = System.of(robot)
+        robot = system.robot
+        self._model = system.model
         self._geometry = robot.shapes.copy()
+        bodies = _add_thing_shapes(self._geometry, system)
+        own_pairs = len(robot.shapes.collisionPairs)
         self._renew_results()
         shapes = self._geometry.geometryObjects
-        pairs = [(shapes[pair.first], shapes[pair.second]) for pair in self._geometry.collisionPairs]
+        indices = [(pair.first, pair.second) for pair in self._geometry.collisionPairs]
+        pairs = [(shapes[first], shapes[second]) for first, second in indices]
         self.pairs = [(first.name, second.name) for first, second in pairs]
+        self.bodies = [frozenset((bodies[first], bodies[second])) for first, second in indices]
         relative_motion = [
             _moving_velocities(self._model, second) - _moving_velocities(self._model, first) for first, second in pairs
         ]
-        self._relative_motion = np.array(relative_motion).reshape(len(pairs), robot.nv)
-        reaches = [lever_arm_bounds(self._model, first, second) for first, second in pairs]
-        self._lever_bounds = np.array(reaches).reshape(len(pairs), robot.na)
-        self._joints_when_measured = np.zeros((len(pairs), robot.na))
+        self._relative_motion = np.array(relative_motion).reshape(len(pairs), system.nv)
+        reaches = [lever_arm_bounds(robot.model, first, second) for first, second in pairs[:own_pairs]]
+        self._lever_bounds = np.array(reaches).reshape(own_pairs, robot.na)
+        self._joints_when_measured = np.zeros((own_pairs, robot.na))
         self._latest_distances = np.full(len(pairs), -np.inf)
+        self._with_things = np.array(indices[own_pairs:], dtype=int).reshape(-1, 2)
+        self._centres, self._radii = _bounding_balls(shapes)
+        self.rest_distances = np.maximum(
+            [*robot.rest_distances, *self._distances_at_rest(range(own_pairs, len(pairs)))], 0.0
+        )
+
+    def _distances_at_rest(self, pairs: range) -> list[float]:
+        if not pairs:
+            return []
+        data = self._model.createData()
+        pin.updateGeometryPlacements(self._model, data, self._geometry, self._results, self._system.rest)
+        for k in pairs:
+            pin.computeDistance(self._geometry, self._results, k)
+        return [self._distance_results[k].min_distance for k in pairs]
 
     def rate_bounds(self, v: Array) -> Array:
-        """Upper bounds of the rates of all distances at a velocity (nv,), shape (pairs,) [m/s]."""
-        return _rate_bounds(self._lever_bounds, v)
+        """Upper bounds of the rates of all distances at a velocity (nv,), shape (pairs,) [m/s]; none with things."""
+        own = _rate_bounds(self._lever_bounds, v)
+        return np.append(own, np.full(len(self._with_things), np.inf)) if len(self._with_things) else own
 
     def pairs_within(self, data: pin.Data, q: Array, within: Array) -> list[int]:
         """Indices of the pairs whose shapes are less than `within` apart.
@@ -59,17 +84,26 @@ class Proximity:
             q: Configuration, shape (nq,).
             within: Distance of each pair, shape (pairs,) [m].
         """
-        joints = q[7:]
-        due = _pairs_possibly_within(
+        own_pairs = len(self._lever_bounds)
+        joints = q[7 : 7 + self._system.robot.na]
+        own = _pairs_possibly_within(
             self._latest_distances, self._lever_bounds, self._joints_when_measured, joints, within
         )
+        due = own
+        if len(self._with_things):
+            pin.updateGeometryPlacements(self._model, data, self._geometry, self._results)
+            places = [place.act(centre) for place, centre in zip(self._results.oMg, self._centres, strict=True)]
+            apart = _distances_of_balls(np.array(places), self._radii, self._with_things)
+            self._latest_distances[own_pairs:] = apart
+            due = np.append(own, own_pairs + np.flatnonzero(apart < within[own_pairs:]))
         if not len(due):
             return []
-        pin.updateGeometryPlacements(self._model, data, self._geometry, self._results)
+        if not len(self._with_things):
+            pin.updateGeometryPlacements(self._model, data, self._geometry, self._results)
         for k in due.tolist():
             pin.computeDistance(self._geometry, self._results, k)
             self._latest_distances[k] = self._distance_results[k].min_distance
-        self._joints_when_measured[due] = joints
+        self._joints_when_measured[own] = joints
         return due[(self._latest_distances < within)[due]].tolist()
 
     def distances_and_jacobian(self, data: pin.Data, pairs: Sequence[int]) -> tuple[Array, Array]:
@@ -90,7 +124,13 @@ class Proximity:
         for n, k in enumerate(pairs):
             distances[n], normals[n] = self._distance_results[k].min_distance, self._normals[k]
             points[n] = self._distance_results[k].getNearestPoint2()
-        return distances, _distance_jacobian(normals, points, data.J, self._relative_motion, np.array(pairs, dtype=int))
+        return distances, _distance_jacobian(
+            normals, points, self._joint_jacobian(data), self._relative_motion, np.array(pairs, dtype=int)
+        )
+
+    def _joint_jacobian(self, data: pin.Data) -> Array:
+        """Jacobian of the joints that count here: of a robot among things, its own, which come first."""
+        return data.J if data.J.shape[1] == self._system.nv else np.asfortranarray(data.J[:, : self._system.nv])
 
     def _renew_results(self) -> None:
         self._results = self._geometry.createData()
@@ -143,8 +183,8 @@ def _pairs_possibly_within(
     latest: Array, lever_bounds: Array, joints_then: Array, joints: Array, within: Array
 ) -> Array:
     """Indices of the pairs that may have come nearer than `within` since they were last measured."""
-    near = np.empty(len(latest), np.bool_)
-    for k in range(len(latest)):
+    near = np.empty(len(lever_bounds), np.bool_)
+    for k in range(len(lever_bounds)):
         least = latest[k]
         for i in range(len(joints)):
             least -= lever_bounds[k, i] * abs(joints_then[k, i] - joints[i])
@@ -164,6 +204,59 @@ def _distance_jacobian(normals: Array, points: Array, J: Array, relative_motion:
             slope = nx * J[0, i] + ny * J[1, i] + nz * J[2, i] + a * J[3, i] + b * J[4, i] + c * J[5, i]
             out[n, i] = slope * relative_motion[pairs[n], i]
     return out
+
+
+@compiled
+def _distances_of_balls(centres: Array, radii: Array, pairs: Array) -> Array:
+    """Lower bounds of distances: of the balls about the shapes of each pair (n,) [m]."""
+    out = np.empty(len(pairs))
+    for n in range(len(pairs)):
+        a, b = pairs[n, 0], pairs[n, 1]
+        x, y, z = centres[a, 0] - centres[b, 0], centres[a, 1] - centres[b, 1], centres[a, 2] - centres[b, 2]
+        out[n] = np.sqrt(x * x + y * y + z * z) - radii[a] - radii[b]
+    return out
+
+
+def _bounding_balls(shapes: Sequence[pin.GeometryObject]) -> tuple[list[Array], Array]:
+    """Centres in the shapes' own axes, and radii (n,), of balls about shapes [m]."""
+    for shape in shapes:
+        shape.geometry.computeLocalAABB()
+    centres = [np.array(shape.geometry.aabb_center) for shape in shapes]
+    return centres, np.array([shape.geometry.aabb_radius for shape in shapes])
+
+
+def _add_pads(geometry: pin.GeometryModel, system: System) -> list[int]:
+    """Add the pads in front of the robot's palms, which meet things but no part of the robot; returns their bodies."""
+    bodies = []
+    for name, surface in system.robot.surfaces.items():
+        if name not in system.robot.feet and surface.point is not None:
+            (half, place), frame = surface.pad(), system.model.frames[system.point(surface.point)]
+            shape = pin.GeometryObject(name, frame.parentJoint, frame.placement * place, coal.Box(*(2.0 * half)))
+            geometry.addGeometryObject(shape)
+            bodies.append(int(frame.parentJoint))
+    return bodies
+
+
+def _add_thing_shapes(geometry: pin.GeometryModel, system: System) -> list[str | int]:
+    """Add the shapes of things and the pairs in which they may collide; returns the body of each shape."""
+    bodies: list[str | int] = [int(shape.parentJoint) for shape in geometry.geometryObjects]
+    if system.things:
+        bodies += _add_pads(geometry, system)
+    owners = ["robot"] * len(bodies)
+    for thing in system.things:
+        for number, (frame, solid) in enumerate(thing.solids):
+            own = thing.model.frames[frame]
+            joint = system.model.getJointId(thing.model.names[own.parentJoint]) if own.parentJoint else 0
+            place, name = own.placement * solid.placement, solid.name or f"{thing.name}/{number}"
+            geometry.addGeometryObject(pin.GeometryObject(name, joint, place, solid.coal()))
+            bodies.append(joint or thing.name)
+            owners.append(thing.name)
+    moves = [owner == "robot" or isinstance(body, int) for owner, body in zip(owners, bodies, strict=True)]
+    for second, owner in enumerate(owners):
+        for first in range(second):
+            if owner != "robot" and owners[first] != owner and (moves[first] or moves[second]):
+                geometry.addCollisionPair(pin.CollisionPair(first, second))
+    return bodies
 
 
 def _moving_velocities(model: pin.Model, shape: pin.GeometryObject) -> Array:

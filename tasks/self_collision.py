@@ -1,4 +1,4 @@
-"""Parts of the robot that keep away from one another."""
+"""Parts of the robot that keep away from one another and from things."""
 
 from collections.abc import Sequence
 
@@ -9,10 +9,11 @@ from solvers.compiled import compiled
 from solvers.rows import Rows
 from sot.acceleration_bounds import AccelerationBounds
 from sot.control.task import Task
-from sot.control.tick import Tick
+from sot.control.tick import Tick, TickContact
 from sot.proximity import Proximity
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
+from sot.robots.system import System
 
 Array = np.ndarray
 
@@ -40,14 +41,16 @@ REST_DISTANCE_SHARE = 0.5
 
 
 class SelfCollision(Task):
-    """Distances between the robot's limbs and the rest of it as bounds on their acceleration.
+    """Distances between the robot's limbs and the rest of it, and of both with things, as bounds on their acceleration.
 
     A distance d moves as ``d̈ = J v̇ + J̇ v``; like a joint with a range it may come to its least value, but only so
     fast that it can still be stopped there, and shapes that are too near from the start are led apart (see
     `AccelerationBounds`). No more is asked for than what the joints give at the accelerations that are relied upon.
 
+    Bodies that a contact of the stack is to bring together, whatever its mode, are not kept apart.
+
     Args:
-        robot: The robot.
+        robot: The robot, or the system of it and things, which then keep away from it and from one another as well.
         min_distance: Distance that is kept [m], less by pairs that are nearly as near at rest; MIN_DISTANCE_LEGS by
             default.
         weight: Scale of its rows within its level.
@@ -60,27 +63,31 @@ class SelfCollision(Task):
     equality = False
     gives_way = 1
 
-    def __init__(self, robot: Robot, min_distance: float | None = None, weight: float = 0.1) -> None:
+    def __init__(self, robot: Robot | System, min_distance: float | None = None, weight: float = 0.1) -> None:
         super().__init__("SelfCollision", "m/s²", "m", weight)
-        min_distance = MIN_DISTANCE_LEGS * leg_length(robot) if min_distance is None else min_distance
-        self.min_distances = np.minimum(min_distance, REST_DISTANCE_SHARE * robot.rest_distances)
-        self._acceleration = robot.acceleration
-        self._proximity, self._data_ahead = Proximity(robot), robot.model.createData()
+        self._system = system = System.of(robot)
+        self._acceleration = system.robot.acceleration
+        self._proximity, self._data_ahead = Proximity(system), system.model.createData()
+        min_distance = MIN_DISTANCE_LEGS * leg_length(system.robot) if min_distance is None else min_distance
+        self.min_distances = np.minimum(min_distance, REST_DISTANCE_SHARE * self._proximity.rest_distances)
+        self._meeting: list[frozenset[str | int]] = []  # bodies that contacts are to bring together
+        self._contacts: list[TickContact] = []  # these contacts
         self.pairs = self._proximity.pairs
         self._watched: list[int] = []
         self._last_look = -np.inf
         self._unwatched_until = np.full(len(self.pairs), -np.inf)  # times until which pairs may be left alone
-        self._allocate_rows(0, robot.nv)
+        self._allocate_rows(0, system.nv)
 
     def distances_and_rates(self, tick: Tick, pairs: Sequence[int]) -> tuple[Array, Array, Array, Array]:
         """Distances d of n pairs (n,), their rates (n,), J (n, nv) and J̇ v (n,)."""
-        model, proximity = tick.robot.model, self._proximity
+        model, proximity = self._system.model, self._proximity
+        q, v = tick.q[: model.nq], tick.v[: model.nv]
         distances, J = proximity.distances_and_jacobian(tick.data, pairs)
-        rates = J @ tick.v
+        rates = J @ v
         # What the rates become after a period without acceleration: they depend on how the shapes are curved.
-        pin.computeJointJacobians(model, self._data_ahead, pin.integrate(model, tick.q, tick.period * tick.v))
+        pin.computeJointJacobians(model, self._data_ahead, pin.integrate(model, q, tick.period * v))
         _, ahead = proximity.distances_and_jacobian(self._data_ahead, pairs)
-        return distances, rates, J, (ahead @ tick.v - rates) / tick.period
+        return distances, rates, J, (ahead @ v - rates) / tick.period
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``d̈ >= d̈_min`` of the pairs that are near and approach; `error` is how much too near each of
@@ -92,14 +99,14 @@ class SelfCollision(Task):
             self._watched, self._last_look = self._pairs_to_watch(tick), tick.t
         near, count = self._watched, len(self._watched)
         if count > len(self._unbounded_below):
-            self._allocate_rows(count, len(tick.v))
+            self._allocate_rows(count, self._system.nv)
         if not near:
             self.error, self.labels = _NO_ERROR, ()
             return self.make_rows(self._zero_rows, self._unbounded_below, self._unbounded_above)
         A, lower = self._zero_rows.copy(), self._unbounded_below.copy()
         distances, rates, J, drift = self.distances_and_rates(tick, near)
         # What the joints give at the accelerations that are relied upon.
-        achievable = np.abs(J[:, 6:]) @ self._acceleration
+        achievable = np.abs(J[:, 6 : 6 + len(self._acceleration)]) @ self._acceleration
         kept = self.min_distances[near]
         brakes = _braking_decelerations(distances - kept, rates, tick.period, achievable)
         unlimited = self._unbounded_above[:count]
@@ -124,17 +131,27 @@ class SelfCollision(Task):
         """Pairs whose approach may have to be braked before the next look."""
         if tick.t < self._last_look:
             self._unwatched_until[:] = -np.inf  # another run
-        proximity, v, period, kept = self._proximity, tick.v, tick.period, self.min_distances
+        proximity, v, period, kept = self._proximity, tick.v[: self._system.nv], tick.period, self.min_distances
         within = _watch_distances(
             proximity.rate_bounds(v), period, kept, self._unwatched_until - TIME_TOLERANCE, tick.t
         )
         near = proximity.pairs_within(tick.data, tick.q, within)
+        if len(self._system.things):
+            near = self._without_meeting(tick, near)
         if not near:
             return near
         distances, J = proximity.latest_distances_and_jacobian(tick.data, near)
         looks = _skippable_looks(distances, J @ v, period, kept[near])
         self._unwatched_until[near] = tick.t + LOOK_PERIOD * looks
         return [k for k, later in zip(near, looks.tolist(), strict=True) if not later]
+
+    def _without_meeting(self, tick: Tick, pairs: list[int]) -> list[int]:
+        """Pairs whose bodies no contact is to bring together."""
+        if self._contacts != list(tick.contacts):
+            self._contacts = list(tick.contacts)
+            body_of = self._system.body_of
+            self._meeting = [frozenset((body_of(contact.surface), body_of(contact.on))) for contact in tick.contacts]
+        return [k for k in pairs if self._proximity.bodies[k] not in self._meeting]
 
 
 @compiled

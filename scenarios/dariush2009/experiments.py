@@ -9,7 +9,7 @@ from scenarios.dariush2009.time_modulation import duration_keeping_times, modula
 from scenarios.dariush2009.velocity_runs import GAIN, VelocityRun, follow_by_velocities
 from scenarios.hammam2015.key_point_reference import RATE, KeyPointReference
 from scenarios.hammam2015.kinematic_run import RANGE_TOLERANCE
-from scenarios.hammam2015.pictures import arm_distances
+from scenarios.hammam2015.pictures import HANDS, arm_distances
 from sot.motion.human.key_points import KEY_POINTS
 from sot.robots.robot import Robot
 from tasks.resolved.redirection import Redirection
@@ -29,12 +29,12 @@ LOW_CONFIDENCE = 0.05
 """Confidence in them."""
 COLLISION_DAMPING = 0.1
 SHIFTS = {"δ = 0.5": 0.5, "δ = 1": 1.0}
-HANDS: dict[str, tuple[str, str | None]] = {
-    "left hand and trunk": ("left_arm", None),
-    "left hand and right hand": ("left_arm", "right_arm"),
+ARMS: dict[str, tuple[str, str | None]] = {
+    "left arm, trunk": ("left_arm", None),
+    "right arm, trunk": ("right_arm", None),
+    "arms": ("left_arm", "right_arm"),
 }
-"""Pairs of Figures 11 and 12: an arm and what is no limb, or another arm."""
-OTHER_ARM: dict[str, tuple[str, str | None]] = {"right hand and trunk": ("right_arm", None)}
+"""Parts of the body of which the least distance of a run is."""
 
 
 @dataclass(frozen=True)
@@ -153,9 +153,9 @@ def collision_runs(robot: Robot, reference: KeyPointReference) -> CollisionRuns:
             robot, reference, [FOUR_POINTS], redirection=Redirection(robot, pairs, shift, COLLISION_DAMPING)
         )
     runs["mended"] = follow_by_velocities(robot, reference, [FOUR_POINTS], keep_apart=True)
-    found = {name: arm_distances(robot, run.times, run.q, {**HANDS, **OTHER_ARM}) for name, run in runs.items()}
+    found = {name: arm_distances(robot, run.times, run.q, {**HANDS, **ARMS}) for name, run in runs.items()}
     times = found["without"][0]
     distances = {name: of for name, (_, of) in found.items()}
-    figures = {name: float(min(values.min() for values in of.values())) for name, of in distances.items()}
+    figures = {name: float(min(of[pair].min() for pair in ARMS)) for name, of in distances.items()}
     figures |= {f"wrists {name}": run.rms("left_wrist", "right_wrist") for name, run in runs.items()}
     return CollisionRuns(times, distances, figures)

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from scenarios.dariush2009.experiments import HANDS, PRIORITIES, CollisionRuns, LimitRuns
+from scenarios.dariush2009.experiments import PRIORITIES, CollisionRuns, LimitRuns
 from scenarios.dariush2009.velocity_runs import VelocityRun
+from scenarios.hammam2015.pictures import HANDS
 from sim.reporting.chart import Curve, Panel, limit_lines, write_panels
 from sot.robots.robot import Robot
 from tasks.resolved.redirection import CRITICAL_DISTANCE, blending

@@ -78,7 +78,7 @@ def resolved(
     def make(robot: Robot, names: Sequence[str], reference: SampledPoints) -> Law:
         feet = ResolvedPoints(robot, robot.feet, standing_feet(robot), KP, velocity_kp, velocity_gain)
         points = ResolvedPoints(robot, names, reference, KP, velocity_kp, velocity_gain)
-        pairs = NearestPairs(robot, PAPER_PAIR_COUNT, PAIR_REACH)
+        pairs = NearestPairs(robot, PAPER_PAIR_COUNT, PAIR_REACH, 1.0 / velocity_gain)
         solver = ResolvedAcceleration(damping, exact_projectors)
         preferred = towards_rest(robot, rest_rate, velocity_gain) if rest_rate else None
         return ConstrainedResolvedAcceleration([feet, points], pairs, weighting(robot), solver, preferred)

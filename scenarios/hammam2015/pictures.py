@@ -10,6 +10,7 @@ import pinocchio as pin
 from scenarios.hammam2015.figures import TRACKED
 from scenarios.hammam2015.kinematic_run import KinematicRun
 from sim.reporting.chart import Curve, Panel, limit_lines, write_panels
+from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
 
 Array = np.ndarray
@@ -24,6 +25,13 @@ COLORS = {
     "reference": "#333",
 }
 BEFORE, PRINTED, AFTER, OURS = "no constraints", "CRAC as printed", "CRAC mended", "cascade"
+WHEN = {BEFORE: "before", AFTER: "after"}
+HANDS: dict[str, tuple[str, str | None]] = {
+    "right hand, trunk": ("right_hand", None),
+    "left hand, trunk": ("left_hand", None),
+    "hands": ("right_hand", "left_hand"),
+}
+"""Pairs of which distances are drawn: parts of the body, None for what is no limb."""
 LARGEST_DISTANCE_DRAWN, LARGEST_ANGLE_DRAWN_DEG = 0.3, 250.0
 DRAWN_EVERY = 2
 """Frames of a run of which distances are drawn: one in so many."""
@@ -64,20 +72,15 @@ def _draw_violations(path: Path, runs: Runs, label: str) -> None:
 
 def _draw_distances(path: Path, robot: Robot, runs: Runs, label: str) -> None:
     """Figures 5, 8 and 13: distances of the arms, and the way of the right wrist sideways."""
-    groups: dict[str, tuple[str, str | None]] = {
-        "right arm and trunk": ("right_arm", None),
-        "left arm and trunk": ("left_arm", None),
-        "right arm and left arm": ("right_arm", "left_arm"),
-    }
     panels = []
     for task_set in (1, 2, 3):
         near = {
-            method: arm_distances(robot, runs[task_set, method].times, runs[task_set, method].q, groups)
+            method: arm_distances(robot, runs[task_set, method].times, runs[task_set, method].q, HANDS)
             for method in (BEFORE, AFTER)
         }
-        for group in list(groups)[: 1 if task_set == 3 else 3]:
+        for group in list(HANDS)[: 1 if task_set == 3 else 3]:
             curves = [
-                Curve(times, np.minimum(found[group], LARGEST_DISTANCE_DRAWN), COLORS[method], method)
+                Curve(times, np.minimum(found[group], LARGEST_DISTANCE_DRAWN), COLORS[method], WHEN[method])
                 for method, (times, found) in near.items()
             ]
             curves += limit_lines([0.0], float(runs[task_set, AFTER].times[-1]), "")
@@ -128,7 +131,10 @@ def _way_panel(runs: Runs, task_set: int, axis: int, methods: Sequence[str]) -> 
 def arm_distances(
     robot: Robot, times: Array, q: Array, groups: Mapping[str, tuple[str, str | None]]
 ) -> tuple[Array, dict[str, Array]]:
-    """Times (k,), and least distances (k,) [m] by name, between two limbs or a limb and what is none, of a motion."""
+    """Times (k,), and least distances (k,) [m] by name, between parts of the body along a motion.
+
+    Parts are limbs, hands (from the wrist on), and None for what is no limb.
+    """
     data, results = robot.model.createData(), robot.shapes.createData()
     chosen = {name: _pairs_between(robot, *limbs) for name, limbs in groups.items()}
     needed = sorted({k for pairs in chosen.values() for k in pairs})
@@ -141,19 +147,21 @@ def arm_distances(
     return times[rows], {name: distances[:, pairs].min(axis=1) for name, pairs in chosen.items()}
 
 
-def _pairs_between(robot: Robot, limb: str, other: str | None) -> list[int]:
-    limbs = {
-        2 + joint: name for name in ("left_arm", "right_arm", "left_leg", "right_leg") for joint in robot.groups[name]
-    }
+def _pairs_between(robot: Robot, part: str, other: str | None) -> list[int]:
+    model, shapes = robot.model, robot.shapes.geometryObjects
+    limbs = {2 + joint for name in ("arms", "legs") for joint in robot.groups[name]}
+    roots = {f"{side}_hand": model.frames[robot.point(f"{side}_wrist")].parentJoint for side in SIDES}
+    roots |= {f"{side}_arm": 2 + min(robot.groups[f"{side}_arm"]) for side in SIDES}
 
-    def owner(shape: int) -> str | None:
-        joint = robot.shapes.geometryObjects[shape].parentJoint
-        return next((limbs[k] for k in reversed(robot.model.supports[joint].tolist()) if k in limbs), None)
+    def belongs(shape: int, to: str | None) -> bool:
+        chain = model.supports[shapes[shape].parentJoint].tolist()
+        return roots[to] in chain if to else not limbs & set(chain)
 
     return [
         k
         for k, pair in enumerate(robot.shapes.collisionPairs)
-        if {owner(pair.first), owner(pair.second)} == {limb, other}
+        if (belongs(pair.first, part) and belongs(pair.second, other))
+        or (belongs(pair.second, part) and belongs(pair.first, other))
     ]
 
 

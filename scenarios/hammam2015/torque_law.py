@@ -27,6 +27,8 @@ METHOD = "CRAC mended"
 TASK_SET = 2
 STACKS = ("alone", "below balance")
 """The accelerations alone; and below a level that keeps the centre of mass over the middle of the feet."""
+MAX_DURATION = 6.0
+"""How much of a clip is followed, its lead-in included [s]."""
 EVALUATION_RATE = 50.0
 """Rate at which points are evaluated [Hz]."""
 GIVEN_UP_SLACK = 1.0
@@ -69,7 +71,7 @@ def torque_law_run(
     """
     names = TASK_SETS[TASK_SET]
     law = METHODS[METHOD].law(robot, names, reference.of(names))
-    stand = Motion.standing(robot, float(reference.times[-1]), rate)
+    stand = Motion.standing(robot, min(float(reference.times[-1]), MAX_DURATION), rate)
     accelerations = ResolvedAccelerations(robot, law)
     levels: dict[str, Sequence[Task]] = {"resolved": [accelerations], "forces": [LeastForces()]}
     if kind == "below balance":

@@ -58,7 +58,7 @@ def handling_stack(
     waist, chest = clock.pose(motion.pose("waist")), clock.pose(motion.pose("chest"))
     return Stack(
         contacts=list(contacts.values()),
-        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot, CLEARANCE)],
+        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(system, CLEARANCE)],
         levels={
             "balance": [CenterOfMass(schedule.com, axes="xy", kp=60.0)],
             "motion": [

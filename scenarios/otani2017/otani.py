@@ -11,9 +11,11 @@ from rich.table import Table
 
 from scenarios.inputs.clips import find_clip
 from scenarios.inputs.stack_file import Composition
+from scenarios.otani2017 import pictures
 from scenarios.otani2017.handling_stack import contacts_of, handling_stack
 from scenarios.otani2017.scene import ObjectOptions, placement_noise, scene_things
 from scenarios.replay import Dance, ProgressCallback, Replay, check_writable, make_solver, run_motion, write_outputs
+from sim.recording.things import HandledThings
 from sim.reporting import report
 from sim.reporting.objects import object_figures
 from sot.behaviours.manipulation.schedule import ManipulationSchedule
@@ -106,7 +108,11 @@ def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) 
             "sets": [{"t_s": t, "sets": str(sets)} for t, sets in schedule.history],
         },
     }
-    return write_outputs(danced, out, tell, report.rounded(extra))
+    figures = write_outputs(danced, out, tell, report.rounded(extra))
+    label = ", ".join(f"{value:g} {unit}" for value, unit in handling.actual.told(handling.study))
+    curves = pictures.save_curves(out / pictures.CURVES_FILE, log, system, schedule.played_times(), label)
+    pictures.draw(out / pictures.PICTURE_FILE, [curves], f"{handling.clip}, {label}, by {system.robot.label}")
+    return figures
 
 
 def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tuple[Dance, ManipulationSchedule, System]:
@@ -142,7 +148,9 @@ def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tupl
     danced = run_motion(
         replace(request, clip=handling.clip), compose, demonstration.motion, None, tell, system=system, things=actual
     )
-    return replace(danced, motion=schedule.played()), schedule, System(robot, actual)
+    simulated = System(robot, actual)
+    handled_things = HandledThings(simulated, schedule.history, schedule.played_times())
+    return replace(danced, motion=schedule.played(), handled=handled_things), schedule, simulated
 
 
 def read_demonstration(handling: Handling) -> tuple[Human, HandledObjects, ContactPlan]:

@@ -33,6 +33,10 @@ class ObjectOptions:
     stiffness: float | None = None
     damping: float | None = None
 
+    def told(self, study: str) -> list[tuple[float, str]]:
+        """What tells one run of a study from another: values with their units."""
+        return [(self.mass, "kg")] if study == "box" else [(self.stiffness or 0.0, "N m/rad")]
+
 
 def scene_things(
     handled: HandledObjects,

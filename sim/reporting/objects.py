@@ -1,6 +1,5 @@
 """Figures of the things that a robot handles: slip in its hands, where they end, and what is felt on them."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -8,10 +7,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from sim.log import FOOT_FIXED, RunLog
+from sim.thing_paths import frame_path, hand_contacts
 from sot.robots.system import System
 
 Array = NDArray[np.float64]
-Rows = NDArray[np.int_]
 
 TILT_AXIS = 2  # of a thing: its z axis, which stands upright at rest
 
@@ -43,14 +42,6 @@ def object_figures(log: RunLog, system: System) -> dict[str, dict[str, Any]]:
     return figures
 
 
-def hand_contacts(log: RunLog, system: System, thing: str) -> Iterator[int]:
-    """Columns of the logged contacts of a surface of the robot with a thing."""
-    for k, name in enumerate(log.contact_names):
-        first, _, second = name.partition(" on ")
-        if second.split("/")[0] == thing and "/" not in first:
-            yield k
-
-
 def slip(log: RunLog, system: System, contact: int) -> float:
     """Greatest way of a contact's first surface along the second one while it is made with all its load [m]."""
     first, _, second = log.contact_names[contact].partition(" on ")
@@ -64,15 +55,3 @@ def slip(log: RunLog, system: System, contact: int) -> float:
     body, axes = frame_path(log, system, other.point, rows)
     local = np.einsum("tji,tj->ti", axes, own - body) @ other.placement.rotation[:, :2]
     return float(np.linalg.norm(local - local[0], axis=1).max())
-
-
-def frame_path(log: RunLog, system: System, point: str, rows: Rows | None = None) -> tuple[Array, Array]:
-    """Positions (T, 3) [m] and rotations (T, 3, 3) of a point of the robot or of a thing, at some rows of the log."""
-    chosen = np.arange(log.ticks) if rows is None else rows
-    model, data, frame = system.model, system.model.createData(), system.point(point)
-    position, rotation = np.empty((len(chosen), 3)), np.empty((len(chosen), 3, 3))
-    for k, row in enumerate(chosen.tolist()):
-        pin.forwardKinematics(model, data, np.concatenate([log.q[row], log.thing_q[row]]))
-        place = pin.updateFramePlacement(model, data, frame)
-        position[k], rotation[k] = place.translation, place.rotation
-    return position, rotation

@@ -5,7 +5,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from sot.live.placement import MomentTargets
-from sot.motion.body.coordinates import rate_matrix, to_configuration, to_rotation
+from sot.live.state import pinocchio_state
+from sot.motion.body.coordinates import rate_matrix, to_rotation
 from sot.motion.body.limits import Limits
 from sot.motion.body.parts import (
     CHEST_WEIGHT,
@@ -65,11 +66,11 @@ class BodySolver:
 
     def place(self, y: Array) -> pin.Data:
         """Pinocchio's data with all joints placed at coordinates (nv,)."""
-        pin.forwardKinematics(self._model, self.data, to_configuration(y[None])[0])
+        pin.forwardKinematics(self._model, self.data, pinocchio_state(y, y, y)[0])
         return self.data
 
     def _residuals(self, wanted: MomentTargets, y: Array) -> tuple[Array, Array]:
-        pin.computeJointJacobians(self._model, self.data, to_configuration(y[None])[0])
+        pin.computeJointJacobians(self._model, self.data, pinocchio_state(y, y, y)[0])
         pin.updateFramePlacements(self._model, self.data)
         base, rates = to_rotation(y[None, 3:6])[0], rate_matrix(y[None, 3:6])[0]
 

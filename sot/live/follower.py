@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from sot.errors import InputError
 from sot.live.arm_solver import ArmSolver
 from sot.live.body_solver import BodySolver
-from sot.live.filters import MomentFilter
 from sot.live.frame import Frame, Source
-from sot.live.gate import Gate
 from sot.live.person import Acquaintance, Moment, Person
 from sot.live.placement import MomentTargets, Placement
 from sot.live.reference import PERIOD, LiveReference
-from sot.live.time_line import TimeLine
+from sot.live.sensing.gate import Gate
+from sot.live.sensing.one_euro import MomentFilter
+from sot.live.sensing.time_line import TimeLine
 from sot.motion.body.limits import Limits
 from sot.motion.feet.stance import Build
 from sot.motion.human.human import SIDES

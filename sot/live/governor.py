@@ -14,8 +14,12 @@ APPROACH_RATE = 12.0
 """Rate at which an error dies out while it is small [1/s]."""
 VELOCITY_GAIN = 48.0
 """Rate at which the velocity goes to the wanted one [1/s]: four times the other, critically damped."""
-BRAKING_SHARE = 0.7
+BRAKING_SHARE = 0.65
 """Share of the acceleration limit that is relied upon to stop at a target or at the end of the range."""
+USABLE_VELOCITY_SHARE = 0.96
+"""Share of the velocity limits that is gone for: an acceleration does not end at once."""
+END_MARGIN = 0.01
+"""Part at the ends of a joint's range where no target is put [rad]: bounds that act all the time make it tremble."""
 JERK_TIME = 0.03
 """Time in which an acceleration goes from nothing to its limit [s]."""
 MAX_HIP_SPEED, MAX_HIP_ACCELERATION = 1.0, 3.0
@@ -45,7 +49,7 @@ class Governor:
     def __init__(self, robot: Robot, limits: Limits, start: Array, period: float) -> None:
         self.y, self.dy, self.ddy = start.copy(), np.zeros_like(start), np.zeros_like(start)
         self._period = period
-        velocity, acceleration = limits.velocity.copy(), limits.acceleration.copy()
+        velocity, acceleration = USABLE_VELOCITY_SHARE * limits.velocity, limits.acceleration.copy()
         velocity[:3], acceleration[:3] = MAX_HIP_SPEED, MAX_HIP_ACCELERATION
         velocity[3:6], acceleration[3:6] = MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION
         chest = 6 + np.array(robot.groups["chest"], dtype=int)
@@ -62,12 +66,13 @@ class Governor:
 
     def step(self, target: Array, velocity: Array) -> None:
         """Go on by a period towards a target (nv,) that moves with a velocity (nv,)."""
-        low, high = self._bounds(self.y, self.dy, self._period)
+        rate = self.dy + 0.5 * JERK_TIME * self.ddy  # once the acceleration of now has come to an end
+        low, high = self._bounds(self.y + JERK_TIME * rate, rate, self._period)
         wanted = _wanted_accelerations(
             self.y,
             self.dy,
             self.ddy,
-            np.clip(target, self._lower, self._upper),
+            np.clip(target, self._lower + END_MARGIN, self._upper - END_MARGIN),
             np.clip(velocity, -self._velocity, self._velocity),
             low,
             high,

@@ -4,7 +4,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from sot.motion.body.coordinates import to_pinocchio, to_rotation
+from sot.live.state import pinocchio_state
+from sot.motion.body.coordinates import to_rotation
 from sot.motion.feet.contacts import Phase
 from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
@@ -12,7 +13,7 @@ from sot.robots.size import leg_length
 
 Array = NDArray[np.float64]
 
-DAMPING = 1e-3
+DAMPING = 1e-4
 """Of the inverse of the legs' Jacobian, for a leg that is nearly straight."""
 MAX_LEG_EXTENSION = 0.965
 """Share of its length to which a leg is stretched at most: a straight one can no longer push, and jerks."""
@@ -59,7 +60,7 @@ class PlantedLegs:
         model, data, legs = self._model, self._data, self._columns
         y, dy, ddy = y.copy(), dy.copy(), ddy.copy()
         y[legs] = self._angles
-        q, v, a = (part[0] for part in to_pinocchio(y[None], dy[None], ddy[None]))
+        q, v, a = pinocchio_state(y, dy, ddy)
         v[legs], a[legs] = 0.0, 0.0
         pin.computeJointJacobians(model, data, q)
         J = np.vstack([pin.getFrameJacobian(model, data, foot, pin.LOCAL_WORLD_ALIGNED) for foot, _ in self._feet])

@@ -13,6 +13,7 @@ from sot.gravity import GRAVITY
 from sot.live.com_preview import KNOT_PERIOD, ComPreview
 from sot.live.governor import Governor
 from sot.live.planted_legs import PlantedLegs
+from sot.live.state import pinocchio_state
 from sot.motion.body.coordinates import from_configuration, to_pinocchio
 from sot.motion.body.limits import Limits
 from sot.motion.feet.contacts import planted_phases, support_polygon
@@ -102,7 +103,7 @@ class LiveReference:
     def _knot(self) -> Knot:
         governor, model, data, plan = self._governor, self.robot.model, self._data, self._preview
         y, dy, ddy = self._legs(governor.y, governor.dy, governor.ddy)
-        q, v, a = (part[0] for part in to_pinocchio(y[None], dy[None], ddy[None]))
+        q, v, a = pinocchio_state(y, dy, ddy)
         pin.computeCentroidalMomentumTimeVariation(model, data, q, v, a)
         momentum, turn = data.hg.angular.copy(), data.dhg.angular.copy()
         pin.centerOfMass(model, data, q, v, a)
@@ -130,7 +131,7 @@ class LiveReference:
 
     def _pose_at(self, knot: Knot, point: str) -> Pose:
         if point not in knot.poses:  # of a knot before the point was first asked for
-            q, v, a = (part[0] for part in to_pinocchio(knot.y[None], knot.dy[None], knot.ddy[None]))
+            q, v, a = pinocchio_state(knot.y, knot.dy, knot.ddy)
             pin.forwardKinematics(self.robot.model, self._data, q, v, a)
             knot.poses[point] = self._pose(self._points[point])
         return knot.poses[point]
@@ -186,7 +187,7 @@ class LiveReference:
         """The whole state at a time [s]."""
         last, following, dt = self._between(t)
         y, dy, ddy = _interpolated(last.y, last.dy, last.ddy, following.ddy, dt)
-        q, v, a = (part[0] for part in to_pinocchio(y[None], dy[None], ddy[None]))
+        q, v, a = pinocchio_state(y, dy, ddy)
         return MotionSample(q, v, a, *self.balance(t))
 
     def recorded(self, duration: float, rate: float) -> Motion:

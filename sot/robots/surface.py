@@ -12,6 +12,8 @@ Array = np.ndarray
 
 FLATNESS_TOLERANCE = 1e-3
 """Distance [m] by which the corners of a surface may be off their plane."""
+PAD_THICKNESS = 0.01
+"""Thickness of the box that is a surface's shape where its body has none there [m]."""
 INWARD = np.diag([1.0, -1.0, -1.0])
 """Turns axes whose z points out of a body into axes whose z points into it, and back."""
 
@@ -77,11 +79,12 @@ class Surface:
         """Its corners (n, 3) in the frame of its point, or in the world [m]."""
         return self.corners @ self.placement.rotation.T + self.placement.translation
 
-    def distances(self, place: pin.SE3, points: Array) -> Array:
-        """Heights (n,) of points (n, 3) of the world over the surface, whose point's frame has a place [m]."""
-        axes = place * self.placement
-        heights: Array = (points - axes.translation) @ axes.rotation[:, 2]
-        return heights
+    def pad(self) -> tuple[Array, pin.SE3]:
+        """Half sides (3,) of a thin box behind the surface, and its place in the frame of the point [m]."""
+        low, high = self.corners.min(axis=0), self.corners.max(axis=0)
+        half, middle = 0.5 * (high - low), 0.5 * (low + high)
+        half[2], middle[2] = 0.5 * PAD_THICKNESS, -0.5 * PAD_THICKNESS
+        return half, self.placement * pin.SE3(np.eye(3), middle)
 
 
 FLOOR = Surface("floor", np.zeros((0, 3)))

@@ -114,6 +114,10 @@ class System:
         except KeyError:
             raise InputError(f"there is no surface '{name}': choose one of {', '.join(self.surfaces)}") from None
 
+    def body_of(self, surface: Surface) -> int | str:
+        """What a surface is of: the joint that moves it, or the name of a thing that does not move; or the floor."""
+        return surface.owner if surface.point is None else int(self.model.frames[self.point(surface.point)].parentJoint)
+
     def joint_numbers(self, joints: str | Sequence[str]) -> Array:
         """Numbers of the robot's joints of a group, or of some that are named (see `Robot.joint_numbers`)."""
         return self.robot.joint_numbers(joints)

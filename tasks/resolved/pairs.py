@@ -55,30 +55,34 @@ class NearestPairs:
     Args:
         robot: The robot.
         count: How many pairs are given at most.
-        reach: Pairs further apart than this are left out [m].
+        reach: Pairs whose shapes come to rest further apart than this are left out [m].
+        braking_time: Time over a speed on which it is braked [s]: those count as nearest that come to rest so.
         obstacles: Shapes of the environment.
     """
 
-    def __init__(self, robot: Robot, count: int, reach: float, obstacles: Sequence[Obstacle] = ()) -> None:
-        self._count, self._reach = count, reach
+    def __init__(
+        self, robot: Robot, count: int, reach: float, braking_time: float = 0.0, obstacles: Sequence[Obstacle] = ()
+    ) -> None:
+        self._count, self._reach, self._braking_time = count, reach, braking_time
         self._own, self._environment = Proximity(robot), None
-        self._within = np.full(len(self._own.pairs), reach)
         if obstacles:
             self._environment = Proximity(_among_obstacles(robot, obstacles))
         self._ahead = robot.model.createData()
 
     def __call__(self, tick: Tick) -> Distances:
         """At a tick's configuration."""
-        near = self._own.pairs_within(tick.data, tick.q, self._within)
+        within = self._reach + self._braking_time * self._own.rate_bounds(tick.v)
+        near = self._own.pairs_within(tick.data, tick.q, within)
         values, jacobian = self._own.latest_distances_and_jacobian(tick.data, near)
         found = [(self._own, k) for k in near]
         if self._environment is not None:
             there = self._environment
             others, other_jacobian = there.distances_and_jacobian(tick.data, range(len(there.pairs)))
-            close = np.flatnonzero(others < self._reach)
-            values, jacobian = np.append(values, others[close]), np.vstack([jacobian, other_jacobian[close]])
-            found += [(there, k) for k in close.tolist()]
-        nearest = np.argsort(values)[: self._count]
+            values, jacobian = np.append(values, others), np.vstack([jacobian, other_jacobian])
+            found += [(there, k) for k in range(len(others))]
+        gaps = values + self._braking_time * np.minimum(jacobian @ tick.v, 0.0)
+        nearest = np.argsort(gaps)[: self._count]
+        nearest = nearest[gaps[nearest] < self._reach]
         values, jacobian = values[nearest], jacobian[nearest]
         chosen = [found[k] for k in nearest.tolist()]
         names = [proximity.pairs[k] for proximity, k in chosen]
@@ -86,13 +90,13 @@ class NearestPairs:
 
     def _drift(self, tick: Tick, chosen: Sequence[tuple[Proximity, int]], values: Array, jacobian: Array) -> Array:
         drift = np.zeros(len(values))
-        count = int(np.count_nonzero(values < CURVED_DISTANCE))  # they are the first
-        if not count:
+        near = np.flatnonzero(values < CURVED_DISTANCE).tolist()
+        if not near:
             return drift
         model = tick.robot.model
         pin.computeJointJacobians(model, self._ahead, pin.integrate(model, tick.q, tick.period * tick.v))
-        for proximity in {owner for owner, _ in chosen[:count]}:
-            rows = [k for k in range(count) if chosen[k][0] is proximity]
+        for proximity in {chosen[k][0] for k in near}:
+            rows = [k for k in near if chosen[k][0] is proximity]
             _, ahead = proximity.distances_and_jacobian(self._ahead, [chosen[k][1] for k in rows])
             drift[rows] = (ahead - jacobian[rows]) @ tick.v / tick.period
         return drift

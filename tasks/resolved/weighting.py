@@ -32,8 +32,8 @@ RANGE_MARGIN = 0.005
 """Distance from the ends of a joint's range at which its weight stops growing [rad]."""
 PAIR_MARGIN = 0.005
 """Distance of two shapes at which their weight stops growing [m]."""
-STIFFNESS_BEYOND = 100.0
-"""Factor of the weights of what is nearer than its margin, and led back."""
+STIFFNESS = 100.0
+"""Factor of the weights at the margins for what would pass them within the next period, or has passed them."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,8 @@ class MendedWeighting:
 
     *As normals turn.* ``d̈ + G_v ḋ = n y + ṅ q̇``: where ṅ q̇ brings shapes together, y has to make up for it.
 
-    *Beyond.* At the margins the weights stop growing; what is nearer is led back.
+    *Over whole periods.* What s would pass within the next period meets a weight that is STIFFNESS times what it is at
+    the margin; what is beyond the margin is led back.
 
     Args:
         robot: The robot.
@@ -137,7 +138,9 @@ class MendedWeighting:
         self._robot, self._dynamic, self._function = robot, dynamic, function or CollisionFunction()
         self._braking_time = 1.0 / velocity_gain
         # Targets are in y's unit: G_v times a velocity, or the velocity itself.
-        self._return_rate = RETURN_RATE * (velocity_gain if np.isfinite(velocity_gain) else 1.0)
+        self._gain = velocity_gain if np.isfinite(velocity_gain) else 1.0
+        self._joint_weights = np.abs(limit_gradient(robot.upper - RANGE_MARGIN, robot.lower, robot.upper))
+        self._pair_weight = float(np.abs(self._function.slope(np.array(PAIR_MARGIN))))
 
     def __call__(self, tick: Tick, distances: Distances) -> Weights:
         robot, nv = self._robot, self._robot.nv
@@ -145,20 +148,27 @@ class MendedWeighting:
         at_rest = q + self._braking_time * v
         side = np.where(at_rest > 0.5 * (robot.lower + robot.upper), 1.0, -1.0)
         reached = np.where(side > 0.0, np.maximum(q, at_rest), np.minimum(q, at_rest))
-        inside = np.clip(reached, robot.lower + RANGE_MARGIN, robot.upper - RANGE_MARGIN)
-        beyond = np.abs(reached - inside)
+        ends = np.where(side > 0.0, robot.upper - RANGE_MARGIN, robot.lower + RANGE_MARGIN)
+        room = side * (ends - reached)
         joints = np.zeros((robot.na, nv))
         joints[np.arange(robot.na), 6 + np.arange(robot.na)] = side
+        inside = np.where(room > 0.0, reached, ends)
         weights = MENDED_LIMIT_SHARE * np.abs(limit_gradient(inside, robot.lower, robot.upper))
-        rates = distances.jacobian @ tick.v
-        gaps = distances.values + self._braking_time * np.minimum(rates, 0.0)
-        kept = np.maximum(gaps, PAIR_MARGIN)
-        pair_weights = (1.0 - MENDED_LIMIT_SHARE) / max(len(gaps), 1) * np.abs(self._function.slope(kept))
-        drift = np.minimum(distances.drift, 0.0) if self._braking_time else np.zeros(len(gaps))
-        excess = np.concatenate([beyond, kept - gaps])
+        gaps = distances.values + self._braking_time * np.minimum(distances.jacobian @ tick.v, 0.0)
+        share = (1.0 - MENDED_LIMIT_SHARE) / max(len(gaps), 1)
+        pair_weights = share * np.abs(self._function.slope(np.maximum(gaps, PAIR_MARGIN)))
+        stiff = np.append(MENDED_LIMIT_SHARE * self._joint_weights, np.full(len(gaps), share * self._pair_weight))
+        drift = np.append(np.zeros(robot.na), np.minimum(distances.drift, 0.0) if self._braking_time else 0.0 * gaps)
+        rows = np.vstack([joints, -distances.jacobian])
         penalties = Penalties(
-            np.vstack([joints, -distances.jacobian]),
-            np.append(np.zeros(robot.na), drift) - self._return_rate * excess,
-            np.concatenate([weights, pair_weights]) * np.where(excess > 0.0, STIFFNESS_BEYOND, 1.0),
+            np.vstack([rows, rows]),
+            np.append(drift, self._allowed(np.append(room, gaps - PAIR_MARGIN), drift, tick.period)),
+            np.concatenate([weights, pair_weights, STIFFNESS * stiff]),
         )
         return Weights(self._dynamic(tick), penalties)
+
+    def _allowed(self, room: Array, drift: Array, period: float) -> Array:
+        """Largest y that leaves s within its room after a period, or leads it back, shape (n,)."""
+        reach = period / self._gain + (0.5 * period**2 if self._braking_time else 0.0)
+        allowed: Array = np.where(room > 0.0, room / reach, self._gain * RETURN_RATE * room + drift)
+        return allowed

@@ -138,6 +138,10 @@ class ManipulationSchedule(Schedule):
         com = np.array([[part[:2] for part in led] for _, led in self._played])
         return played_motion(self.demonstration.motion, clock, com, self.history, self.demonstration.motion.rate)
 
+    def played_times(self) -> Array:
+        """The demonstration's time at every tick (T,) [s]."""
+        return np.array([time for (time, _, _), _ in self._played])
+
     def motion_time(self, t: float) -> float:
         """The demonstration's time at the robot's present time [s]."""
         return self.clock.time

@@ -59,11 +59,11 @@ def test_the_weight_of_14_keeps_a_range(robot):
 
 def test_shapes_are_kept_apart_where_a_wrist_is_asked_into_the_trunk(robot):
     reference = rest_with(robot, "right_wrist", [0.0, 0.1, 0.95])
-    groups = {"arm": ("right_arm", None)}
+    parts = {"arm": ("right_arm", None)}
     least = {}
     for keep in (False, True):
         run = follow_by_velocities(robot, reference, [("waist", "right_wrist")], keep_apart=keep)
-        least[keep] = arm_distances(robot, run.times, run.q, groups)[1]["arm"].min()
+        least[keep] = arm_distances(robot, run.times, run.q, parts)[1]["arm"].min()
     assert least[False] < -0.01 and least[True] > 0.0
 
 

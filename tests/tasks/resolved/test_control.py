@@ -84,7 +84,7 @@ def follow(robot, weighting: Weighting, target, seconds=2.0, damping=(0.03, 0.1)
     tick, q, v = Tick(robot, PERIOD), robot.rest.copy(), np.zeros(robot.nv)
     levels = [standing_feet(robot, tick, gain), wrist_to(robot, target, gain)]
     control = ConstrainedResolvedAcceleration(
-        levels, NearestPairs(robot, 16, 0.2, obstacles), weighting, ResolvedAcceleration(damping, exact)
+        levels, NearestPairs(robot, 16, 0.2, 1.0 / gain, obstacles), weighting, ResolvedAcceleration(damping, exact)
     )
     way, nearest = [], []
     for k in range(round(seconds / PERIOD)):
@@ -116,12 +116,12 @@ def test_mended_weights_keep_ranges_and_distances(robot, target, gain):
 
 def test_mended_weights_keep_away_from_an_obstacle(robot):
     wall = Obstacle("wall", coal.Box(0.02, 4.0, 4.0), pin.SE3(np.eye(3), np.array([0.45, 0.0, 0.9])))
-    target = np.array([0.7, -0.25, 1.0])
+    target = np.array([0.52, -0.25, 1.0])
     nearest = {
         name: follow(robot, weighting, target, obstacles=[wall])[1].min()
         for name, weighting in (("free", DynamicOnly(unit_weight)), ("kept", MendedWeighting(robot, unit_weight, GAIN)))
     }
-    assert nearest["free"] < -0.05 and nearest["kept"] > 0.0
+    assert nearest["free"] < -0.02 and nearest["kept"] > 0.0
 
 
 def test_what_the_points_leave_free_goes_to_rest(robot):
@@ -139,7 +139,7 @@ def test_what_the_points_leave_free_goes_to_rest(robot):
         ResolvedAcceleration((0.03, 0.1)),
         towards_rest(robot, 5.0, GAIN),
     )
-    for k in range(100):
+    for k in range(150):
         answer = control(tick.update(k * PERIOD, q, v))
         q, v = pin.integrate(robot.model, q, PERIOD * v + 0.5 * PERIOD**2 * answer), v + PERIOD * answer
     assert abs(q[7 + elbow] - robot.rest[7 + elbow]) < 0.02 and control.levels[1].distances.max() < 0.01

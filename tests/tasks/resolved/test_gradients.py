@@ -75,7 +75,7 @@ def test_collision_gradient_and_its_weights(robot):
 
 def test_distances_from_the_environment(robot):
     wall = Obstacle("wall", coal.Box(0.02, 4.0, 4.0), pin.SE3(np.eye(3), np.array([0.6, 0.0, 0.9])))
-    pairs, tick = NearestPairs(robot, 200, 3.0, [wall]), Tick(robot)
+    pairs, tick = NearestPairs(robot, 200, 3.0, 0.0, [wall]), Tick(robot)
     q, v = random_state(robot, np.random.default_rng(3), 0.1)
 
     def of_wall(step):

@@ -42,7 +42,7 @@ class Gate:
         self.jumped = self.is_stranger = False
         self._last: tuple[Moment, float] | None = None
         self._held: tuple[Moment, float] | None = None
-        self._jumping_since = self._strange_since = np.inf
+        self._jumping_since = self._strange_since = self._doubtful_since = np.inf
 
     def passes(self, moment: Moment, t: float) -> bool:
         """Whether a moment at a time [s] is to be believed."""
@@ -53,7 +53,8 @@ class Gate:
             self.counts["other proportions"] += 1
             return False
         self._strange_since = np.inf
-        if self._last is not None and not self._follows(moment, t, *self._last):
+        if self._last is not None and not self._follows(moment, min(t, self._doubtful_since), *self._last):
+            self._doubtful_since = min(self._doubtful_since, t)
             if self._held is None or not self._follows(moment, t, *self._held):
                 self._jumping_since = t
             self._held = moment, t
@@ -62,7 +63,7 @@ class Gate:
                 return False
             self.jumped = True
             self.counts["jump believed"] += 1
-        self._last, self._held = (moment, t), None
+        self._last, self._held, self._doubtful_since = (moment, t), None, np.inf
         return True
 
     def _has_proportions(self, moment: Moment) -> bool:
@@ -74,7 +75,7 @@ class Gate:
         return True
 
     def _follows(self, moment: Moment, t: float, last: Moment, at: float) -> bool:
-        """Whether one moment can come after another."""
+        """Whether one moment can come after another: of frames in doubt, none has had longer than the first of them."""
         elapsed, leg = max(t - at, 0.0), self._person.leg
         way = elapsed * MAX_SPEED_FROUDE * np.sqrt(GRAVITY * leg) + POINT_SLACK_LEGS * leg
         moved = np.array([moment.points[name] - last.points[name] for name in moment.points])

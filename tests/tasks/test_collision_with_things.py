@@ -1,0 +1,96 @@
+"""Robot, box and table keep apart: distances against coal's own, Jacobians and differences, an arm before a table."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from scenarios.stacks import planted_stack
+from sim import World
+from solvers import Cascade
+from sot.control import Contact, Controller
+from sot.control.tick import Tick
+from sot.motion import Motion
+from sot.proximity import Proximity
+from sot.robots import Robot, System, Thing
+from tasks import OperationalPoint, SelfCollision
+
+
+@pytest.fixture(scope="module")
+def system():
+    robot = Robot.load("hrp2")
+    table = Thing.load("table", placement=(0.75, 0.0, 0.0))
+    return System(
+        robot, [Thing.load("box", placement=(0.5, 0.0, 0.85)), table, Thing.load("door", placement=(0.9, 0.9, 0))]
+    )
+
+
+def near_state(system, seed):
+    rng = np.random.default_rng(seed)
+    return pin.integrate(system.model, system.rest, rng.uniform(-0.2, 0.2, system.nv)), rng.uniform(-1, 1, system.nv)
+
+
+def test_pairs_are_the_robots_own_and_those_with_things(system):
+    own, pairs = Proximity(system.robot).pairs, Proximity(system).pairs
+    assert pairs[: len(own)] == own
+    others = {frozenset(name.split("/")[0] if "/" in name else "robot" for name in pair) for pair in pairs[len(own) :]}
+    named = {frozenset(pair) for pair in (("robot", "box"), ("robot", "table"), ("robot", "door"))}
+    assert others == named | {frozenset(pair) for pair in (("box", "table"), ("box", "door"), ("table", "door"))}
+
+
+def test_what_is_near_is_found_wherever_it_moved(system):
+    proximity, tick = Proximity(system), Tick(system)
+    within = np.full(len(proximity.pairs), 0.1)
+    for seed in range(6):
+        tick.update(0.0, *near_state(system, seed))
+        found = proximity.pairs_within(tick.data, tick.q, within)
+        every, _ = Proximity(system).distances_and_jacobian(tick.data, range(len(within)))
+        assert found == np.flatnonzero(every < 0.1).tolist()
+
+
+def test_jacobians_are_derivatives(system):
+    task, tick, (q, v), step = SelfCollision(system), Tick(system), near_state(system, 2), 1e-6
+    pairs = [k for k, names in enumerate(task.pairs) if any("/" in name for name in names)]
+    tick.update(0.0, q, v)
+    distances, rates, *_ = task.distances_and_rates(tick, pairs)
+    apart = distances > 0.01  # overlapping boxes have no smooth distance
+    ends = []
+    for sign in (1.0, -1.0):
+        tick.update(0.0, pin.integrate(system.model, q, sign * step * v), v)
+        ends.append(task.distances_and_rates(tick, pairs)[0])
+    by_differences = (ends[0] - ends[1]) / (2.0 * step)
+    assert apart.sum() > 20
+    np.testing.assert_allclose(rates[apart], by_differences[apart], atol=1e-3)
+
+
+def test_bodies_that_a_contact_brings_together_are_not_kept_apart(system):
+    task, tick = SelfCollision(system), Tick(system)
+    q = system.rest.copy()
+    q[system.coordinates["box"]][:3] = 0.6, 0.0, 0.805
+    tick.update(0.0, q, np.zeros(system.nv))
+    task.rows(tick)
+    assert any({"box/box", "table/block"} <= set(label.split(" and ")) for label in task.labels)
+    tick.contacts = [Contact(system.surface("box/bottom"), system.surface("table/top"))]
+    tick.t = 1.0
+    task.rows(tick)
+    assert not any("box/box" in label and "table" in label for label in task.labels)
+
+
+@pytest.mark.parametrize("knows", [True, False])
+def test_an_arm_stops_before_a_table(knows):
+    """A hand that is sent through a table's side: in physics, with and without the table in the task."""
+    robot, period = Robot.load("hrp2"), 0.002
+    motion = Motion.standing(robot, 2.0, 1.0 / period)
+    start = motion.pose("right_hand")(0.0).position
+    table = Thing.load("table", placement=(start[0] + 0.25, start[1], 0.0), size=(0.3, 0.2, 0.8))
+    stack, world = planted_stack(robot, motion), World(robot, period, things=[table])
+    if knows:
+        stack.hard[:] = [*stack.hard[:2], SelfCollision(System(robot, [table]))]
+    controller = Controller(robot, stack, Cascade(), period)
+    there = start + np.array([0.15, 0.0, 0.0])
+    stack.add(OperationalPoint(robot, "right_hand", there, axes="xyz", kp=9.0, weight=50.0, name="hand"), "posture")
+    pressed = []
+    for k in range(500):
+        world.step(controller(k * period, *world.state()).torque)
+        pressed.append(sum(touch.normal for pair, touch in world.touches().items() if "table" in pair))
+    assert controller.tick.frame("right_hand").position[0] > start[0] + 0.03
+    assert (max(pressed) < 1.0) == knows
