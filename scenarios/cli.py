@@ -3,30 +3,25 @@
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
-from enum import StrEnum
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-import tasks
 from scenarios import viewer
 from scenarios.bench import benchmark_figures, read_figures
 from scenarios.bench import show as show_bench
-from scenarios.inputs import clips
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
+from scenarios.listing import Kind, list_rows
+from scenarios.live.commands import live_command, stream_command
+from scenarios.otani2017 import options
 from scenarios.page import write_page
 from scenarios.peers import read_peer_figures
 from scenarios.replay import (
     RECORDING_FILE,
-    REPORT_FILE,
-    SOLVERS,
-    ProgressCallback,
     Replay,
     check_writable,
     make_solver,
@@ -35,15 +30,13 @@ from scenarios.replay import (
 )
 from scenarios.robots.bench import bench_robots, robot_pieces, show_robots
 from scenarios.robots.commands import robot_app
-from scenarios.robots.summary import robot_summary
-from scenarios.studies import MOTION_SCENARIOS, SCENARIOS, default_solver, is_file, run_scenario
+from scenarios.showing import print_remarks, progress, show_report
+from scenarios.studies import MOTION_SCENARIOS, default_solver, is_file, run_scenario
 from scenarios.suite import SUITES, bench_suite, suite_pieces
 from scenarios.suite import show as show_suite
 from scenarios.terminal import BAD_INPUT, DONE, FAILED, FELL, INTERRUPTED, messages, output
-from sim.reporting.report import print_table
-from sot.control import Task
 from sot.errors import InputError
-from sot.robots.robot import Robot, robot_names
+from sot.robots.robot import Robot
 
 TRACEBACK_VARIABLE = "SOT_TRACEBACK"
 
@@ -53,6 +46,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(robot_app, name="robot")
+app.command("live")(live_command)
+app.command("stream")(stream_command)
 
 Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .npz) or a name of `sot list clips`.")]
 RobotName = Annotated[str, typer.Option("--robot", help="A name of `sot list robots`, or a robot file (.toml).")]
@@ -79,16 +74,6 @@ UpAxis = Annotated[
     typer.Option("--up", help="Up axis of the clip's file: x, y, z, -x, -y or -z; found in the clip by default."),
 ]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
-
-
-class Kind(StrEnum):
-    """What `sot list` lists."""
-
-    CLIPS = "clips"
-    ROBOTS = "robots"
-    SCENARIOS = "scenarios"
-    SOLVERS = "solvers"
-    TASKS = "tasks"
 
 
 @app.command("replay")
@@ -119,9 +104,9 @@ def replay_command(
     request = Replay(
         clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts, edit, up
     )
-    with _progress() as tell:
+    with progress() as tell:
         report = replay(request, folder, tell)
-    status = _show_report(report, folder)
+    status = show_report(report, folder)
     if view:
         view_command(folder)
     return status
@@ -130,7 +115,10 @@ def replay_command(
 @app.command("run")
 def run_command(
     scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`, or a file of your own (.py).")],
-    clip: Annotated[str | None, typer.Option(help="For ramos: a file, or a name of `sot list clips`.")] = None,
+    study: options.Study = None,
+    clip: Annotated[
+        str | None, typer.Option(help="For ramos and the studies of clips: a file, or a name of `sot list clips`.")
+    ] = None,
     start: Start = 0.0,
     duration: Duration = None,
     robot: RobotName = "hrp2",
@@ -138,9 +126,21 @@ def run_command(
     rate: Rate = 1000.0,
     push: Pushes = None,
     mismatch: MismatchText = "",
+    mass: options.Mass = None,
+    stiffness: options.Stiffness = None,
+    damping: options.Damping = None,
+    friction: options.Friction = None,
+    assumed_mass: options.AssumedMass = None,
+    assumed_stiffness: options.AssumedStiffness = None,
+    without_object: options.WithoutObject = False,
+    from_plate: options.FromPlate = False,
+    seed: options.Seed = None,
+    events: options.Events = None,
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/NAME by default.")] = None,
 ) -> int:
     """Run a scenario; record it and report on it."""
+    told = stiffness, damping, friction, assumed_mass, assumed_stiffness, without_object, from_plate, seed, events
+    handling = options.handling_options(scenario, study, mass, *told)
     pushes, changed = tuple(parse_push(text) for text in push or ()), parse_mismatch(mismatch)
     chosen = solver or default_solver(scenario)
     request = Replay(
@@ -155,11 +155,11 @@ def run_command(
         mismatch=changed,
     )
     folder = out or Path("runs") / Path(scenario).stem
-    with _progress() as tell:
-        report, show_own = run_scenario(scenario, clip, request, folder, tell)
+    with progress() as tell:
+        report, show_own = run_scenario(scenario, clip, request, folder, tell, handling)
     status = FELL if report.get("fell") else DONE
-    if scenario in MOTION_SCENARIOS or is_file(scenario):
-        status = _show_report(report, folder)
+    if handling is not None or scenario in MOTION_SCENARIOS or is_file(scenario):
+        status = show_report(report, folder)
     if show_own:
         show_own(report, output)
         output.print(f"\nWritten: {', '.join(str(path) for path in sorted(folder.iterdir()))}", soft_wrap=True)
@@ -184,11 +184,11 @@ def retarget_command(
     request = Replay(
         clip, robot, feet=feet, start=start, duration=duration, rate=rate, mapping=mapping, contacts=contacts, up=up
     )
-    with _progress() as tell:
+    with progress() as tell:
         planned = retarget(request, out, tell)
     if out.suffix == ".toml":
         output.print(f"{out}: {len(planned.travel.dancer) if planned.travel else 0} steps", soft_wrap=True)
-        _print_remarks(planned.remarks)
+        print_remarks(planned.remarks)
         return DONE
     figures = planned.retarget
     output.print(
@@ -196,7 +196,7 @@ def retarget_command(
         f"{1e3 * figures['key_point_rms_m']:.0f} mm from the scaled human's, {figures['frames_per_s']:.0f} frames/s",
         soft_wrap=True,
     )
-    _print_remarks((*planned.motion.robot.remarks, *planned.remarks))
+    print_remarks((*planned.motion.robot.remarks, *planned.remarks))
     return DONE
 
 
@@ -236,7 +236,7 @@ def report_command(
 def list_command(kind: Annotated[Kind, typer.Argument(help="What to list.")]) -> int:
     """List what there is to choose from."""
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
-    for row in _list_rows(kind):
+    for row in list_rows(kind):
         table.add_row(*row)
     output.print(table)
     return DONE
@@ -268,7 +268,7 @@ def bench_command(
         check_writable(out or Path())
         make_solver(solver)
         dances = robot_pieces(mocap)
-        with _progress() as tell:
+        with progress() as tell:
             table = bench_robots(common, dances, out, tell)
         return _shown_table(table, show_robots, as_json)
     if suite is not None:
@@ -278,7 +278,7 @@ def bench_command(
     others = read_figures(against) if against else None
     peers = [read_peer_figures(path) for path in peer or ()]
     request = Replay(clip, robot, solver=solver, start=start, duration=duration, rate=rate)
-    with _progress() as tell:
+    with progress() as tell:
         figures = benchmark_figures(request, tell) | ({"peers": peers} if peers else {})
     if as_json:
         print(json.dumps(figures, indent=2))
@@ -309,19 +309,6 @@ def _without_command(context: typer.Context) -> None:
         print(context.get_help())
 
 
-def _show_report(report: dict[str, Any], folder: Path) -> int:
-    """Show a report, and say by which status a run ended."""
-    print_table([report], output)
-    _print_remarks((*report["remarks"], *report["edits"]))
-    output.print(f"\nWritten: {folder / RECORDING_FILE}, {folder / REPORT_FILE}", soft_wrap=True)
-    return FELL if report["fell"] else DONE
-
-
-def _print_remarks(sentences: Sequence[str]) -> None:
-    for sentence in sentences:
-        output.print(f"\n{sentence}", soft_wrap=True, highlight=False)
-
-
 def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | None, as_json: bool) -> int:
     if suite not in SUITES:
         raise InputError(f"unknown suite '{suite}': choose one of {', '.join(SUITES)}")
@@ -329,7 +316,7 @@ def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | No
     make_solver(request.solver)
     Robot.load(request.robot)
     chosen = suite_pieces(mocap)
-    with _progress() as tell:
+    with progress() as tell:
         table = bench_suite(request, chosen, out, tell)
     return _shown_table(table, show_suite, as_json)
 
@@ -350,40 +337,3 @@ def _error_message(error: Exception) -> str:
 def _print_error(status: int, message: str) -> int:
     print(f"sot: {' '.join(message.split())}", file=sys.stderr)
     return status
-
-
-@contextmanager
-def _progress() -> Iterator[ProgressCallback]:
-    """A bar on a terminal, nothing in a pipe."""
-    bar = Progress(
-        TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(), console=messages, transient=True
-    )
-    with bar if messages.is_terminal else nullcontext():
-        task = bar.add_task("", total=None)
-        yield lambda what, share: bar.update(task, description=what, total=share and 1.0, completed=share or 0.0)
-
-
-def _list_rows(kind: Kind) -> Iterator[tuple[str, ...]]:
-    match kind:
-        case Kind.CLIPS:
-            for clip in clips.named_clips():
-                yield clip.name, f"{clip.seconds:.1f} s", clip.what, f"{clip.source}, {clip.licence}"
-        case Kind.ROBOTS:
-            for name in robot_names():
-                robot = robot_summary(name)
-                figures = f"{robot.joints} joints, {robot.mass:.1f} kg, {robot.height:.2f} m"
-                yield name, robot.label, figures, robot.origin and f"fetched once: {robot.origin}"
-        case Kind.SCENARIOS:
-            for name, scenario in SCENARIOS.items():
-                yield name, _first_line(scenario)
-        case Kind.SOLVERS:
-            for name, solver in SOLVERS.items():
-                yield name, _first_line(solver)
-        case Kind.TASKS:
-            for name in tasks.__all__:
-                if issubclass(getattr(tasks, name), Task):
-                    yield name, _first_line(getattr(tasks, name))
-
-
-def _first_line(thing: object) -> str:
-    return (thing.__doc__ or "").strip().splitlines()[0]

@@ -1,7 +1,7 @@
 """Replay of a clip by a robot under physics: from the file to the recording and the report."""
 
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -17,6 +17,7 @@ from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.own_scene import Scene
 from sim.push import Push
 from sim.recording import recorder
+from sim.recording.things import HandledThings
 from sim.reporting import report, timeline
 from sim.reporting.traces import Traces
 from sim.world import World
@@ -27,9 +28,12 @@ from sot.control.stack import Stack
 from sot.errors import InputError
 from sot.motion import Human, read, recognise
 from sot.motion.feet import contact_file
+from sot.motion.performance import Performance
 from sot.motion.plan import Plan, plan
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
+from sot.robots.system import System
+from sot.robots.things.thing import Thing
 from sot.whole_file import atomic_write
 from tasks.editing import edit
 
@@ -87,19 +91,23 @@ class Dance:
         plan: how the reference came from a human; None if it came from a file.
         edits: a line for each edit of the dance.
         scene: what was in the world besides robot and floor.
+        handled: the things that were handled.
+        remarks: what happened otherwise than planned, a sentence each.
     """
 
     run: Run
     info: RunInfo
     motion: Motion
-    plan: Plan | None
+    plan: Performance | None
     edits: tuple[str, ...] = ()
     scene: Scene | None = None
+    handled: HandledThings | None = None
+    remarks: tuple[str, ...] = ()
 
     def write_recording(self, path: Path) -> float:
         """Write the recording; returns how long that took [s]."""
         begun = perf_counter()
-        recorder.write_recording(path, self.run.log, self.info, self.motion, self.plan, self.scene)
+        recorder.write_recording(path, self.run.log, self.info, self.motion, self.plan, self.scene, self.handled)
         return perf_counter() - begun
 
 
@@ -126,6 +134,7 @@ def write_outputs(
     if timeline.has_changes(danced.run.log):
         timeline.write_timeline(out / TIMELINE_FILE, danced.run.log, danced.info, danced.motion.robot)
     figures = report.run_report(danced.run.log, danced.info, wall, danced.motion, danced.plan)
+    figures["remarks"] = [*figures["remarks"], *danced.remarks]
     figures |= {"edits": list(danced.edits)} | dict(extra_figures)
     report.write_json(figures, out / REPORT_FILE)
     Traces.of(danced.run.log, danced.info, danced.motion).save(out / TRACES_FILE)
@@ -160,6 +169,8 @@ def run_motion(
     tell: ProgressCallback,
     scene: Scene | None = None,
     solver: Solver | None = None,
+    system: System | None = None,
+    things: Sequence[Thing] = (),
 ) -> Dance:
     """Run a stack on a planned motion under physics.
 
@@ -171,15 +182,17 @@ def run_motion(
         tell: told of the progress.
         scene: what is in the world besides robot and floor.
         solver: unless given, the one that the request names.
+        system: the robot with the things that the controller knows of; the robot alone unless given.
+        things: what is in the world to be handled; what the controller does not know of comes last.
 
     Raises:
         InputError: anything in the request that does not fit.
     """
     robot, solver = motion.robot, solver or make_solver(request.solver)
     stack, schedule, told = composed_stack(request, compose, motion)
-    controller = Controller(robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
+    controller = Controller(system or robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
     with blaming_stack_file(request.stack):
-        world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes, scene)
+        world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes, scene, things)
     tell("starting (the first time on a machine this compiles, for half a minute)", None)
     _compile_tick(motion)
     with blaming_stack_file(request.stack):
@@ -197,7 +210,8 @@ def run_motion(
         mismatch=request.mismatch,
         pushes=request.pushes,
     )
-    return Dance(done, info, motion, planned, told, scene)
+    remarks = () if schedule is None else tuple(schedule.remarks())
+    return Dance(done, info, motion, planned, told, scene, remarks=remarks)
 
 
 def composed_stack(

@@ -26,3 +26,29 @@ def rotation_vector(R: Array) -> Array:
     for i in range(3):
         along, square = along + axis[i] * w[i], square + axis[i] ** 2
     return axis * ((angle if along >= 0.0 else -angle) / np.sqrt(square))
+
+
+@compiled
+def rotation_of_vector(turn: Array) -> Array:
+    """The rotation (3, 3) about an axis by an angle, given as axis times angle (3,): inverse of `rotation_vector`."""
+    angle = np.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
+    sine = 1.0 - angle**2 / 6.0 if angle < 1e-4 else np.sin(angle) / angle
+    versine = 0.5 - angle**2 / 24.0 if angle < 1e-4 else (1.0 - np.cos(angle)) / angle**2
+    R = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            R[i, j] = versine * turn[i] * turn[j]
+        R[i, i] += 1.0 - versine * angle**2
+    R[2, 1] += sine * turn[0]
+    R[1, 2] -= sine * turn[0]
+    R[0, 2] += sine * turn[1]
+    R[2, 0] -= sine * turn[1]
+    R[1, 0] += sine * turn[2]
+    R[0, 1] -= sine * turn[2]
+    return R
+
+
+@compiled
+def cross(a: Array, b: Array) -> Array:
+    """The vector product a × b (3,)."""
+    return np.array((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))

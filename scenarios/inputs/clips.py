@@ -1,4 +1,4 @@
-"""Clips that have a name: one ships with the project, the others pip fetches once from whoever publishes them."""
+"""Clips that have a name: some ship with the project, the others pip fetches once from whoever publishes them."""
 
 import difflib
 import hashlib
@@ -60,6 +60,21 @@ _CLIPS = (
         source="this project",
         licence="CC0 1.0",
         members=(Member("data/groove.bvh"),),
+    ),
+    *(
+        Clip(
+            name=name,
+            what=f"synthetic: {what}; written by `python -m scenarios.inputs.handling`",
+            seconds=seconds,
+            source="this project",
+            licence="CC0 1.0",
+            members=(Member(f"data/{name}.bvh"),),
+        )
+        for name, what, seconds in (
+            ("box_stand", "a box taken from a stand, carried over one leg and set on a table", 11.2),
+            ("box_plate", "the same from a low plate on the floor", 12.0),
+            ("door", "a door pushed open", 7.8),
+        )
     ),
     Clip(
         name="lafan1_dance1_subject2",

@@ -40,6 +40,17 @@ def send_robot(
     columns.over_time(entity, times, *moving)
 
 
+def send_shapes(
+    columns: Columns, entity: str, shapes: list[Shape], times: np.ndarray, centers: np.ndarray, rotations: np.ndarray
+) -> None:
+    """Send n shapes that move: centers (T, n, 3) and rotations (T, n, 3, 3) in the world."""
+    for kind in sorted({shape.kind for shape in shapes}):
+        on = [k for k, shape in enumerate(shapes) if shape.kind == kind]
+        alike = [shapes[k] for k in on]
+        columns.static(f"{entity}/{kind}", _shape_archetype(alike, None))
+        columns.over_time(f"{entity}/{kind}", times, _pose_columns(alike, centers[:, on], rotations[:, on]))
+
+
 def send_scenery(columns: Columns, entity: str, shapes: list[Shape]) -> None:
     """Send shapes that stay where they are."""
     for kind in sorted({shape.kind for shape in shapes}):

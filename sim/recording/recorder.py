@@ -13,17 +13,24 @@ from sim.own_scene import Scene
 from sim.recording.blueprint import layout
 from sim.recording.columns import Columns
 from sim.recording.forces import METRES_PER_NEWTON
-from sim.recording.panels import run_tabs
+from sim.recording.panels import FRAME_RATE, run_tabs
 from sim.recording.shapes import read_scenery
+from sim.recording.things import HandledThings, send_things, things_tab
 from sim.recording.visuals import send_visuals
-from sot.motion.plan import Plan
+from sot.motion.performance import Performance
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.whole_file import atomic_write
 
 
 def write_recording(
-    path: Path, log: RunLog, info: RunInfo, motion: Motion, plan: Plan | None, scene: Scene | None = None
+    path: Path,
+    log: RunLog,
+    info: RunInfo,
+    motion: Motion,
+    plan: Performance | None,
+    scene: Scene | None = None,
+    handled: HandledThings | None = None,
 ) -> None:
     """Write a run to a rerun recording (`.rrd`), which appears under its name once it is complete.
 
@@ -34,13 +41,16 @@ def write_recording(
         motion: the reference.
         plan: how the reference came from a human, if it is known.
         scene: what was in the world besides robot and floor; what does not move of it is shown.
+        handled: the things that the robot handles, if any.
     """
     log, robot = log.trimmed(), motion.robot
-    panels = run_tabs(log, motion, plan)
+    panels = [*([things_tab(log, handled)] if handled else []), *run_tabs(log, motion, plan)]
     blueprint = layout(motion, panels, bool(log.conflicts))
     with open_recording(path, f"{info.clip}, {robot.label}", _about_text(info, robot), blueprint) as columns:
         scenery = [] if scene is None else read_scenery(robot, scene)
         send_visuals(columns, log, info, motion, plan.human if plan else None, scenery)
+        if handled is not None:
+            send_things(columns, log, handled, log.rows_at(FRAME_RATE))
         for tab in panels:
             for plot in tab.plots:
                 plot.send(columns)

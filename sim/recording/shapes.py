@@ -8,6 +8,7 @@ import numpy as np
 from sim.own_scene import Scene
 from sim.scene import build_model
 from sot.robots.robot import Robot
+from sot.robots.things.thing import Thing
 
 SHAPE_KINDS = {
     mujoco.mjtGeom.mjGEOM_BOX: "box",
@@ -31,6 +32,7 @@ class Shape:
         position: centre in the body frame [m].
         quaternion: orientation in the body frame, xyzw.
         color: rgba, 0..255.
+        geom: its number in the model that it was read from.
     """
 
     body: str
@@ -39,6 +41,7 @@ class Shape:
     position: np.ndarray
     quaternion: np.ndarray
     color: tuple[int, int, int, int]
+    geom: int = -1
 
 
 def read_shapes(robot: Robot) -> list[Shape]:
@@ -49,6 +52,12 @@ def read_shapes(robot: Robot) -> list[Shape]:
         for geom in range(model.ngeom)
         if model.geom_bodyid[geom] > 0 and model.geom_group[geom] < FIRST_HIDDEN_GROUP
     ]
+
+
+def thing_shapes(thing: Thing) -> list[Shape]:
+    """Visible shapes of a thing."""
+    model = thing.compiled
+    return [_shape(model, geom) for geom in range(model.ngeom) if model.geom_group[geom] < FIRST_HIDDEN_GROUP]
 
 
 def read_scenery(robot: Robot, scene: Scene) -> list[Shape]:
@@ -78,4 +87,4 @@ def _shape(model: mujoco.MjModel, geom: int) -> Shape:
         size = np.array([size[0], size[0], size[1]])
     red, green, blue, alpha = (round(255 * float(channel)) for channel in model.geom_rgba[geom])
     body = str(model.body(model.geom_bodyid[geom]).name)
-    return Shape(body, kind, size, position, np.array([x, y, z, w]), (red, green, blue, alpha))
+    return Shape(body, kind, size, position, np.array([x, y, z, w]), (red, green, blue, alpha), geom)

@@ -47,7 +47,14 @@ class Schedule:
     Attributes:
         events: Past and future events, in order of time.
         tasks: Levels and tasks that are added at some time.
+        finished: Whether the run may end before the motion does.
+        extra_time: Longest time that waiting may add to the motion's [s].
+        failure: Why what was planned was given up, in words; empty while it is not.
     """
+
+    finished = False
+    extra_time = 0.0
+    failure = ""
 
     def __init__(self) -> None:
         self.events: list[Event] = []
@@ -110,6 +117,14 @@ class Schedule:
         self._load_ramps = [ramp for ramp in self._load_ramps if t < ramp.end]
         stack.advance(t)
         return done
+
+    def motion_time(self, t: float) -> float:
+        """The motion's time at a time of the run [s]: earlier where a schedule makes it wait."""
+        return t
+
+    def remarks(self) -> list[str]:
+        """What happened otherwise than planned, a sentence each, once the run is over."""
+        return [self.failure] if self.failure else []
 
     def observe(self, tick: Tick) -> None:
         """Look at the state of the robot; changes that follow from it are made by the next `apply`."""

@@ -20,6 +20,7 @@ from sot.motion.balance.torques import (
 )
 from sot.motion.body.coordinates import to_pinocchio
 from sot.motion.body.kinematics import JointTree, Kinematics
+from sot.motion.body.lean import LeanCut, lean_cut, lean_remark
 from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import Targets, key_points, targets_of_human
@@ -70,6 +71,7 @@ class Plan:
         seconds: time that planning took, by step.
         shortfalls: where the motion's feet or balance are not as planned, in motion time.
         overloads: joints whose torque would be beyond their effort.
+        lean_cut: how much less the trunk leans than the dancer's; None where it is next to nothing.
         imitation: the body that looks like the human, joint limits kept, before anything of it is balanced or slowed
             down; coordinates of `sot.motion.body.coordinates` at PLAN_RATE. `sampled_motion` makes one of it, which no
             robot can do.
@@ -87,6 +89,7 @@ class Plan:
     imitation: Spline
     shortfalls: tuple[Shortfall, ...] = ()
     overloads: tuple[Overload, ...] = ()
+    lean_cut: LeanCut | None = None
 
     @property
     def speed_min(self) -> float:
@@ -99,6 +102,8 @@ class Plan:
         told = [one.words for one in self.human.remarks]
         if self.flights:
             told.append(flight_remark(self.flights, self.travel is not None))
+        if self.lean_cut:
+            told.append(lean_remark(self.lean_cut, lambda t: _clip_time(self.clock, t)))
         if self.shortfalls:
             told.append(shortfall_remark(self.shortfalls, lambda t: _clip_time(self.clock, t)))
         if self.overloads:
@@ -150,6 +155,23 @@ def plan(
         f"{human.name}: no motion of {robot.label} was found for it, numbers grow beyond all bounds: choose another"
         " part with --start and --duration, or --feet planted"
     )
+
+
+def imitation(human: Human, robot: Robot, rate: float = 1000.0) -> Motion:
+    """The motion of a robot on planted feet that looks like a human, within the joints' limits; nothing balances it.
+
+    It begins with the lead-in from rest, and is meant for a controller that leads the centre of mass by itself.
+
+    Args:
+        human: The clip.
+        robot: Who imitates it.
+        rate: Samples per second of the motion [Hz].
+    """
+    fit = _Fitter(robot, Build.of(robot), Limits.of(robot), None)
+    smooth = human.low_passed(CAPTURE_NOISE_HZ)
+    course = standing_course(human_on_time_line(human_over_feet(smooth, fit.build), PLAN_RATE), robot)
+    _, body_motion = fit.unbalanced_body(course)
+    return sampled_motion(robot, body_motion, course.phases, rate)
 
 
 def _plan(
@@ -217,6 +239,7 @@ def _plan(
         imitation=imitation,
         shortfalls=tuple(short),
         overloads=tuple(overloads(robot, course.phases, body_motion)),
+        lean_cut=lean_cut(wanted.lean_cut, 1.0 / PLAN_RATE),
     )
 
 

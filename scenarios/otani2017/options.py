@@ -1,0 +1,84 @@
+"""What the command line may say about the things that are handled."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from scenarios.otani2017.otani import STUDIES, Handling
+from scenarios.otani2017.scene import ObjectOptions
+from sot.errors import InputError
+
+NAME = "otani"
+"""The scenario that takes these options."""
+
+Study = Annotated[str | None, typer.Argument(help="For otani: box or door.")]
+Mass = Annotated[float | None, typer.Option(help="For otani box: mass of the box [kg]; 3 by default.")]
+Stiffness = Annotated[float | None, typer.Option(help="For otani door: spring of the hinge [N m/rad]; 0 by default.")]
+Damping = Annotated[float | None, typer.Option(help="For otani door: damping of the hinge [N m s/rad].")]
+Friction = Annotated[float | None, typer.Option(help="For otani: of things on surfaces; 0.7 by default.")]
+AssumedMass = Annotated[float | None, typer.Option(help="For otani box: the mass that the controller is told [kg].")]
+AssumedStiffness = Annotated[float | None, typer.Option(help="For otani door: the spring that it is told [N m/rad].")]
+WithoutObject = Annotated[bool, typer.Option("--without-object", help="For otani: the controller knows no object.")]
+FromPlate = Annotated[bool, typer.Option("--from-plate", help="For otani box: from a low plate, not from a stand.")]
+Seed = Annotated[int | None, typer.Option(help="For otani box: noise of where the box stands, 3 mm and 2 degrees.")]
+Events = Annotated[Path | None, typer.Option(help="For otani: file (.toml) of contact events, docs/otani-2017.md.")]
+
+
+def handling_options(
+    scenario: str,
+    study: str | None,
+    mass: float | None,
+    stiffness: float | None,
+    damping: float | None,
+    friction: float | None,
+    assumed_mass: float | None,
+    assumed_stiffness: float | None,
+    without_object: bool,
+    from_plate: bool,
+    seed: int | None,
+    events: Path | None,
+) -> Handling | None:
+    """What is to be handled; None for a scenario that handles nothing.
+
+    Raises:
+        InputError: An option that this scenario or study does not take, or a value that makes no sense.
+    """
+    given = {
+        "--mass": mass,
+        "--stiffness": stiffness,
+        "--damping": damping,
+        "--friction": friction,
+        "--assumed-mass": assumed_mass,
+        "--assumed-stiffness": assumed_stiffness,
+        "--without-object": without_object or None,
+        "--from-plate": from_plate or None,
+        "--seed": seed,
+        "--events": events,
+    }
+    named = [name for name, value in given.items() if value is not None]
+    if scenario != NAME:
+        if study is not None or named:
+            raise InputError(f"{scenario} takes no {study or named[0]}: only {NAME} does")
+        return None
+    if study not in STUDIES:
+        raise InputError(f"{NAME}: say what is handled, {' or '.join(STUDIES)}, not '{study or ''}'")
+    of_box, of_hinge = ("--mass", "--assumed-mass", "--from-plate", "--seed"), ("--stiffness", "--damping")
+    foreign = of_box if study == "door" else (*of_hinge, "--assumed-stiffness")
+    if wrong := [name for name in named if name in foreign]:
+        raise InputError(f"{NAME} {study} takes no {wrong[0]}")
+    for name, value in given.items():
+        least = 0.0 if name in ("--stiffness", "--damping", "--assumed-stiffness") else 1e-3
+        if isinstance(value, float) and not least <= value < math.inf:
+            raise InputError(f"{name} {value:g}: give a number of {least:g} or more")
+    actual = ObjectOptions(mass if mass is not None else ObjectOptions.mass, friction, stiffness, damping)
+    assumed = None
+    if assumed_mass is not None or assumed_stiffness is not None:
+        assumed = replace(
+            actual,
+            mass=actual.mass if assumed_mass is None else assumed_mass,
+            stiffness=actual.stiffness if assumed_stiffness is None else assumed_stiffness,
+        )
+    return Handling(study, from_plate, actual, assumed, without_object, seed, events)

@@ -1,0 +1,214 @@
+"""A box carried over one leg and a door pushed open, of any weight and stiffness, after one human: Otani 2017, IV."""
+
+from dataclasses import dataclass, field, replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from scenarios.inputs.clips import find_clip
+from scenarios.inputs.stack_file import Composition
+from scenarios.otani2017 import pictures
+from scenarios.otani2017.handling_stack import contacts_of, handling_stack
+from scenarios.otani2017.scene import ObjectOptions, placement_noise, scene_things
+from scenarios.replay import Dance, ProgressCallback, Replay, check_writable, make_solver, run_motion, write_outputs
+from sim.recording.things import HandledThings
+from sim.reporting import report
+from sim.reporting.objects import object_figures
+from sot.behaviours.manipulation.schedule import ManipulationSchedule
+from sot.errors import InputError
+from sot.motion import Human, read, recognise
+from sot.motion.feet.stance import Build
+from sot.motion.objects import event_file
+from sot.motion.objects.demonstration import HandledObjects, read_objects
+from sot.motion.objects.events import ContactPlan
+from sot.motion.objects.pose_path import PosePath
+from sot.motion.objects.retarget import Scale, retarget_objects
+from sot.motion.plan import imitation
+from sot.motion.trajectory import Motion
+from sot.robots.robot import Robot
+from sot.robots.system import System
+from sot.rotation import rotation_vector
+
+STUDIES = ("box", "door")
+NOISE_M, NOISE_DEG = 0.003, 2.0
+"""Standard deviation of where a free thing stands, with a seed: in each direction [m], and in its heading [deg]."""
+UNKNOWN_SHARE = 1e-2
+"""Share of its mass that a thing has for a controller that does not know of it."""
+DATA = Path(str(files("scenarios.inputs"))) / "data"
+
+
+@dataclass(frozen=True)
+class Handling:
+    """What is handled, and what the controller knows of it.
+
+    Attributes:
+        study: "box" or "door".
+        from_plate: Whether the box stands on a low plate on the floor, not on a stand.
+        actual: What the things are like in physics.
+        believed: What the controller takes them to be like; as they are unless given.
+        unknown: Whether the things weigh and resist next to nothing for the controller: out of the program.
+        seed: Of the noise of the things' places; none without.
+        events: File of contact events in the place of the demonstration's.
+    """
+
+    study: str
+    from_plate: bool = False
+    actual: ObjectOptions = field(default_factory=ObjectOptions)
+    believed: ObjectOptions | None = None
+    unknown: bool = False
+    seed: int | None = None
+    events: Path | None = None
+
+    @property
+    def clip(self) -> str:
+        """Name of the demonstration."""
+        return "door" if self.study == "door" else "box_plate" if self.from_plate else "box_stand"
+
+    def known(self) -> ObjectOptions:
+        """What the controller takes the things to be like."""
+        known = self.believed or self.actual
+        return replace(known, stiffness=0.0, damping=0.0) if self.unknown and self.study == "door" else known
+
+
+def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) -> dict[str, Any]:
+    """Retarget a demonstration, run it, record and report.
+
+    Args:
+        request: Robot, solver, rate, pushes and mismatch.
+        handling: The rest of what is asked for.
+        out: Folder to write to.
+        tell: Told of the progress.
+
+    Raises:
+        InputError: Anything in the request that does not fit; nothing is written then.
+    """
+    check_writable(out)
+    make_solver(request.solver)
+    danced, schedule, system = perform(request, handling, tell)
+    log = danced.run.log.trimmed()
+    objects = object_figures(log, system)
+    demonstration = schedule.demonstration
+    for name, path in demonstration.things.items():
+        aim = path.track.position[-1]
+        if system.thing(name).is_free:
+            made = [event for event in demonstration.targets if event.pair.first.entity == name]
+            aim = demonstration.targets[made[-1]].place.translation if made else aim
+            objects[name]["end_error_m"] = float(np.linalg.norm(np.array(objects[name]["end_m"]) - aim))
+        else:
+            objects[name]["wanted_angle_deg"] = _turned(path)
+    extra = {
+        "objects": objects,
+        "manipulation": {
+            "failure": schedule.failure or None,
+            "waits": [{"events": wait.what, "start_s": wait.start, "end_s": wait.end} for wait in schedule.waits],
+            "sets": [{"t_s": t, "sets": str(sets)} for t, sets in schedule.history],
+        },
+    }
+    figures = write_outputs(danced, out, tell, report.rounded(extra))
+    label = ", ".join(f"{value:g} {unit}" for value, unit in handling.actual.told(handling.study))
+    curves = pictures.save_curves(out / pictures.CURVES_FILE, log, system, schedule.played_times(), label)
+    pictures.draw(out / pictures.PICTURE_FILE, [curves], f"{handling.clip}, {label}, by {system.robot.label}")
+    return figures
+
+
+def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tuple[Dance, ManipulationSchedule, System]:
+    """Retarget a demonstration and run it; nothing is written.
+
+    Returns:
+        The run, its schedule, and the robot with the things as they are simulated.
+    """
+    if handling.study not in STUDIES:
+        raise InputError(f"otani has no study '{handling.study}': choose {' or '.join(STUDIES)}")
+    robot = Robot.load(request.robot)
+    tell("reading", None)
+    human, handled, contacts = read_demonstration(handling)
+    tell("planning", None)
+    scale = Scale.of(human, Build.of(robot))
+    offsets = (
+        None
+        if handling.seed is None
+        else placement_noise(handled, handling.seed, NOISE_M, float(np.radians(NOISE_DEG)))
+    )
+    actual = scene_things(handled, scale, handling.actual, offsets)
+    believed = scene_things(handled, scale, handling.known(), share=UNKNOWN_SHARE if handling.unknown else 1.0)
+    system = System(robot, believed)
+    demonstration = retarget_objects(
+        human, handled, contacts, imitation(human, robot, request.rate), system, hands_for(robot, handling.study)
+    )
+    pairs = contacts_of(demonstration)
+    schedule = ManipulationSchedule(demonstration, pairs)
+
+    def compose(robot: Robot, motion: Motion) -> Composition:
+        return Composition(handling_stack(demonstration, pairs, schedule), schedule)
+
+    danced = run_motion(
+        replace(request, clip=handling.clip), compose, demonstration.motion, None, tell, system=system, things=actual
+    )
+    simulated = System(robot, actual)
+    handled_things = HandledThings(simulated, schedule.history, schedule.played_times())
+    return replace(danced, motion=schedule.played(), handled=handled_things), schedule, simulated
+
+
+def read_demonstration(handling: Handling) -> tuple[Human, HandledObjects, ContactPlan]:
+    """The human of a study, its objects, and its contacts."""
+    human = recognise(read(find_clip(handling.clip)))
+    handled = read_objects(DATA / f"{handling.clip}.objects.toml")
+    contacts = event_file.read(handling.events or DATA / f"{handling.clip}.events.toml")
+    return human.resampled(handled.rate), handled, contacts
+
+
+def hands_for(robot: Robot, study: str) -> dict[str, str]:
+    """Surface of the robot that each of the human's hands stands for.
+
+    Raises:
+        InputError: The robot has no such surface.
+    """
+    end = "hand_end" if study == "door" else "palm"
+    hands = {f"{side}_hand": f"{side}_{end}" for side in ("left", "right")}
+    for name in hands.values():
+        robot.surface(name)
+    return hands
+
+
+def show(figures: dict[str, Any], console: Console) -> None:
+    """Print what became of the things."""
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    for words in (
+        "thing",
+        "mass, kg",
+        "slip, mm",
+        "greatest hand force, N",
+        "off its place, mm",
+        "tilt, deg",
+        "turned, deg",
+    ):
+        table.add_column(words, justify="right" if words != "thing" else "left")
+    for name, one in figures["objects"].items():
+        table.add_row(
+            name,
+            _text(one["mass_kg"]),
+            _text(one["slip_max_m"], 1e3),
+            _text(one["hand_force_max_n"]),
+            _text(one.get("end_error_m"), 1e3),
+            _text(one["end_tilt_deg"]),
+            _text(one["end_angle_deg"]),
+        )
+    console.print(table)
+    for wait in figures["manipulation"]["waits"]:
+        console.print(
+            f"waited {wait['end_s'] - wait['start_s']:.1f} s: {wait['events']}", highlight=False, soft_wrap=True
+        )
+
+
+def _turned(path: PosePath) -> float:
+    """How far a path turns from its start to its end [deg]."""
+    turn = rotation_vector(path.track.rotation[-1] @ path.track.rotation[0].T)
+    return float(np.degrees(np.linalg.norm(turn)))
+
+
+def _text(value: float | None, factor: float = 1.0) -> str:
+    return "-" if value is None else f"{factor * value:.1f}"

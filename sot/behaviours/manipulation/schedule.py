@@ -1,0 +1,396 @@
+"""Otani's Algorithm 1 as a schedule: contacts are made and broken when the robot is ready, and tracking waits."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from sot.behaviours.manipulation.clock import DemonstrationClock
+from sot.behaviours.manipulation.guide import (
+    PlaneGuide,
+    PoseGuide,
+    attached_reference,
+    closing_reference,
+    fixed_place,
+    fixed_reference,
+    placement_of,
+)
+from sot.behaviours.manipulation.hand_shift import shift_of_hands
+from sot.behaviours.manipulation.played import played_motion
+from sot.control.contact import Contact
+from sot.control.schedule import Schedule
+from sot.control.stack import Stack
+from sot.control.tick import Tick
+from sot.gravity import GRAVITY
+from sot.motion.objects.events import ContactEvent, ContactSets, SurfacePair, simultaneous
+from sot.motion.objects.retarget import RobotDemonstration, Target
+from sot.motion.objects.support import support_centre
+from sot.motion.trajectory import Motion
+from sot.robots.size import leg_length
+
+Array = np.ndarray
+__all__ = ["ManipulationSchedule", "Waiting"]
+
+# Times are in √(leg / g), a quarter of a second for a robot of human size; lengths in leg lengths.
+CLOCK_FREQUENCY = 5.0  # 1/√(leg/g), of the demonstration's clock
+CLOCK_AT_REST = 1e-3  # rate of the clock below which the demonstration stands still
+FACING_SPEED = 0.08  # leg lengths per √(leg/g), mean, on the way to the standoff
+MIN_FACING_TIME = 1.6  # √(leg/g)
+CLOSING_SPEED = 0.0125  # leg lengths per √(leg/g): 3 cm/s
+CLOSING_RAMP = 0.8  # √(leg/g)
+OVERTRAVEL = 0.08  # leg lengths beyond the expected surface at which an approach is given up
+TOUCH_LOAD = 3.5e-3  # weights: 2 N
+LOAD_RAMP, HOLDING_TIME = 1.6, 1.6  # √(leg/g), of a contact that is made, and of one that is broken
+COM_TIME = 3.2  # √(leg/g): the least time of a move of the centre of mass
+COM_SPEED = 0.04  # leg lengths per √(leg/g), mean: longer moves take longer
+COM_TOLERANCE = 0.02  # leg lengths from its goal, at which a support may be given up
+COM_REST_SPEED = 0.01  # leg lengths per √(leg/g)
+MAX_WAIT = 25.0  # √(leg/g), for the centre of mass
+GUIDE_FADE = 3.2  # √(leg/g), in which a free link is back on its path
+SHIFT_TIME = 0.6  # √(leg/g), low-pass of what the hands' forces shift the centre of mass by
+LOST_TIME = 0.4  # √(leg/g) without any force on all that hold a thing: it is lost
+BACKING_OFF_TIME = 6.0  # √(leg/g), after a failure, until the run ends
+
+
+@dataclass(frozen=True, slots=True)
+class Waiting:
+    """A time in which the demonstration stood still: which events it waited for, in words, from when to when [s]."""
+
+    what: str
+    start: float
+    end: float
+
+
+class _GivenUpError(Exception):
+    """A wait that has not ended in time, or something that went wrong, in words."""
+
+
+class ManipulationSchedule(Schedule):
+    """A schedule that leads a robot and its things through a demonstration, contact by contact.
+
+    The demonstration's clock is stopped for each group of events that happen together and runs on when they are done:
+
+    - A contact is made: what makes it goes to its standoff, faces the surface, comes on slowly until it feels a force,
+      and only then the contact takes load within a ramp. Once a free thing is held, the centre of mass is that of the
+      robot and the thing, led from where it is to where it is to be before anything that supports the thing is taken
+      away.
+    - A contact is broken: of a support, once the centre of mass is over those that stay; of a hand, once the centre of
+      mass is led as the robot's own again. The load fades within a ramp.
+
+    A wait that does not end in time, or a thing that is lost, ends the demonstration: what has not touched withdraws,
+    and `failure` says which event and why.
+
+    Args:
+        demonstration: What is to be done.
+        contacts: Of the stack: pair of surfaces in the events -> contact. Those at the start are fixed, the others off.
+        com_shifted_by_hands: Whether the hands' forces shift the centre of mass.
+
+    Attributes:
+        clock: Of the demonstration.
+        guides: Reference of each of the robot's points that the demonstration leads.
+        com: Reference of the centre of mass.
+        sets: The sets E1, E2, E3 now.
+        history: When they changed, and to what.
+        waits: Times in which the demonstration stood still.
+        carried: Things whose mass counts in the centre of mass now.
+        failure: Why the demonstration was given up; empty while it is not.
+        finished: Whether the run is over.
+    """
+
+    def __init__(
+        self,
+        demonstration: RobotDemonstration,
+        contacts: Mapping[SurfacePair, Contact],
+        com_shifted_by_hands: bool = True,
+    ) -> None:
+        super().__init__()
+        robot = demonstration.system.robot
+        self.demonstration, self._contacts = demonstration, dict(contacts)
+        self._leg, self._weight = leg_length(robot), robot.mass * GRAVITY
+        self._unit = float(np.sqrt(self._leg / GRAVITY))
+        self._shifted = com_shifted_by_hands
+        self.clock = DemonstrationClock(CLOCK_FREQUENCY / self._unit)
+        self.guides = {point: PoseGuide(self.clock.pose(path)) for point, path in demonstration.links.items()}
+        self.things = {name: PoseGuide(self.clock.pose(path)) for name, path in demonstration.things.items()}
+        self.com = PlaneGuide(fixed_place(demonstration.motion.com[0, :2]), SHIFT_TIME * self._unit)
+        self.carried: tuple[str, ...] = ()
+        self.failure, self.finished = "", False
+        self.waits: list[Waiting] = []
+        plan = demonstration.contacts
+        self._tracked = frozenset(pair.first.surface for pair in plan.pairs() if pair.kind != "thing-world")
+        self._happened = 0
+        self.sets = plan.sets_after(0, self._tracked)
+        self.history: list[tuple[float, ContactSets]] = [(0.0, self.sets)]
+        self._t, self._loads = 0.0, dict[str, float]()
+        self._tick: Tick | None = None
+        self._unfelt_since: dict[str, float] = {}
+        self._owner_changed = False
+        self._approaching: list[tuple[PoseGuide, pin.SE3]] = []
+        self._steps = self._algorithm()
+        groups = simultaneous(plan.events, self._unit)
+        self.extra_time = self._unit * (MAX_WAIT * len(groups) + BACKING_OFF_TIME)
+        self._played: list[tuple[tuple[float, float, float], tuple[Array, Array, Array]]] = []
+
+    def played(self) -> Motion:
+        """The demonstration's motion as it was played, wait by wait, with the centre of mass as it was led."""
+        clock = np.array([state for state, _ in self._played])
+        com = np.array([[part[:2] for part in led] for _, led in self._played])
+        return played_motion(self.demonstration.motion, clock, com, self.history, self.demonstration.motion.rate)
+
+    def played_times(self) -> Array:
+        """The demonstration's time at every tick (T,) [s]."""
+        return np.array([time for (time, _, _), _ in self._played])
+
+    def motion_time(self, t: float) -> float:
+        """The demonstration's time at the robot's present time [s]."""
+        return self.clock.time
+
+    def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:
+        """Carry out what is due; returns it in words. Loads are the measured normal forces by the contacts' names."""
+        done = super().apply(t, stack, loads)
+        self._t, self._loads = t, dict(loads or {})
+        self.clock.advance(t)
+        if self._tick is None:
+            return done
+        try:
+            if not self.failure:
+                self._check_holding()
+            next(self._steps)
+        except _GivenUpError as error:
+            self.failure = str(error)
+            self._steps = self._backing_off()
+            done.append(self.failure)
+        if stack.carried != [*self.carried]:
+            stack.carried, self._owner_changed = [*self.carried], True
+        return done
+
+    def observe(self, tick: Tick) -> None:
+        """Note the state; the centre of mass that is led changes its owner here."""
+        self._tick = tick
+        if self._owner_changed:
+            self.com.restart(tick.com[:2].copy(), tick.com_velocity[:2].copy(), tick.t, COM_TIME * self._unit)
+            self._owner_changed = False
+        if self._shifted:
+            held = [pair for pair in self.sets.pairs if pair.second.entity not in self.carried]
+            self.com.shift_by(shift_of_hands(tick, held, self._contacts, self._loads), tick.t)
+        clock = self.clock
+        self._played.append(((clock.time, clock.rate, clock.acceleration), self.com(tick.t)))
+
+    def _algorithm(self) -> Iterator[None]:
+        """Algorithm 1, a step a tick."""
+        self._follow_com()
+        for events in simultaneous(self.demonstration.contacts.events, self._unit):
+            yield from self._until(lambda time=events[0].time: self.clock.stopping_time >= time)  # type: ignore[misc]
+            begun, self.clock.running = self._t, False
+            yield from self._until(lambda: self.clock.rate < CLOCK_AT_REST)
+            yield from self._made(events) if events[0].change == "make" else self._broken(events)
+            self._happened += len(events)
+            self._take_sets()
+            self._follow_com()
+            self.waits.append(Waiting(", ".join(str(event) for event in events), begun, self._t))
+            self.clock.running = True
+        yield from self._until(lambda: self.clock.time >= self.demonstration.motion.duration - 1e-6)
+        self.finished = True
+        while True:
+            yield
+
+    def _made(self, events: Sequence[ContactEvent]) -> Iterator[None]:
+        """Contacts are made: face the surfaces, come on until all have touched, take load, take over what is held."""
+        yield from self._approach(events)
+        ramp = LOAD_RAMP * self._unit
+        for event in events:
+            self.mode(self._t, self._contacts[event.pair].name, "fixed", ramp)
+        yield from self._for(ramp + HOLDING_TIME * self._unit)
+        after = self.demonstration.contacts.sets_after(self._happened + len(events), self._tracked)
+        kind = events[0].pair.kind
+        if kind == "robot-world":
+            self._lead_com(after)
+        elif kind == "thing-world":
+            for thing in {event.pair.first.entity for event in events}:
+                self.things[thing].lead_by(fixed_reference(placement_of(self.things[thing](self._t))), self._t, 0.0)
+        else:
+            for thing in {event.pair.second.entity for event in events}:
+                self._take_hold(thing, after)
+            yield from self._settled_com(events)
+
+    def _broken(self, events: Sequence[ContactEvent]) -> Iterator[None]:
+        """Contacts are broken: the centre of mass is where it stays without them, they give their load away, and go."""
+        after = self.demonstration.contacts.sets_after(self._happened + len(events), self._tracked)
+        kind, ramp = events[0].pair.kind, LOAD_RAMP * self._unit
+        if kind == "robot-world":
+            self._lead_com(after)
+        held = {pair.second.entity for pair in after.pairs if pair.kind == "robot-thing"}
+        if kind == "robot-thing":
+            self.carried = tuple(thing for thing in self.carried if thing in held)
+        if kind != "thing-world":
+            yield from self._settled_com(events)
+        for event in events:
+            self.mode(self._t + ramp, self._contacts[event.pair].name, "off", ramp)
+        yield from self._for(ramp)
+        if kind == "robot-thing":
+            yield from self._withdraw(events)
+        for event in events if kind != "thing-world" else ():
+            point = self._point(event)
+            if kind == "robot-world":
+                self.guides[point].start_at(self._measured(point))
+            path = self.demonstration.links[point]
+            self.guides[point].lead_by(self.clock.pose(path), self._t, GUIDE_FADE * self._unit)
+
+    def _approach(self, events: Sequence[ContactEvent]) -> Iterator[None]:
+        """Go to the standoff, and come on slowly until every one has touched."""
+        longest, unit = 0.0, self._unit
+        self._approaching = []
+        for event in events:
+            target, guide = self.demonstration.targets[event], self._mover(event)
+            goal = target.away(self._body(target), target.standoff)
+            way = float(np.linalg.norm(goal.translation - guide(self._t).position))
+            duration = unit * max(MIN_FACING_TIME, way / (FACING_SPEED * self._leg))
+            guide.lead_by(fixed_reference(goal), self._t, duration)
+            longest = max(longest, duration)
+            self._approaching.append((guide, goal))
+        yield from self._for(longest)
+        begun, speed, left = self._t, CLOSING_SPEED * self._leg / unit, list(events)
+        for event, (guide, goal) in zip(events, self._approaching, strict=True):
+            target = self.demonstration.targets[event]
+            velocity = -speed * (self._body(target).rotation @ target.normal)
+            guide.lead_by(closing_reference(goal, velocity, self._t, CLOSING_RAMP * unit), self._t, 0.0)
+        farthest = max(self.demonstration.targets[event].standoff for event in events) + OVERTRAVEL * self._leg
+        while left:
+            for event in [event for event in left if self._load(event) > TOUCH_LOAD * self._weight]:
+                guide = self._mover(event)
+                guide.lead_by(fixed_reference(placement_of(guide(self._t))), self._t, 0.0)
+                left.remove(event)
+            if left and self._t - begun > farthest / speed + CLOSING_RAMP * unit:
+                raise _GivenUpError(f"{left[0]}: no touch within {self._t - begun:.1f} s of closing in")
+            yield
+        self._approaching = []
+
+    def _take_hold(self, thing: str, after: ContactSets) -> None:
+        """Lead what holds a thing by the thing's path, from where both are; a free thing's mass counts from now on."""
+        placement, t = self._measured(thing), self._t
+        self.things[thing].start_at(placement)
+        self.things[thing].lead_by(self.clock.pose(self.demonstration.things[thing]), t, GUIDE_FADE * self._unit)
+        for pair in after.pairs:
+            if pair.kind == "robot-thing" and pair.second.entity == thing:
+                point = self.demonstration.surface(pair.first).point
+                assert point is not None
+                grip = placement.inverse() * self._measured(point)
+                self.guides[point].lead_by(attached_reference(self.things[thing], grip), t, LOAD_RAMP * self._unit)
+        if self.demonstration.system.thing(thing).is_free and thing not in self.carried:
+            self.carried = (*self.carried, thing)
+
+    def _withdraw(self, events: Sequence[ContactEvent]) -> Iterator[None]:
+        """Lead what has let go off to its standoff."""
+        longest = 0.0
+        for event in events:
+            target = next(one for other, one in self.demonstration.targets.items() if other.pair == event.pair)
+            guide, goal = self._mover(event), target.away(self._body(target), target.standoff)
+            guide.start_at(self._measured(target.mover))
+            duration = self._unit * max(MIN_FACING_TIME, target.standoff / (FACING_SPEED * self._leg))
+            guide.lead_by(fixed_reference(goal), self._t, duration)
+            longest = max(longest, duration)
+        yield from self._for(longest)
+
+    def _backing_off(self) -> Iterator[None]:
+        """After a failure: what was approaching withdraws, what holds nothing any more lets go, all else stays."""
+        self.clock.running = False
+        for guide, goal in self._approaching:
+            guide.lead_by(fixed_reference(goal), self._t, MIN_FACING_TIME * self._unit)
+        for pair in self.sets.pairs:
+            if pair.kind == "robot-thing" and pair.second.entity in self._unfelt_since:
+                self.mode(self._t, self._contacts[pair].name, "off", 0.0)
+                self.carried = tuple(thing for thing in self.carried if thing != pair.second.entity)
+                point = self.demonstration.surface(pair.first).point
+                assert point is not None
+                self.guides[point].lead_by(fixed_reference(self._measured(point)), self._t, 0.0)
+        yield from self._for(BACKING_OFF_TIME * self._unit)
+        self.finished = True
+        while True:
+            yield
+
+    def _check_holding(self) -> None:
+        """Note since when nothing is felt on a thing that is carried; a hand may rest on what a hinge holds.
+
+        Raises:
+            _GivenUpError: It is lost.
+        """
+        for thing in self.carried:
+            pairs = [pair for pair in self.sets.pairs if pair.kind == "robot-thing" and pair.second.entity == thing]
+            ramping = any(self._contacts[pair].load < 1.0 for pair in pairs)
+            if ramping or not pairs or any(self._loads.get(self._contacts[pair].name, 0.0) > 0.0 for pair in pairs):
+                self._unfelt_since.pop(thing, None)
+            elif self._t - self._unfelt_since.setdefault(thing, self._t) > LOST_TIME * self._unit:
+                held = ", ".join(sorted(pair.first.surface for pair in pairs))
+                raise _GivenUpError(f"{thing} was lost at {self._unfelt_since[thing]:.2f} s: nothing is felt at {held}")
+
+    def _lead_com(self, sets: ContactSets) -> None:
+        """Lead the centre of mass over the middle of the supports, Otani (9)."""
+        assert self._tick is not None
+        contacts = [self._contacts[pair] for pair in sets.pairs if pair.kind == "robot-world"]
+        places = [self._tick.frame(contact.point).floor_projection(contact.vertices) for contact in contacts]
+        goal = support_centre(np.vstack(places))
+        way = float(np.linalg.norm(goal - self.com(self._t)[0][:2]))
+        self.com.lead_by(fixed_place(goal), self._t, self._unit * max(COM_TIME, way / (COM_SPEED * self._leg)))
+
+    def _follow_com(self) -> None:
+        """Let the centre of mass be among the supports as the human's is, Otani (33)."""
+        path = self.demonstration.com[self.sets.supports]
+        self.com.lead_by(self.clock.vector(path), self._t, COM_TIME * self._unit)
+
+    def _settled_com(self, events: Sequence[ContactEvent]) -> Iterator[None]:
+        """Wait until the centre of mass is at its goal and at rest.
+
+        Raises:
+            _GivenUpError: It does not get there in time.
+        """
+        begun, tick = self._t, self._tick
+        assert tick is not None
+        calm = 0
+        while calm < 2 or self._owner_changed:
+            off = float(np.linalg.norm(tick.com[:2] - self.com(self._t)[0][:2]))
+            led = self.com.arrives_at <= self._t
+            still = float(np.linalg.norm(tick.com_velocity[:2])) < COM_REST_SPEED * self._leg / self._unit
+            calm = calm + 1 if led and still and off < COM_TOLERANCE * self._leg else 0
+            if self._t - begun > MAX_WAIT * self._unit:
+                raise _GivenUpError(
+                    f"{events[0]}: the centre of mass is {1e3 * off:.0f} mm off its goal after {self._t - begun:.1f} s"
+                )
+            yield
+
+    def _take_sets(self) -> None:
+        self.sets = self.demonstration.contacts.sets_after(self._happened, self._tracked)
+        self.history.append((self._t, self.sets))
+
+    def _load(self, event: ContactEvent) -> float:
+        """Measured normal force of the contact of an event [N]."""
+        return self._loads.get(self._contacts[event.pair].name, 0.0)
+
+    def _mover(self, event: ContactEvent) -> PoseGuide:
+        """Reference of what makes the contact of an event."""
+        name = self.demonstration.surface(event.pair.first).point
+        assert name is not None
+        return self.guides[name] if name in self.guides else self.things[name]
+
+    def _point(self, event: ContactEvent) -> str:
+        name = self.demonstration.surface(event.pair.first).point
+        assert name is not None
+        return name
+
+    def _body(self, target: Target) -> pin.SE3:
+        """Where the body is that a contact is made with."""
+        return pin.SE3.Identity() if target.body is None else self._measured(target.body)
+
+    def _measured(self, point: str) -> pin.SE3:
+        """Where a point of the robot or a thing is."""
+        assert self._tick is not None
+        frame = self._tick.frame(point)
+        return pin.SE3(frame.rotation.copy(), frame.position.copy())
+
+    def _until(self, condition: Callable[[], bool]) -> Iterator[None]:
+        while not condition():
+            yield
+
+    def _for(self, duration: float) -> Iterator[None]:
+        begun = self._t
+        yield from self._until(lambda: self._t >= begun + duration - 1e-9)

@@ -1,0 +1,1 @@
+"""Objects in a demonstration: their paths, and what touches what when."""
