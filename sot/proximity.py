@@ -32,6 +32,8 @@ class Proximity:
     Attributes:
         pairs: Names of the shapes of each pair.
         bodies: Bodies of the shapes of each pair, see `System.body_of`.
+        owners: Whose they are: "robot", or things by name.
+        own_pairs: Number of pairs of the robot alone, which come first.
         rest_distances: Distances as all is at rest (pairs,) [m], 0 where shapes overlap.
     """
 
@@ -40,14 +42,15 @@ class Proximity:
         robot = system.robot
         self._model = system.model
         self._geometry = robot.shapes.copy()
-        bodies = _add_thing_shapes(self._geometry, system)
-        own_pairs = len(robot.shapes.collisionPairs)
+        bodies, owners = _add_thing_shapes(self._geometry, system)
+        self.own_pairs = own_pairs = len(robot.shapes.collisionPairs)
         self._renew_results()
         shapes = self._geometry.geometryObjects
         indices = [(pair.first, pair.second) for pair in self._geometry.collisionPairs]
         pairs = [(shapes[first], shapes[second]) for first, second in indices]
         self.pairs = [(first.name, second.name) for first, second in pairs]
         self.bodies = [frozenset((bodies[first], bodies[second])) for first, second in indices]
+        self.owners = [frozenset((owners[first], owners[second])) for first, second in indices]
         relative_motion = [
             _moving_velocities(self._model, second) - _moving_velocities(self._model, first) for first, second in pairs
         ]
@@ -84,7 +87,7 @@ class Proximity:
             q: Configuration, shape (nq,).
             within: Distance of each pair, shape (pairs,) [m].
         """
-        own_pairs = len(self._lever_bounds)
+        own_pairs = self.own_pairs
         joints = q[7 : 7 + self._system.robot.na]
         own = _pairs_possibly_within(
             self._latest_distances, self._lever_bounds, self._joints_when_measured, joints, within
@@ -237,8 +240,8 @@ def _add_pads(geometry: pin.GeometryModel, system: System) -> list[int]:
     return bodies
 
 
-def _add_thing_shapes(geometry: pin.GeometryModel, system: System) -> list[str | int]:
-    """Add the shapes of things and the pairs in which they may collide; returns the body of each shape."""
+def _add_thing_shapes(geometry: pin.GeometryModel, system: System) -> tuple[list[str | int], list[str]]:
+    """Add the shapes of things and the pairs in which they may collide; returns body and owner of each shape."""
     bodies: list[str | int] = [int(shape.parentJoint) for shape in geometry.geometryObjects]
     if system.things:
         bodies += _add_pads(geometry, system)
@@ -256,7 +259,7 @@ def _add_thing_shapes(geometry: pin.GeometryModel, system: System) -> list[str |
         for first in range(second):
             if owner != "robot" and owners[first] != owner and (moves[first] or moves[second]):
                 geometry.addCollisionPair(pin.CollisionPair(first, second))
-    return bodies
+    return bodies, owners
 
 
 def _moving_velocities(model: pin.Model, shape: pin.GeometryObject) -> Array:

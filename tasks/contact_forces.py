@@ -4,7 +4,7 @@ import numpy as np
 
 from solvers.rows import Rows
 from sot.control.task import Task
-from sot.control.tick import Tick
+from sot.control.tick import Mode, Tick
 
 
 class LeastForces(Task):
@@ -23,6 +23,8 @@ class LeastForces(Task):
     def __init__(self, weight: float = 0.01, name: str = "LeastForces") -> None:
         super().__init__(name, "N", "N", weight)
         self._A, self._nothing = np.eye(0), np.zeros(0)
+        self._asked: list[tuple[float, float, Mode]] = []  # by the contacts last
+        self._wishes = np.zeros(0)
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``φ = φ_wished``, zero where no contact wishes for any."""
@@ -31,5 +33,8 @@ class LeastForces(Task):
             self._A, self._nothing, self.selects = np.eye(count), np.zeros(count), slice(0, count)
         wanted = self._nothing
         if any(contact.wish for contact in tick.contacts):
-            wanted = np.concatenate([contact.wishes() for contact in tick.contacts])
+            asked = [(contact.wish, contact.load, contact.mode) for contact in tick.contacts]
+            if asked != self._asked:
+                self._asked, self._wishes = asked, np.concatenate([contact.wishes() for contact in tick.contacts])
+            wanted = self._wishes
         return self.make_rows(self._A, wanted, wanted)

@@ -47,7 +47,8 @@ class SelfCollision(Task):
     fast that it can still be stopped there, and shapes that are too near from the start are led apart (see
     `AccelerationBounds`). No more is asked for than what the joints give at the accelerations that are relied upon.
 
-    Bodies that a contact of the stack is to bring together, whatever its mode, are not kept apart.
+    Bodies that a contact of the stack is to bring together, whatever its mode, are not kept apart; nor are things from
+    one another, of which none is carried: nobody could.
 
     Args:
         robot: The robot, or the system of it and things, which then keep away from it and from one another as well.
@@ -107,6 +108,8 @@ class SelfCollision(Task):
         distances, rates, J, drift = self.distances_and_rates(tick, near)
         # What the joints give at the accelerations that are relied upon.
         achievable = np.abs(J[:, 6 : 6 + len(self._acceleration)]) @ self._acceleration
+        # What is carried, and the trunk before a thing, is moved by joints that are not between the two shapes.
+        achievable[np.array(near) >= self._proximity.own_pairs] += RELIED_DECELERATION
         kept = self.min_distances[near]
         brakes = _braking_decelerations(distances - kept, rates, tick.period, achievable)
         unlimited = self._unbounded_above[:count]
@@ -136,7 +139,7 @@ class SelfCollision(Task):
             proximity.rate_bounds(v), period, kept, self._unwatched_until - TIME_TOLERANCE, tick.t
         )
         near = proximity.pairs_within(tick.data, tick.q, within)
-        if len(self._system.things):
+        if self._system.things:
             near = self._without_meeting(tick, near)
         if not near:
             return near
@@ -146,12 +149,13 @@ class SelfCollision(Task):
         return [k for k, later in zip(near, looks.tolist(), strict=True) if not later]
 
     def _without_meeting(self, tick: Tick, pairs: list[int]) -> list[int]:
-        """Pairs whose bodies no contact is to bring together."""
+        """Pairs whose bodies no contact is to bring together, with the robot or what it carries among them."""
         if self._contacts != list(tick.contacts):
             self._contacts = list(tick.contacts)
             body_of = self._system.body_of
             self._meeting = [frozenset((body_of(contact.surface), body_of(contact.on))) for contact in tick.contacts]
-        return [k for k in pairs if self._proximity.bodies[k] not in self._meeting]
+        bodies, owners, moved = self._proximity.bodies, self._proximity.owners, {"robot", *tick.carried}
+        return [k for k in pairs if bodies[k] not in self._meeting and owners[k] & moved]
 
 
 @compiled

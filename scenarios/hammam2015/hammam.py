@@ -24,12 +24,12 @@ from sot.robots.robot import Robot
 
 ROBOT = "hrp2"
 CLIPS = (
-    ClipPart("groove", 0.0, 8.0),
-    ClipPart("lafan1_dance1_subject2", 10.0, 8.0),
-    ClipPart("lafan1_dance1_subject2", 60.0, 8.0),
-    ClipPart("lafan1_aiming", 20.0, 8.0),
-    ClipPart("lafan1_aiming", 120.0, 8.0),
-    ClipPart("cmu_01_01", 0.0, 8.0),
+    ClipPart("groove", 0.0, 5.0),
+    ClipPart("lafan1_dance1_subject2", 10.0, 5.0),
+    ClipPart("lafan1_dance1_subject2", 60.0, 5.0),
+    ClipPart("lafan1_aiming", 20.0, 5.0),
+    ClipPart("lafan1_aiming", 120.0, 5.0),
+    ClipPart("cmu_01_01", 0.0, 5.0),
 )
 POWER_PAIR = {"H": AFTER, "I": "CRAC mended, I"}
 

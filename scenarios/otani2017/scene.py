@@ -69,7 +69,7 @@ def scene_things(
                     "door",
                     name,
                     _hinge(path, scale),
-                    mass=share * DOOR_MASS_KG,
+                    mass=None if share == 1.0 else share * DOOR_MASS_KG,
                     stiffness=options.stiffness,
                     damping=options.damping,
                     friction=options.friction,

@@ -53,7 +53,7 @@ def send_things(columns: Columns, log: RunLog, handled: HandledThings, rows: Arr
             place, turn = frame_path(log, system, surface.point, rows)
             origins = (place + turn @ surface.placement.translation).astype(np.float32)
             vectors = (METRES_PER_NEWTON * np.nan_to_num(log.contact_force[rows, k])).astype(np.float32)
-            entity = f"world/things/force {surface.name}"
+            entity = f"world/things/force/{surface.name}"
             columns.static(entity, rr.Arrows3D.from_fields(colors=[COLORS["measured"]], radii=[0.006]))
             columns.over_time(entity, log.time[rows], rr.Arrows3D.columns(vectors=vectors, origins=origins))
 

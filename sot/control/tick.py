@@ -11,11 +11,11 @@ from sot.control.load import Carried, KnownWrench, Load
 from sot.control.pose import PoseReference
 from sot.control.quantities.bias import add_joint_forces, coulomb_speeds, write_bias_and_com
 from sot.control.quantities.carrying import Carrying
-from sot.control.quantities.frames import FrameState, RelativeMotion, write_point_motion
+from sot.control.quantities.frames import FrameState, RelativeMotion, placed_axes, write_point_motion
 from sot.errors import InputError
 from sot.gravity import GRAVITY
 from sot.robots.robot import Robot
-from sot.robots.surface import Surface
+from sot.robots.surface import Surface, SurfaceAxes
 from sot.robots.system import System
 
 Array = np.ndarray
@@ -99,6 +99,7 @@ class Tick:
         self._points: dict[str, tuple[FrameState, Array, int]] = {}
         self._frames: dict[str, FrameState] = {}
         self._relative_frames: dict[tuple[Surface, Surface], FrameState] = {}
+        self._surface_axes: dict[Surface, SurfaceAxes] = {}
         self._pairs: dict[tuple[Surface, Surface], RelativeMotion] = {}
         self._centroidal: tuple[Array, Array, Array] | None = None
         self._carrying: Carrying | None = None
@@ -112,6 +113,7 @@ class Tick:
                     for kind in ("stiffness", "spring_reference", "damping", "friction")
                 ]
             )
+            self._has_losses = bool(self._losses.any())
             joints = [np.arange(system.nq)[system.coordinates[thing.name]] for thing in moving]
             # Free joints have no springs: any coordinate will do for them.
             self._spring_coordinates = np.concatenate(
@@ -152,16 +154,18 @@ class Tick:
         pin.nonLinearEffects(model, data, q, v)
         pin.updateFramePlacements(model, data)
         if self._carrying is not None:
-            self._carrying.update()
+            self._carrying.update(self.mass - self._carrying.thing_mass)
         self.finite = write_bias_and_com(
             *(self._forces, self._base, self._A_g, self.mass, v, robot.damping, robot.friction, self._coulomb_speeds),
             *(self.h, self.com_jacobian, self.com_velocity, self.com_drift),
         )
         if self._carrying is not None:
             self.com_drift[:] = self._carrying.rate[:3] / self.mass
-            add_joint_forces(self.h, q[self._spring_coordinates], v, robot.nv, *self._losses)
+            if self._has_losses:
+                add_joint_forces(self.h, q[self._spring_coordinates], v, robot.nv, *self._losses)
         self._frames.clear()
         self._relative_frames.clear()
+        self._surface_axes.clear()
         self._centroidal = None
         for load in self.loads:
             if isinstance(load, KnownWrench):
@@ -206,12 +210,16 @@ class Tick:
             self._frames[point] = state
         return state
 
-    def surface_axes(self, surface: Surface) -> pin.SE3:
+    def surface_axes(self, surface: Surface) -> SurfaceAxes:
         """Place of a surface in the world: its origin, and axes whose z points out of its body."""
         if surface.point is None:
-            return surface.placement
-        frame = self.frame(surface.point)
-        return pin.SE3(frame.rotation, frame.position) * surface.placement
+            return surface.axes
+        axes = self._surface_axes.get(surface)
+        if axes is None:
+            frame, own = self.frame(surface.point), surface.axes
+            axes = SurfaceAxes(*placed_axes(frame.position, frame.rotation, own.translation, own.rotation))
+            self._surface_axes[surface] = axes
+        return axes
 
     def relative_frame(self, surface: Surface, on: Surface) -> FrameState:
         """State of a surface's origin relative to the material point of another's body that is there, world axes.

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -16,6 +18,13 @@ PAD_THICKNESS = 0.01
 """Thickness of the box that is a surface's shape where its body has none there [m]."""
 INWARD = np.diag([1.0, -1.0, -1.0])
 """Turns axes whose z points out of a body into axes whose z points into it, and back."""
+
+
+class SurfaceAxes(NamedTuple):
+    """Origin (3,) of a surface and its axes (3, 3), z out of its body, in a frame or in the world."""
+
+    translation: Array
+    rotation: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +77,11 @@ class Surface:
     def of_sole(foot: str, corners: Array, friction: float = 0.5) -> "Surface":
         """The sole between corners (n, 3) of a foot's frame, whose z points into the foot and whose origin it keeps."""
         return Surface(foot, corners @ INWARD, pin.SE3(INWARD, np.zeros(3)), foot, friction)
+
+    @cached_property
+    def axes(self) -> SurfaceAxes:
+        """Its placement as arrays, which are quicker to read."""
+        return SurfaceAxes(self.placement.translation.copy(), np.ascontiguousarray(self.placement.rotation))
 
     @property
     def owner(self) -> str:

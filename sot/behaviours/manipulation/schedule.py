@@ -310,15 +310,15 @@ class ManipulationSchedule(Schedule):
             yield
 
     def _check_holding(self) -> None:
-        """Note since when nothing is felt on a thing that is held.
+        """Note since when nothing is felt on a thing that is carried; a hand may rest on what a hinge holds.
 
         Raises:
             _GivenUpError: It is lost.
         """
-        for thing in {pair.second.entity for pair in self.sets.pairs if pair.kind == "robot-thing"}:
+        for thing in self.carried:
             pairs = [pair for pair in self.sets.pairs if pair.kind == "robot-thing" and pair.second.entity == thing]
             ramping = any(self._contacts[pair].load < 1.0 for pair in pairs)
-            if ramping or any(self._loads.get(self._contacts[pair].name, 0.0) > 0.0 for pair in pairs):
+            if ramping or not pairs or any(self._loads.get(self._contacts[pair].name, 0.0) > 0.0 for pair in pairs):
                 self._unfelt_since.pop(thing, None)
             elif self._t - self._unfelt_since.setdefault(thing, self._t) > LOST_TIME * self._unit:
                 held = ", ".join(sorted(pair.first.surface for pair in pairs))

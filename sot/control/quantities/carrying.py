@@ -29,6 +29,7 @@ class Carrying:
 
     def __init__(self, system: System, data: pin.Data) -> None:
         self._system, self._data = system, data
+        self._forces, self._A_all, self._com_all = data.nle, data.Ag, data.com[0]  # live views
         self.com, self.A_g, self.rate = np.empty(3), np.zeros((6, system.nv)), np.empty(6)
         self._roots = {thing.name: system.model.getJointId(thing.model.names[1]) for thing in system.moving_things}
         self.choose(())
@@ -43,23 +44,24 @@ class Carrying:
         for name in carried:
             if not system.thing(name).is_free:
                 raise InputError(f"'{name}' is fixed to the world and cannot be carried")
-        self._joints = [ROBOT_BASE, *(self._roots[name] for name in carried)]
-        self._starts = np.array([system.model.idx_vs[joint] for joint in self._joints])
+        joints = [ROBOT_BASE, *(self._roots[name] for name in carried)]
+        self._origins = [self._data.oMi[joint].translation for joint in joints]  # live views
+        self._places = np.empty((len(joints), 3))
+        self._starts = np.array([system.model.idx_vs[joint] for joint in joints])
         self._counted = np.zeros(system.nv, dtype=bool)
         self._counted[: system.robot.nv] = True
         for name in carried:
             self._counted[system.velocities[name]] = True
-        self.thing_mass = float(sum(system.thing(name).mass for name in carried))
+        self._masses = np.array([0.0, *(system.thing(name).mass for name in carried)])
+        self.thing_mass = float(self._masses.sum())
 
-    def update(self) -> None:
-        """Compute all anew from Pinocchio's data."""
-        data = self._data
-        inertias = [data.oYcrb[joint] for joint in self._joints]
-        masses, coms = np.array([own.mass for own in inertias]), np.array([own.lever for own in inertias])
-        places = [data.oMi[joint] for joint in self._joints]
-        rotations, origins = np.array([p.rotation for p in places]), np.array([p.translation for p in places])
+    def update(self, robot_mass: float) -> None:
+        """Compute all anew from Pinocchio's data; the robot's mass [kg] is with the loads that are fixed to it."""
+        self._masses[0] = robot_mass
+        for place, origin in zip(self._places, self._origins, strict=True):
+            place[:] = origin
         _write_combined(
-            *(masses, coms, rotations, origins, self._starts, data.nle, data.Ag, data.com[0], self._counted),
+            *(self._masses, self._places, self._starts, self._forces, self._A_all, self._com_all, self._counted),
             *(self.com, self.A_g, self.rate),
         )
 
@@ -67,8 +69,6 @@ class Carrying:
 @compiled
 def _write_combined(
     masses: Array,
-    coms: Array,
-    rotations: Array,
     origins: Array,
     starts: Array,
     forces: Array,
@@ -81,13 +81,20 @@ def _write_combined(
 ) -> None:
     """Write the centre of mass of several free trees, their momentum matrix about it and Ȧ_g v.
 
-    Ȧ_g v is what has to act on the trees' roots from outside when v̇ is zero, seen from there, less the weight.
+    A root's first three columns of A_g are m R over m [c − c_all]× R: they tell its axes R and its tree's centre of
+    mass c. Ȧ_g v is what has to act on the roots from outside when v̇ is zero, seen from the common centre of mass,
+    less the weight.
     """
-    total = masses.sum()
-    for i in range(3):
-        com[i] = 0.0
-        for n in range(len(masses)):
-            com[i] += masses[n] * coms[n, i] / total
+    total, dx, dy, dz = 0.0, 0.0, 0.0, 0.0
+    for n in range(len(masses)):
+        m, s = masses[n], starts[n]
+        total += m
+        for k in range(s, s + 3):
+            # m (c − c_all) from [m d]× R Rᵀ, entries (2, 1), (0, 2) and (1, 0).
+            dx += A_all[5, k] * A_all[1, k] / m
+            dy += A_all[3, k] * A_all[2, k] / m
+            dz += A_all[4, k] * A_all[0, k] / m
+    com[0], com[1], com[2] = com_all[0] + dx / total, com_all[1] + dy / total, com_all[2] + dz / total
     x, y, z = com_all[0] - com[0], com_all[1] - com[1], com_all[2] - com[2]
     for k in range(A_g.shape[1]):
         if counted[k]:
@@ -97,13 +104,18 @@ def _write_combined(
             A_g[4, k] = A_all[4, k] + z * a - x * c
             A_g[5, k] = A_all[5, k] + x * b - y * a
         else:
-            A_g[:, k] = 0.0
-    rate[:] = 0.0
+            for i in range(6):
+                A_g[i, k] = 0.0
+    for i in range(6):
+        rate[i] = 0.0
     for n in range(len(masses)):
-        R, own = rotations[n], forces[starts[n] : starts[n] + 6]
-        fx, fy, fz = R[0] @ own[:3], R[1] @ own[:3], R[2] @ own[:3]
-        mx, my, mz = R[0] @ own[3:], R[1] @ own[3:], R[2] @ own[3:]
+        m, s = masses[n], starts[n]
         px, py, pz = origins[n, 0] - com[0], origins[n, 1] - com[1], origins[n, 2] - com[2]
+        fx = fy = fz = mx = my = mz = 0.0
+        for k in range(3):
+            f, t = forces[s + k] / m, forces[s + 3 + k] / m
+            fx, fy, fz = fx + A_all[0, s + k] * f, fy + A_all[1, s + k] * f, fz + A_all[2, s + k] * f
+            mx, my, mz = mx + A_all[0, s + k] * t, my + A_all[1, s + k] * t, mz + A_all[2, s + k] * t
         rate[0] += fx
         rate[1] += fy
         rate[2] += fz

@@ -56,10 +56,9 @@ class RelativeMotion:
         if self._is_own:
             return own
         at = self._state
-        at.rotation = own.rotation @ self._turn
         _write_offset_frame(
-            *(own.position, own.rotation, own.velocity, own.jacobian, own.drift, self._offset),
-            *(at.position, at.velocity, at.jacobian, at.drift),
+            *(own.position, own.rotation, own.velocity, own.jacobian, own.drift, self._offset, self._turn),
+            *(at.position, at.rotation, at.velocity, at.jacobian, at.drift),
         )
         if other is not None:
             _subtract_material_point(
@@ -77,18 +76,35 @@ def _write_offset_frame(
     jacobian: Array,
     drift: Array,
     offset: Array,
+    turn: Array,
     to_position: Array,
+    to_rotation: Array,
     to_velocity: Array,
     to_jacobian: Array,
     to_drift: Array,
 ) -> None:
-    """Write the motion of a point of a frame's body, given at an offset (3,) in the frame."""
+    """Write the motion of a point of a frame's body, given at an offset (3,) and with axes (3, 3) in the frame."""
     for i in range(3):
         to_position[i] = position[i]
         for k in range(3):
             to_position[i] += rotation[i, k] * offset[k]
-    to_velocity[:], to_drift[:], to_jacobian[:] = 0.0, 0.0, 0.0
+            to_rotation[i, k] = rotation[i, 0] * turn[0, k] + rotation[i, 1] * turn[1, k] + rotation[i, 2] * turn[2, k]
+    for i in range(6):
+        to_velocity[i] = to_drift[i] = 0.0
+        for k in range(to_jacobian.shape[1]):
+            to_jacobian[i, k] = 0.0
     _add_material_point(position, velocity, jacobian, drift, 1.0, to_position, to_velocity, to_jacobian, to_drift)
+
+
+@compiled
+def placed_axes(position: Array, rotation: Array, offset: Array, turn: Array) -> tuple[Array, Array]:
+    """Origin (3,) and axes (3, 3) in the world of what has an offset and axes in a frame."""
+    origin, axes = np.empty(3), np.empty((3, 3))
+    for i in range(3):
+        origin[i] = position[i] + rotation[i, 0] * offset[0] + rotation[i, 1] * offset[1] + rotation[i, 2] * offset[2]
+        for k in range(3):
+            axes[i, k] = rotation[i, 0] * turn[0, k] + rotation[i, 1] * turn[1, k] + rotation[i, 2] * turn[2, k]
+    return origin, axes
 
 
 @compiled

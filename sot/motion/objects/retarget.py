@@ -4,7 +4,7 @@ What is retargeted is the hand relative to the object: where it touches counts i
 so the same demonstration serves a robot and a box of any size.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -227,15 +227,27 @@ class _Retargeting:
             path = things.get(made.pair.second.entity)
             standoff = (OTHER_STANDOFF if path is None else HAND_STANDOFF) * self.leg
             target = targets[made] = self._target(made, point, surface, path, own[self._frame(made.time)], standoff)
-            beside = [
-                target.away(pin.SE3.Identity() if path is None else path.placement(t), standoff)
-                for t in self.times.tolist()
-            ]
+            bodies = [pin.SE3.Identity() if path is None else path.placement(t) for t in self.times.tolist()]
+            own = self._kept_off(own, target, bodies, made.time)
+            beside = [target.away(body, standoff) for body in bodies]
             share = np.minimum(self._rising(made.time), self._falling(self._released(made)))
             position, rotation = blended(own, beside, share)
             own = [pin.SE3(turn, place) for place, turn in zip(position, rotation, strict=True)]
         position, rotation = np.array([one.translation for one in own]), np.array([one.rotation for one in own])
         return PosePath.through(self.times, position, rotation, self.motion.rate)
+
+    def _kept_off(
+        self, own: Sequence[pin.SE3], target: Target, bodies: Sequence[pin.SE3], time: float
+    ) -> list[pin.SE3]:
+        """A link's places, no nearer than the standoff to the plane that it will touch while it reaches for it."""
+        soon = np.where(self.times < time, minimum_jerk((self.times - time) / self.reaching + 2.0), 0.0)
+        kept = []
+        for placement, body, share in zip(own, bodies, soon.tolist(), strict=True):
+            normal = body.rotation @ target.normal
+            gap = float(normal @ (placement.translation - target.away(body, 0.0).translation))
+            push = share * max(target.standoff - gap, 0.0)
+            kept.append(pin.SE3(placement.rotation, placement.translation + push * normal))
+        return kept
 
     def _own_path(self, point: str, name: SurfaceName) -> Iterator[pin.SE3]:
         """Places of a link that nothing leads but the human: a foot's go with the ankle from where it stands."""

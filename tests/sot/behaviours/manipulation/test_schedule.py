@@ -1,9 +1,6 @@
 """Algorithm 1 with a robot that follows its references exactly: what happens when, and what happens if it cannot."""
 
-from functools import lru_cache
-from importlib.resources import files
 from itertools import pairwise
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,37 +10,9 @@ import pytest
 from sot.behaviours.manipulation.schedule import ManipulationSchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
-from sot.motion import read, recognise
-from sot.motion.feet.stance import Build
-from sot.motion.objects import event_file
-from sot.motion.objects.demonstration import read_objects
-from sot.motion.objects.retarget import Scale, retarget_objects
-from sot.motion.plan import imitation
-from sot.robots.robot import Robot
-from sot.robots.system import System
-from sot.robots.things.thing import Thing
+from tests.sot.demonstrations import box_demonstration
 
-DATA = Path(str(files("scenarios.inputs"))) / "data"
 PERIOD = 0.01
-
-
-@lru_cache
-def demonstration():
-    robot = Robot.load("hrp2")
-    handled = read_objects(DATA / "box_stand.objects.toml")
-    human = recognise(read(DATA / "box_stand.bvh")).resampled(handled.rate)
-    scale, path = Scale.of(human, Build.of(robot)), handled.objects["box"]
-    things = []
-    for name, level in handled.surfaces.items():
-        (x, y, z), (along, across) = scale(level.centre), scale.factor * level.size
-        things.append(Thing.load("stand", name, (x, y, 0.0), size=(along, across, z)))
-    size = scale.factor * path.size
-    stand = next(thing for thing in things if thing.name == "stand").surfaces["top"].placement.translation[2]
-    place = (*scale(path.position[0])[:2], stand + 0.5 * size[2])
-    system = System(robot, [*things, Thing.load("box", placement=place, size=size.tolist(), mass=3.0)])
-    contacts = event_file.read(DATA / "box_stand.events.toml")
-    palms = {f"{side}_hand": f"{side}_palm" for side in ("left", "right")}
-    return retarget_objects(human, handled, contacts, imitation(human, robot, 100.0), system, palms)
 
 
 class FollowingRobot:
@@ -93,7 +62,7 @@ class FollowingRobot:
 
 
 def play(untouchable=(), lost_at=np.inf):
-    demo = demonstration()
+    demo = box_demonstration()
     contacts = {pair: Contact(demo.surface(pair.first), demo.surface(pair.second)) for pair in demo.contacts.pairs()}
     for pair, contact in contacts.items():
         contact.mode = "fixed" if pair in demo.contacts.initial else "off"
