@@ -38,6 +38,10 @@ def live_command(
         str | None, typer.Option(help="Address of the interface to listen at; without it, only this machine.")
     ] = None,
     token: Annotated[str, typer.Option(help="What frames of udp:// have to carry.")] = "",
+    points: Annotated[
+        str,
+        typer.Option(help="Follow these points alone: waist,shoulders,elbows,wrists,head, from which a human is made."),
+    ] = "",
     push: Annotated[list[str] | None, typer.Option("--push", help="A push, as for `sot replay`.")] = None,
     mismatch: Annotated[str, typer.Option("--mismatch", help="As for `sot replay`.")] = "",
     view: Annotated[bool, typer.Option("--view", help="Show it in rerun's viewer while it runs.")] = False,
@@ -57,6 +61,7 @@ def live_command(
         token=token,
         pushes=pushes,
         mismatch=parse_mismatch(mismatch),
+        points=points,
     )
     folder = out or Path("runs") / "live"
     with progress() as tell:

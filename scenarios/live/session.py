@@ -25,8 +25,10 @@ from sot.errors import InputError
 from sot.live.clip_source import ClipSource
 from sot.live.follower import Follower
 from sot.live.frame import Source
+from sot.live.sensing.key_point_source import KeyPointSource
 from sot.live.streams.address import StreamAddress
 from sot.motion import read
+from sot.motion.human.key_points import parse_key_points
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -56,6 +58,7 @@ class LiveRequest:
         duration: of the run [s]; to the end of a clip, or until interrupted, by default.
         bind: address of the interface to listen at, None for this machine alone.
         token: that frames of udp:// have to carry.
+        points: the key points to which the person is reduced, as a list; all that comes by default.
         keeps_time: whether it runs by the wall clock; otherwise the stream's time is that of the simulation, which
             however slow a machine does not change.
     """
@@ -70,6 +73,7 @@ class LiveRequest:
     token: str = ""
     pushes: tuple[Push, ...] = ()
     mismatch: Mismatch = NO_MISMATCH
+    points: str = ""
     keeps_time: bool = True
 
 
@@ -108,6 +112,8 @@ class LiveCompanion:
         self._follower.update(t)
         if self._viewer is not None:
             self._viewer(t, q, self._follower)
+        if self._follower.source.ended:
+            self._end = min(self._end, t + TIME_AFTER_CLIP)
         return t < self._end and not self.is_interrupted
 
     def command_given(self, t: float, torque: Array) -> None:
@@ -143,11 +149,15 @@ def open_source(request: LiveRequest, robot: Robot) -> Source:
     Raises:
         InputError: there is none, or nothing can listen there.
     """
+    names = parse_key_points(request.points) if request.points else ()
+    source: Source
     if StreamAddress.is_one(request.source):
-        return StreamAddress.parse(request.source).open(request.bind, request.token, robot.joints)
-    if request.bind is not None or request.token:
+        source = StreamAddress.parse(request.source).open(request.bind, request.token, robot.joints)
+    elif request.bind is not None or request.token:
         raise InputError(f"{request.source} is a clip: --bind and --token are for streams")
-    return ClipSource(read(clips.find_clip(request.source)), CLIP_RATE)
+    else:
+        source = ClipSource(read(clips.find_clip(request.source)), CLIP_RATE)
+    return KeyPointSource(source, names) if names else source
 
 
 def follow(
@@ -160,14 +170,13 @@ def follow(
 ) -> dict[str, Any]:
     """Follow an open source; see `live`."""
     _compile(robot, tell)
-    start = 0.0 if not request.keeps_time or isinstance(source, ClipSource) else _first_frame_time(source, tell)
+    is_stream = StreamAddress.is_one(request.source)
+    start = _first_frame_time(source, tell) if request.keeps_time and is_stream else 0.0
     follower = Follower(source, robot, request.delay, start)
     end = np.inf if request.duration is None else request.duration
-    if isinstance(source, ClipSource):
-        end = min(end, source.duration + request.delay + TIME_AFTER_CLIP)
+    companion = LiveCompanion(follower, end, request.keeps_time, viewer)
     controller = Controller(robot, live_stack(robot, follower.reference), make_solver(request.solver), 1 / request.rate)
     world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes)
-    companion = LiveCompanion(follower, end, request.keeps_time, viewer)
     before = signal.signal(signal.SIGINT, companion.interrupt)
     try:
         done = run(controller, world, follower.reference, lambda t: tell(f"following, {t:.0f} s", None), companion)

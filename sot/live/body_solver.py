@@ -4,6 +4,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from sot.live.bounded_move import bounded_move
 from sot.live.placement import MomentTargets
 from sot.live.state import pinocchio_state
 from sot.motion.body.coordinates import rate_matrix, to_rotation
@@ -18,7 +19,7 @@ from sot.motion.body.parts import (
     SEGMENT_WEIGHT,
     TRUNK_WEIGHT,
 )
-from sot.motion.body.retarget import GAUSS_NEWTON_DAMPING, MAX_STEP, bounded_step
+from sot.motion.body.retarget import GAUSS_NEWTON_DAMPING
 from sot.motion.feet.contacts import planted_phases
 from sot.motion.feet.stance import Build
 from sot.motion.human.human import SEGMENTS
@@ -60,8 +61,8 @@ class BodySolver:
             e, J = self._residuals(wanted, y)
             H, g = J.T @ J + GAUSS_NEWTON_DAMPING * np.eye(len(columns)), J.T @ e
             x = y[columns]
-            step = bounded_step(H[None], g[None], (lower - x)[None], (upper - x)[None])[0]
-            y[columns] = x + step * min(1.0, MAX_STEP / max(float(np.abs(step).max()), MAX_STEP))
+            bounded_move(x, H, g, lower, upper)
+            y[columns] = x
         return y
 
     def place(self, y: Array) -> pin.Data:

@@ -52,13 +52,19 @@ class Source(Protocol):
 
     Attributes:
         name: of what it is, for the report.
-        counts: how many packets or frames were dropped, by reason.
-        ended: whether nothing more can come.
     """
 
     name: str
-    counts: Counter[str]
-    ended: bool
+
+    @property
+    def counts(self) -> Counter[str]:
+        """How many packets or frames were dropped, by reason."""
+        ...
+
+    @property
+    def ended(self) -> bool:
+        """Whether nothing more can come."""
+        ...
 
     def poll(self, now: float) -> list[Frame]:
         """Frames that have arrived by a time [s] of this end's clock since it was last asked, as they arrived."""

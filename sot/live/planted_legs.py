@@ -39,6 +39,7 @@ class PlantedLegs:
         self._joints = np.array(robot.groups["legs"], dtype=int)
         self._columns = 6 + self._joints
         self._lower, self._upper = robot.lower[self._joints], robot.upper[self._joints]
+        self._velocity, self._acceleration = robot.velocity[self._joints], robot.acceleration[self._joints]
         self._angles = start[self._columns]
         pin.framesForwardKinematics(robot.model, self._data, robot.rest)
         place = {point: self._data.oMf[robot.point(point)].translation.copy() for point in robot.points}
@@ -69,13 +70,15 @@ class PlantedLegs:
         error = np.concatenate([self._error(foot, pose) for foot, pose in self._feet])
         step = np.clip(-inverse @ error, -MAX_NEWTON_STEP, MAX_NEWTON_STEP)
         self._angles = np.clip(self._angles + step, self._lower, self._upper)
-        v[legs] = -inverse @ (J @ v)
+        v[legs] = np.clip(-inverse @ (J @ v), -self._velocity, self._velocity)
         pin.forwardKinematics(model, data, q, v, a)
         moved = [
             pin.getFrameClassicalAcceleration(model, data, foot, pin.LOCAL_WORLD_ALIGNED).vector
             for foot, _ in self._feet
         ]
-        y[legs], dy[legs], ddy[legs] = self._angles, v[legs], -inverse @ np.concatenate(moved)
+        # At the end of a range, or straight, a leg cannot follow: what it would have to do there is nobody's motion.
+        curve = np.clip(-inverse @ np.concatenate(moved), -self._acceleration, self._acceleration)
+        y[legs], dy[legs], ddy[legs] = self._angles, v[legs], curve
         return y, dy, ddy
 
     def _error(self, foot: int, pose: pin.SE3) -> Array:

@@ -8,6 +8,7 @@ import pytest
 from sot.errors import InputError
 from sot.live.clip_source import ClipSource
 from sot.live.follower import EASE_OUT_TIME, STALE_TIME, Follower
+from sot.live.sensing.key_point_source import KeyPointSource
 from sot.motion.human.capture import Capture
 from sot.robots.robot import Robot
 from tests.sot.live.people import Spoilt, groove, moved
@@ -134,3 +135,14 @@ def test_positions_alone_are_enough(robot):
     source = Spoilt(lambda frame, now: [replace(frame, rotations=None)])
     follower = follow(source, robot, 3.0)
     assert follower.counts["persons"] == 1 and len(follower.shown) > 50
+
+
+def test_the_upper_body_alone_is_enough(robot):
+    follower = follow(KeyPointSource(groove()), robot, 3.0)
+    assert follower.counts["persons"] == 1 and len(follower.shown) > 50
+    assert follower.shown[-1][1].frames["chest"][2, 2] > 0.9
+
+
+def test_some_key_points_are_not_enough():
+    with pytest.raises(InputError, match="missing: left_elbow"):
+        KeyPointSource(groove(), ("waist", "left_wrist", "right_wrist", "left_shoulder", "right_shoulder", "head"))
