@@ -197,7 +197,7 @@ def _gripping_palm(times: Array, sign: float, path: ObjectPath, held: tuple[floa
     above: how far above the box's middle it holds it [m].
     """
     side = np.array([0.0, sign * 0.5 * path.size[1], above])
-    beside = side + [0.0, sign * BESIDE_M, 0.0]
+    beside = side + np.array([0.0, sign * BESIDE_M, 0.0])
     hanging = np.array(HANGING_PALM_M) * [1.0, sign, 1.0]
     start, end = held
     first, last = path.position[0], path.position[-1]
