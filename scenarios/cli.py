@@ -3,14 +3,12 @@
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from scenarios import viewer
@@ -18,13 +16,12 @@ from scenarios.bench import benchmark_figures, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.listing import Kind, list_rows
+from scenarios.live.commands import live_command, stream_command
 from scenarios.otani2017 import options
 from scenarios.page import write_page
 from scenarios.peers import read_peer_figures
 from scenarios.replay import (
     RECORDING_FILE,
-    REPORT_FILE,
-    ProgressCallback,
     Replay,
     check_writable,
     make_solver,
@@ -33,11 +30,11 @@ from scenarios.replay import (
 )
 from scenarios.robots.bench import bench_robots, robot_pieces, show_robots
 from scenarios.robots.commands import robot_app
+from scenarios.showing import print_remarks, progress, show_report
 from scenarios.studies import MOTION_SCENARIOS, default_solver, is_file, run_scenario
 from scenarios.suite import SUITES, bench_suite, suite_pieces
 from scenarios.suite import show as show_suite
 from scenarios.terminal import BAD_INPUT, DONE, FAILED, FELL, INTERRUPTED, messages, output
-from sim.reporting.report import print_table
 from sot.errors import InputError
 from sot.robots.robot import Robot
 
@@ -49,6 +46,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(robot_app, name="robot")
+app.command("live")(live_command)
+app.command("stream")(stream_command)
 
 Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .npz) or a name of `sot list clips`.")]
 RobotName = Annotated[str, typer.Option("--robot", help="A name of `sot list robots`, or a robot file (.toml).")]
@@ -105,9 +104,9 @@ def replay_command(
     request = Replay(
         clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts, edit, up
     )
-    with _progress() as tell:
+    with progress() as tell:
         report = replay(request, folder, tell)
-    status = _show_report(report, folder)
+    status = show_report(report, folder)
     if view:
         view_command(folder)
     return status
@@ -117,7 +116,9 @@ def replay_command(
 def run_command(
     scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`, or a file of your own (.py).")],
     study: options.Study = None,
-    clip: Annotated[str | None, typer.Option(help="For ramos: a file, or a name of `sot list clips`.")] = None,
+    clip: Annotated[
+        str | None, typer.Option(help="For ramos and the studies of clips: a file, or a name of `sot list clips`.")
+    ] = None,
     start: Start = 0.0,
     duration: Duration = None,
     robot: RobotName = "hrp2",
@@ -154,11 +155,11 @@ def run_command(
         mismatch=changed,
     )
     folder = out or Path("runs") / Path(scenario).stem
-    with _progress() as tell:
+    with progress() as tell:
         report, show_own = run_scenario(scenario, clip, request, folder, tell, handling)
     status = FELL if report.get("fell") else DONE
     if handling is not None or scenario in MOTION_SCENARIOS or is_file(scenario):
-        status = _show_report(report, folder)
+        status = show_report(report, folder)
     if show_own:
         show_own(report, output)
         output.print(f"\nWritten: {', '.join(str(path) for path in sorted(folder.iterdir()))}", soft_wrap=True)
@@ -183,11 +184,11 @@ def retarget_command(
     request = Replay(
         clip, robot, feet=feet, start=start, duration=duration, rate=rate, mapping=mapping, contacts=contacts, up=up
     )
-    with _progress() as tell:
+    with progress() as tell:
         planned = retarget(request, out, tell)
     if out.suffix == ".toml":
         output.print(f"{out}: {len(planned.travel.dancer) if planned.travel else 0} steps", soft_wrap=True)
-        _print_remarks(planned.remarks)
+        print_remarks(planned.remarks)
         return DONE
     figures = planned.retarget
     output.print(
@@ -195,7 +196,7 @@ def retarget_command(
         f"{1e3 * figures['key_point_rms_m']:.0f} mm from the scaled human's, {figures['frames_per_s']:.0f} frames/s",
         soft_wrap=True,
     )
-    _print_remarks((*planned.motion.robot.remarks, *planned.remarks))
+    print_remarks((*planned.motion.robot.remarks, *planned.remarks))
     return DONE
 
 
@@ -267,7 +268,7 @@ def bench_command(
         check_writable(out or Path())
         make_solver(solver)
         dances = robot_pieces(mocap)
-        with _progress() as tell:
+        with progress() as tell:
             table = bench_robots(common, dances, out, tell)
         return _shown_table(table, show_robots, as_json)
     if suite is not None:
@@ -277,7 +278,7 @@ def bench_command(
     others = read_figures(against) if against else None
     peers = [read_peer_figures(path) for path in peer or ()]
     request = Replay(clip, robot, solver=solver, start=start, duration=duration, rate=rate)
-    with _progress() as tell:
+    with progress() as tell:
         figures = benchmark_figures(request, tell) | ({"peers": peers} if peers else {})
     if as_json:
         print(json.dumps(figures, indent=2))
@@ -308,19 +309,6 @@ def _without_command(context: typer.Context) -> None:
         print(context.get_help())
 
 
-def _show_report(report: dict[str, Any], folder: Path) -> int:
-    """Show a report, and say by which status a run ended."""
-    print_table([report], output)
-    _print_remarks((*report["remarks"], *report["edits"]))
-    output.print(f"\nWritten: {folder / RECORDING_FILE}, {folder / REPORT_FILE}", soft_wrap=True)
-    return FELL if report["fell"] else DONE
-
-
-def _print_remarks(sentences: Sequence[str]) -> None:
-    for sentence in sentences:
-        output.print(f"\n{sentence}", soft_wrap=True, highlight=False)
-
-
 def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | None, as_json: bool) -> int:
     if suite not in SUITES:
         raise InputError(f"unknown suite '{suite}': choose one of {', '.join(SUITES)}")
@@ -328,7 +316,7 @@ def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | No
     make_solver(request.solver)
     Robot.load(request.robot)
     chosen = suite_pieces(mocap)
-    with _progress() as tell:
+    with progress() as tell:
         table = bench_suite(request, chosen, out, tell)
     return _shown_table(table, show_suite, as_json)
 
@@ -349,14 +337,3 @@ def _error_message(error: Exception) -> str:
 def _print_error(status: int, message: str) -> int:
     print(f"sot: {' '.join(message.split())}", file=sys.stderr)
     return status
-
-
-@contextmanager
-def _progress() -> Iterator[ProgressCallback]:
-    """A bar on a terminal, nothing in a pipe."""
-    bar = Progress(
-        TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(), console=messages, transient=True
-    )
-    with bar if messages.is_terminal else nullcontext():
-        task = bar.add_task("", total=None)
-        yield lambda what, share: bar.update(task, description=what, total=share and 1.0, completed=share or 0.0)

@@ -28,6 +28,7 @@ from sot.control.stack import Stack
 from sot.errors import InputError
 from sot.motion import Human, read, recognise
 from sot.motion.feet import contact_file
+from sot.motion.performance import Performance
 from sot.motion.plan import Plan, plan
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
@@ -97,7 +98,7 @@ class Dance:
     run: Run
     info: RunInfo
     motion: Motion
-    plan: Plan | None
+    plan: Performance | None
     edits: tuple[str, ...] = ()
     scene: Scene | None = None
     handled: HandledThings | None = None

@@ -1,6 +1,6 @@
 """Scenarios: dances, each a module with its motion, its stack and its schedule; dances of a clip; and studies."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
@@ -9,6 +9,9 @@ from typing import Any
 from rich.console import Console
 
 from scenarios import sliding
+from scenarios.dariush2009 import dariush
+from scenarios.hammam2015 import hammam
+from scenarios.hammam2015.key_point_reference import ClipPart
 from scenarios.inputs.scenario_file import load_scenario
 from scenarios.inputs.stack_file import Composition
 from scenarios.kimoh2013 import imitation, planar3r, printed_bounds
@@ -35,12 +38,14 @@ MOTION_SCENARIOS: dict[str, ModuleType] = {"sliding": sliding, "imitation": imit
 `show` them."""
 STUDIES: dict[str, ModuleType] = {"planar3r": planar3r, "bounds": printed_bounds}
 """Scenarios without physics: `study(rate, out, tell)` returns figures, `show(figures, console)` prints them."""
+CLIP_STUDIES: dict[str, ModuleType] = {"hammam": hammam, "dariush": dariush}
+"""Studies of clips, their `CLIPS` unless one is named: `study(rate, out, tell, parts)`, the rest as of STUDIES."""
 CLIP_SCENARIOS: dict[str, ModuleType] = {"ramos": ramos}
 """Scenarios that dance a clip, their `CLIP` unless another is named: `run(request, out, tell)` returns the report,
 `show(report, console)` prints it."""
 HANDLING_SCENARIOS: dict[str, ModuleType] = {"otani": otani}
 """Scenarios with things: `run(request, handling, out, tell)` returns the report, `show(report, console)` prints it."""
-SCENARIOS = {**MOTION_SCENARIOS, **CLIP_SCENARIOS, **HANDLING_SCENARIOS, **STUDIES}
+SCENARIOS = {**MOTION_SCENARIOS, **CLIP_SCENARIOS, **HANDLING_SCENARIOS, **STUDIES, **CLIP_STUDIES}
 
 Show = Callable[[dict[str, Any], Console], None]
 
@@ -89,20 +94,21 @@ def run_scenario(
     if name in CLIP_SCENARIOS:
         scenario = CLIP_SCENARIOS[name]
         return scenario.run(replace(request, clip=clip or scenario.CLIP), out, tell), scenario.show
+    if name in CLIP_STUDIES:
+        parts = [ClipPart(clip, request.start, request.duration)] if clip else CLIP_STUDIES[name].CLIPS
+        if not clip and (request.start or request.duration is not None):
+            raise InputError(f"{name} has clips of its own, each with its part: name the clip that --start is of")
+        return _run_study(CLIP_STUDIES[name], replace(request, clip=name, start=0.0, duration=None), out, tell, parts)
     if clip or request.start or request.duration is not None:
-        raise InputError(f"{name} dances no clip: leave the clip and its part out, or run {', '.join(CLIP_SCENARIOS)}")
+        known = ", ".join([*CLIP_SCENARIOS, *CLIP_STUDIES])
+        raise InputError(f"{name} dances no clip: leave the clip and its part out, or run {known}")
     request = replace(request, clip=name)
     check_writable(out)
     if is_file(name):
         return write_outputs(_perform_file(Path(name), request, tell), out, tell), None
     scenario = SCENARIOS[name]
     if name in STUDIES:
-        if request != Replay(name, rate=request.rate, feet=request.feet):
-            raise InputError(f"{name} is no robot under physics: it takes no options but --rate and --out")
-        out.mkdir(parents=True, exist_ok=True)
-        figures = scenario.study(request.rate, out, tell)
-        report.write_json(figures, out / REPORT_FILE)
-        return figures, scenario.show
+        return _run_study(scenario, request, out, tell)
     make_solver(request.solver)  # before any work
     tell("planning", None)
     motion = scenario.motion(Robot.load(request.robot), request.rate)
@@ -114,6 +120,21 @@ def run_scenario(
     if not hasattr(scenario, "findings"):
         return write_outputs(danced, out, tell), None
     return write_outputs(danced, out, tell, {name: scenario.findings(danced, out, tell)}), scenario.show
+
+
+def _run_study(
+    scenario: ModuleType, request: Replay, out: Path, tell: ProgressCallback, *parts: Sequence[ClipPart]
+) -> tuple[dict[str, Any], Show]:
+    """Run a study; `parts` of clips, if it is of clips."""
+    name = request.clip
+    if request != Replay(name, rate=request.rate, feet=request.feet):
+        options = "--clip, --start, --duration, --rate and --out" if parts else "--rate and --out"
+        raise InputError(f"{name} is a study: it takes no options but {options}")
+    check_writable(out)
+    out.mkdir(parents=True, exist_ok=True)
+    figures = scenario.study(request.rate, out, tell, *parts)
+    report.write_json(figures, out / REPORT_FILE)
+    return figures, scenario.show
 
 
 def _perform_file(path: Path, request: Replay, tell: ProgressCallback) -> Dance:

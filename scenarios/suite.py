@@ -14,6 +14,7 @@ from scenarios.inputs import clips
 from scenarios.replay import Dance, ProgressCallback, Replay, dance, write_outputs
 from sim.reporting.report import figure_at
 from sot.errors import InputError
+from sot.motion.plan import Plan
 
 MAX_SUCCESS_MPJPE_MM = 100.0  # a dance whose key bodies are farther off, on average, is no success
 PIECE_DURATION_S = 20.0  # length of the pieces that a long named clip is danced in
@@ -164,7 +165,7 @@ def _figures_row(
     row |= more(danced, report)
     ended = not report["fell"]
     row["speed"] = report["speed"] * (1.0 - report["stretched_s"] / report["duration_s"]) if ended else None
-    if danced.plan is not None:
+    if isinstance(danced.plan, Plan):
         row["planning_ratio"] = danced.plan.seconds["total"] / danced.motion.duration
     return row | {place: figure_at(report, place) for place, *_ in columns if place not in (*row, "planning_ratio")}
 

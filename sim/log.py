@@ -173,6 +173,14 @@ class RunLog:
             **columns,
         )
 
+    def lengthen(self) -> None:
+        """Double the room for rows: the end of some runs is not known."""
+        for column in fields(self):
+            value = getattr(self, column.name)
+            if isinstance(value, np.ndarray):
+                empty = np.nan if value.dtype.kind == "f" else 0
+                setattr(self, column.name, np.concatenate([value, np.full_like(value, empty)]))
+
     def trimmed(self) -> Self:
         """The rows in use, as views."""
         values = {column.name: getattr(self, column.name) for column in fields(self)}

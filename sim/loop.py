@@ -4,8 +4,10 @@ import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import count, takewhile
 from math import isfinite, sqrt
 from time import perf_counter
+from typing import Protocol
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -16,7 +18,7 @@ from sim.world import World
 from solvers.conflict import find_conflict
 from solvers.rows import Level, Solution, Status
 from sot.control.controller import Command, Controller
-from sot.motion.trajectory import Motion
+from sot.motion.trajectory import Reference
 
 MIN_WAIST_HEIGHT_RATIO = 0.6
 """Height of the waist over its reference height below which the robot counts as fallen."""
@@ -24,6 +26,9 @@ MIN_TRUNK_TILT_COSINE = np.cos(np.deg2rad(60.0))
 """Cosine of the angle between the chest's axis and its reference beyond which the robot counts as fallen."""
 SLOW_SENSOR_RATE = 60.0
 """Rate at which costly quantities are measured and progress is told [Hz]."""
+
+UNBOUNDED_LOG_S = 60.0
+"""Time for which rows of the log are allocated at first where a run has no known end [s]."""
 
 _MODES = {"off": FOOT_OFF, "fixed": FOOT_FIXED, "sliding": FOOT_SLIDING}
 
@@ -45,30 +50,54 @@ class Run:
     reason: str = ""
 
 
-def run(controller: Controller, world: World, motion: Motion, progress: Callable[[float], object] | None = None) -> Run:
-    """Run a controller in a world for as long as a motion lasts, from the motion's first configuration.
+class Companion(Protocol):
+    """Something that goes along with a run tick by tick: a stream to be read, a clock to be kept, a viewer."""
+
+    waited_s: float
+    """Wall-clock time that it has spent waiting [s]; it does not count as the run's."""
+
+    def tick_begins(self, t: float, q: np.ndarray, v: np.ndarray) -> bool:
+        """Called before the controller is, with the time [s] and the simulated state; False ends the run."""
+        ...
+
+    def command_given(self, t: float, torque: np.ndarray) -> None:
+        """Called with the commanded joint torques [N m] before the world moves."""
+        ...
+
+
+def run(
+    controller: Controller,
+    world: World,
+    motion: Reference,
+    progress: Callable[[float], object] | None = None,
+    companion: Companion | None = None,
+) -> Run:
+    """Run a controller in a world for as long as a reference lasts, from the reference's first configuration.
 
     A schedule may make the motion wait, and may end the run.
 
     Args:
         controller: Its period is the world's timestep.
-        world: Reset to the motion's start, things in their places. What the controller does not know of comes last.
-        motion: The reference, for the planned quantities in the log and the signs of a fall.
+        world: Reset to the reference's start, things in their places. What the controller does not know of comes last.
+        motion: The reference, for the planned quantities in the log and the signs of a fall; its duration may be
+            infinite if a companion ends the run.
         progress: Told the time [s] now and then.
+        companion: Goes along with every tick.
     """
     robot = world.robot
     if abs(world.timestep - controller.tick.period) > 1e-12:
         raise ValueError(f"the world steps by {world.timestep} s, the controller by {controller.tick.period} s")
-    world.reset(motion.q[0], motion.v[0])
+    start = motion.sample(0.0)
+    world.reset(start.q, start.v)
     controller.stack.settle()
     entries = [(level, task) for level, tasks in controller.stack.levels for task in tasks]
     if controller.schedule is not None:
         entries += controller.schedule.tasks
     contacts = controller.stack.contacts
-    waiting = controller.schedule.extra_time if controller.schedule is not None else 0.0
+    longest = _max_duration(controller, motion)
     log = RunLog.allocate(
         world.system,
-        round((motion.duration + waiting) / world.timestep),
+        round((longest if isfinite(longest) else UNBOUNDED_LOG_S) / world.timestep),
         [f"{level}: {task.name}" for level, task in entries],
         [task.error_unit for _, task in entries],
         [] if all(contact.name in robot.feet for contact in contacts) else [contact.name for contact in contacts],
@@ -77,7 +106,7 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
     unsolved: list[tuple[float, Level]] = []
     # The matrices of a tick are far too small to share between threads.
     with threadpool_limits(1), _garbage_collection_off():
-        done = _run_ticks(controller, world, motion, log, columns, unsolved, progress or (lambda t: None))
+        done = _run_ticks(controller, world, motion, log, columns, unsolved, progress or (lambda t: None), companion)
     explained = ((t, find_conflict([level])) for t, level in unsolved)  # now that nobody waits for a torque
     log.conflicts = [(t, str(conflict)) for t, conflict in explained if conflict is not None]
     return done
@@ -86,23 +115,33 @@ def run(controller: Controller, world: World, motion: Motion, progress: Callable
 def _run_ticks(
     controller: Controller,
     world: World,
-    motion: Motion,
+    motion: Reference,
     log: RunLog,
     columns: dict[str, int],
     unsolved: list[tuple[float, Level]],
     progress: Callable[[float], object],
+    companion: Companion | None,
 ) -> Run:
     """Run tick by tick, to the end or to a fall."""
     ticks_per_slow_sample = max(1, round(1.0 / (SLOW_SENSOR_RATE * world.timestep)))
     watch = _FallWatch(world, motion)
     start = perf_counter()
+
+    def wall_s() -> float:
+        return perf_counter() - start - (companion.waited_s if companion else 0.0)
+
     wrenches, touches = world.foot_wrenches(), _touches(world, controller, log)
-    for k in range(len(log.time)):
+    nq, nv = controller.system.nq, controller.system.nv
+    end = _max_duration(controller, motion) - 0.5 * world.timestep
+    for k in takewhile(lambda k: k * world.timestep < end, count()):
         t = k * world.timestep
         q, v = world.state()
         if not isfinite(q @ q + v @ v):
-            return Run(log, perf_counter() - start, t, "the simulation diverged")
-        nq, nv = controller.system.nq, controller.system.nv
+            return Run(log, wall_s(), t, "the simulation diverged")
+        if companion and not companion.tick_begins(t, q, v):
+            break
+        if k == len(log.time):
+            log.lengthen()
         sensed = world.measured(q[:nq], v[:nv])
         loads = {foot: float(wrench[2]) for foot, wrench in wrenches.items()}
         if log.contact_names:
@@ -110,6 +149,8 @@ def _run_ticks(
         begin = perf_counter()
         command = controller(t, *sensed, loads)
         log.tick_us[k] = 1e6 * (perf_counter() - begin)
+        if companion:
+            companion.command_given(t, command.torque)
         world.step(command.torque)
         wrenches, touches = world.foot_wrenches(), _touches(world, controller, log)
         _write_log_row(log, k, t, q, v, command, wrenches, controller, world, motion, columns)
@@ -122,10 +163,15 @@ def _run_ticks(
             log.self_distance[k] = world.self_distance()
             progress(t)
             if reason := watch(t, controller):
-                return Run(log, perf_counter() - start, t, reason)
+                return Run(log, wall_s(), t, reason)
         if controller.schedule is not None and controller.schedule.finished:
             break
-    return Run(log, perf_counter() - start)
+    return Run(log, wall_s())
+
+
+def _max_duration(controller: Controller, motion: Reference) -> float:
+    """Longest time that a run may last [s]: the motion's, and what its schedule may wait."""
+    return motion.duration + (controller.schedule.extra_time if controller.schedule is not None else 0.0)
 
 
 def _touches(world: World, controller: Controller, log: RunLog) -> dict[str, Touch]:
@@ -149,17 +195,16 @@ def _garbage_collection_off() -> Iterator[None]:
 class _FallWatch:
     """Tells whether the robot has fallen, and by which sign."""
 
-    def __init__(self, world: World, motion: Motion) -> None:
-        self._world, self._motion = world, motion
-        self._waist, self._chest = motion.track("waist"), motion.track("chest")
+    def __init__(self, world: World, motion: Reference) -> None:
+        self._world = world
+        self._waist, self._chest = motion.pose("waist"), motion.pose("chest")
 
     def __call__(self, t: float, controller: Controller) -> str:
         played = t if controller.schedule is None else controller.schedule.motion_time(t)
-        k = min(round(played * self._motion.rate), len(self._motion.q) - 1)
         waist, chest = controller.tick.frame("waist"), controller.tick.frame("chest")
-        if waist.position[2] < MIN_WAIST_HEIGHT_RATIO * self._waist.position[k, 2]:
+        if waist.position[2] < MIN_WAIST_HEIGHT_RATIO * self._waist(played).position[2]:
             return "the waist sank below 60 % of its reference height"
-        if chest.rotation[:, 2] @ self._chest.rotation[k][:, 2] < MIN_TRUNK_TILT_COSINE:
+        if chest.rotation[:, 2] @ self._chest(played).rotation[:, 2] < MIN_TRUNK_TILT_COSINE:
             return "the trunk tilted by more than 60° from its reference"
         meant = [c.point for c in controller.stack.contacts if c.mode != "off" and c.is_footing]
         if bodies := self._world.touching([point for point in meant if point in self._world.robot.points]):
@@ -177,7 +222,7 @@ def _write_log_row(
     wrenches: dict[str, np.ndarray],
     controller: Controller,
     world: World,
-    motion: Motion,
+    motion: Reference,
     columns: dict[str, int],
 ) -> None:
     """Write one row of the log. The forces are those of the physics step that the command has just driven."""

@@ -7,12 +7,13 @@ import pinocchio as pin
 
 from solvers.compiled import compiled
 from solvers.rows import Rows
+from sot.acceleration_bounds import AccelerationBounds
 from sot.control.task import Task
-from sot.control.tick import Tick, TickContact
+from sot.control.tick import Tick
 from sot.proximity import Proximity
 from sot.robots.robot import Robot
+from sot.robots.size import leg_length
 from sot.robots.system import System
-from tasks.bounds import AccelerationBounds
 
 Array = np.ndarray
 
@@ -33,6 +34,8 @@ RELIED_DECELERATION = 25.0
 beside one another at up to 20 m/s², hands likewise: what relies on less brakes motions that are in order. An approach
 that is too fast for it is stopped as much harder as it takes, steadily."""
 
+MIN_DISTANCE_LEGS = 0.0166
+"""Distance that is kept [leg lengths]: half of what plans keep, which keeps the two from contradicting each other."""
 REST_DISTANCE_SHARE = 0.5
 """Share of its distance at rest that a pair keeps at most."""
 
@@ -49,24 +52,27 @@ class SelfCollision(Task):
 
     Args:
         robot: The robot, or the system of it and things, which then keep away from it and from one another as well.
-        min_distance: Distance that is kept [m], less by pairs that are nearly as near at rest.
+        min_distance: Distance that is kept [m], less by pairs that are nearly as near at rest; MIN_DISTANCE_LEGS by
+            default.
         weight: Scale of its rows within its level.
 
     Attributes:
         pairs: Names of the shapes of the pairs that are kept apart.
+        min_distances: Distances that they are kept at [m].
     """
 
     equality = False
     gives_way = 1
 
-    def __init__(self, robot: Robot | System, min_distance: float = 0.01, weight: float = 0.1) -> None:
+    def __init__(self, robot: Robot | System, min_distance: float | None = None, weight: float = 0.1) -> None:
         super().__init__("SelfCollision", "m/s²", "m", weight)
         self._system = system = System.of(robot)
         self._acceleration = system.robot.acceleration
         self._proximity, self._data_ahead = Proximity(system), system.model.createData()
-        self._min_distances = np.minimum(min_distance, REST_DISTANCE_SHARE * self._proximity.rest_distances)
-        self._meeting: list[frozenset[str | int]] = []  # bodies that contacts are to bring together
-        self._contacts: list[TickContact] = []  # these contacts
+        min_distance = MIN_DISTANCE_LEGS * leg_length(system.robot) if min_distance is None else min_distance
+        self.min_distances = np.minimum(min_distance, REST_DISTANCE_SHARE * self._proximity.rest_distances)
+        self._among: list[object] | None = None  # contacts and carried things for which the next is worked out
+        self._alone = np.zeros(len(self.min_distances), dtype=bool)
         self.pairs = self._proximity.pairs
         self._watched: list[int] = []
         self._last_look = -np.inf
@@ -104,7 +110,7 @@ class SelfCollision(Task):
         achievable = np.abs(J[:, 6 : 6 + len(self._acceleration)]) @ self._acceleration
         # What is carried, and the trunk before a thing, is moved by joints that are not between the two shapes.
         achievable[np.array(near) >= self._proximity.own_pairs] += RELIED_DECELERATION
-        kept = self._min_distances[near]
+        kept = self.min_distances[near]
         brakes = _braking_decelerations(distances - kept, rates, tick.period, achievable)
         unlimited = self._unbounded_above[:count]
         bounds = AccelerationBounds(kept, unlimited, unlimited, brakes, unlimited)
@@ -128,13 +134,13 @@ class SelfCollision(Task):
         """Pairs whose approach may have to be braked before the next look."""
         if tick.t < self._last_look:
             self._unwatched_until[:] = -np.inf  # another run
-        proximity, v, period, kept = self._proximity, tick.v[: self._system.nv], tick.period, self._min_distances
+        proximity, v, period, kept = self._proximity, tick.v[: self._system.nv], tick.period, self.min_distances
         within = _watch_distances(
             proximity.rate_bounds(v), period, kept, self._unwatched_until - TIME_TOLERANCE, tick.t
         )
-        near = proximity.pairs_within(tick.data, tick.q, within)
         if self._system.things:
-            near = self._without_meeting(tick, near)
+            within[self._left_alone(tick)] = -np.inf
+        near = proximity.pairs_within(tick.data, tick.q, within)
         if not near:
             return near
         distances, J = proximity.latest_distances_and_jacobian(tick.data, near)
@@ -142,14 +148,15 @@ class SelfCollision(Task):
         self._unwatched_until[near] = tick.t + LOOK_PERIOD * looks
         return [k for k, later in zip(near, looks.tolist(), strict=True) if not later]
 
-    def _without_meeting(self, tick: Tick, pairs: list[int]) -> list[int]:
-        """Pairs whose bodies no contact is to bring together, with the robot or what it carries among them."""
-        if self._contacts != list(tick.contacts):
-            self._contacts = list(tick.contacts)
-            body_of = self._system.body_of
-            self._meeting = [frozenset((body_of(contact.surface), body_of(contact.on))) for contact in tick.contacts]
-        bodies, owners, moved = self._proximity.bodies, self._proximity.owners, {"robot", *tick.carried}
-        return [k for k in pairs if bodies[k] not in self._meeting and owners[k] & moved]
+    def _left_alone(self, tick: Tick) -> Array:
+        """Whether each pair is one that a contact is to bring together, or without the robot and what it carries."""
+        now = [*tick.contacts, *tick.carried]
+        if self._among != now:
+            body_of, moved = self._system.body_of, {"robot", *tick.carried}
+            meeting = [frozenset((body_of(contact.surface), body_of(contact.on))) for contact in tick.contacts]
+            pairs = zip(self._proximity.bodies, self._proximity.owners, strict=True)
+            self._among, self._alone = now, np.array([own in meeting or not whose & moved for own, whose in pairs])
+        return self._alone
 
 
 @compiled

@@ -31,8 +31,8 @@ def point(example, name):
     return Points.of(example["robot"], log.q, (name,)).positions[name]
 
 
-def test_all_twelve_are_there():
-    assert [path.name[:2] for path in EXAMPLES] == [f"{k:02}" for k in range(1, 13)]
+def test_all_thirteen_are_there():
+    assert [path.name[:2] for path in EXAMPLES] == [f"{k:02}" for k in range(1, 14)]
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -170,6 +170,14 @@ def test_12_leans_a_hand_on_a_wall():
     np.testing.assert_allclose(log.contact_force[pressed, hand, 0], -40.0, atol=1.5)  # the wall pushes it back
     assert log.contact_normal[log.time > 4.6, hand].max() < 5.0
     assert np.abs(np.diff(log.torque, axis=0)).max() < 28.0
+
+
+def test_13_carries_a_bag_and_bears_a_pull():
+    example = ran("13_loads.py")
+    sway, tick = np.array(example["sway"]), example["controller"].tick
+    assert 0.003 < sway[200:500].max() < 0.05  # it does not know of the bag yet
+    assert sway[-1] < 0.002 and sway[750:].max() < 0.05
+    assert tick.mass == pytest.approx(example["robot"].mass + 8.0)
 
 
 @pytest.mark.parametrize("package", sorted(PACKAGES))

@@ -10,7 +10,8 @@ from sim.recording.columns import COLORS, SERIES_COLORS
 from sim.recording.plots import Curves, Plot, States
 from sim.support import support_extents
 from sot.gravity import GRAVITY
-from sot.motion.plan import PLAN_RATE, Plan
+from sot.motion.performance import Performance
+from sot.motion.plan import PLAN_RATE
 from sot.motion.trajectory import Motion
 
 FRAME_RATE = 60.0  # Hz, of the 3D view and of what is only looked at; other curves keep the control rate
@@ -36,7 +37,7 @@ class Tab:
     plots: tuple[Plot | States, ...]
 
 
-def run_tabs(log: RunLog, motion: Motion, plan: Plan | None) -> list[Tab]:
+def run_tabs(log: RunLog, motion: Motion, plan: Performance | None) -> list[Tab]:
     """All plots of a run in tabs; the most important come first."""
     joints = [_joints_tab(log, motion, limb) for limb in LIMB_GROUPS]
     slowed = [_speed_tab(plan)] if plan is not None and plan.speed_min < SLOWED_BELOW_SPEED else []
@@ -117,7 +118,7 @@ def _center_of_mass_tab(log: RunLog, motion: Motion) -> Tab:
     )
 
 
-def _speed_tab(plan: Plan) -> Tab:
+def _speed_tab(plan: Performance) -> Tab:
     share = 100.0 / (PLAN_RATE * np.diff(plan.clock))
     curve = Curves("share", plan.clock[:-1], share, ("speed",))
     return Tab("Time", (Plot("Speed of the clip, over the dancer's [%]", ("time", "speed"), (curve,)),))

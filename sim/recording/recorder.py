@@ -17,7 +17,7 @@ from sim.recording.panels import FRAME_RATE, run_tabs
 from sim.recording.shapes import read_scenery
 from sim.recording.things import HandledThings, send_things, things_tab
 from sim.recording.visuals import send_visuals
-from sot.motion.plan import Plan
+from sot.motion.performance import Performance
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.whole_file import atomic_write
@@ -28,7 +28,7 @@ def write_recording(
     log: RunLog,
     info: RunInfo,
     motion: Motion,
-    plan: Plan | None,
+    plan: Performance | None,
     scene: Scene | None = None,
     handled: HandledThings | None = None,
 ) -> None:

@@ -11,7 +11,7 @@ from sim.support import planned_support
 from solvers.rows import Status
 from sot.motion.feet.path import path_length
 from sot.motion.likeness import hand_path_ratio, mean_segment_angle_deg
-from sot.motion.plan import Plan
+from sot.motion.performance import Performance
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 
@@ -92,7 +92,7 @@ def tracking(log: RunLog, motion: Motion) -> Figures:
     }
 
 
-def likeness(log: RunLog, plan: Plan | None) -> Figures:
+def likeness(log: RunLog, plan: Performance | None) -> Figures:
     """The simulated robot against the human, while the clip plays."""
     nothing: Figures = dict.fromkeys(("segment_deg", "upper_segment_deg", "hand_path_ratio"))
     if plan is None or not log.ticks:
@@ -112,7 +112,7 @@ def likeness(log: RunLog, plan: Plan | None) -> Figures:
     }
 
 
-def steps(log: RunLog, plan: Plan | None) -> Figures:
+def steps(log: RunLog, plan: Performance | None) -> Figures:
     """Footfalls of the dancer longer than 10 cm; how many the robot made, within `FOOTFALL_TOLERANCE_M` of their place
     on the scaled path; and the root's path through the room, robot over human in the robot's size."""
     nothing: Figures = dict.fromkeys(("footfalls", "made", "path_ratio", "path_scale"))
@@ -134,7 +134,7 @@ def steps(log: RunLog, plan: Plan | None) -> Figures:
     }
 
 
-def flights(plan: Plan | None) -> Figures:
+def flights(plan: Performance | None) -> Figures:
     """How often the dancer has both feet off the floor, and for how long at most [s]: the robot never has."""
     if plan is None:
         return dict.fromkeys(("count", "longest_s"))

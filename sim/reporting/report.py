@@ -15,7 +15,7 @@ from sim.reference import hot_reference_us
 from sim.reporting import figures
 from sim.reporting.provenance import command_line, revision
 from sim.reporting.slides import slide_figures, worst_of_slides
-from sot.motion.plan import Plan
+from sot.motion.performance import Performance
 from sot.motion.trajectory import Motion
 from sot.proximity import overlap_remarks
 from sot.whole_file import atomic_write
@@ -70,7 +70,7 @@ TABLE_ROWS: tuple[tuple[str, str, float, str, str], ...] = (
 )
 
 
-def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Plan | None) -> dict[str, Any]:
+def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: Performance | None) -> dict[str, Any]:
     """The figures of a run, None where there was nothing to measure; fractions and ratios are plain numbers.
 
     Args:

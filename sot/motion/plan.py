@@ -20,6 +20,7 @@ from sot.motion.balance.torques import (
 )
 from sot.motion.body.coordinates import to_pinocchio
 from sot.motion.body.kinematics import JointTree, Kinematics
+from sot.motion.body.lean import LeanCut, lean_cut, lean_remark
 from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import Targets, key_points, targets_of_human
@@ -70,6 +71,7 @@ class Plan:
         seconds: time that planning took, by step.
         shortfalls: where the motion's feet or balance are not as planned, in motion time.
         overloads: joints whose torque would be beyond their effort.
+        lean_cut: how much less the trunk leans than the dancer's; None where it is next to nothing.
         imitation: the body that looks like the human, joint limits kept, before anything of it is balanced or slowed
             down; coordinates of `sot.motion.body.coordinates` at PLAN_RATE. `sampled_motion` makes one of it, which no
             robot can do.
@@ -87,6 +89,7 @@ class Plan:
     imitation: Spline
     shortfalls: tuple[Shortfall, ...] = ()
     overloads: tuple[Overload, ...] = ()
+    lean_cut: LeanCut | None = None
 
     @property
     def speed_min(self) -> float:
@@ -99,6 +102,8 @@ class Plan:
         told = [one.words for one in self.human.remarks]
         if self.flights:
             told.append(flight_remark(self.flights, self.travel is not None))
+        if self.lean_cut:
+            told.append(lean_remark(self.lean_cut, lambda t: _clip_time(self.clock, t)))
         if self.shortfalls:
             told.append(shortfall_remark(self.shortfalls, lambda t: _clip_time(self.clock, t)))
         if self.overloads:
@@ -234,6 +239,7 @@ def _plan(
         imitation=imitation,
         shortfalls=tuple(short),
         overloads=tuple(overloads(robot, course.phases, body_motion)),
+        lean_cut=lean_cut(wanted.lean_cut, 1.0 / PLAN_RATE),
     )
 
 

@@ -5,7 +5,7 @@ import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -36,6 +36,45 @@ class MotionSample(NamedTuple):
     com_velocity: Array
     com_acceleration: Array
     zmp: Array
+
+
+class Reference(Protocol):
+    """What a stack and a run ask of a robot's motion; a `Motion` answers, and so does one that arrives live."""
+
+    @property
+    def robot(self) -> Robot:
+        """Who moves."""
+        ...
+
+    @property
+    def duration(self) -> float:
+        """How long it lasts [s], infinite if that is not known."""
+        ...
+
+    def sample(self, t: float) -> MotionSample:
+        """The motion at a time [s]."""
+        ...
+
+    def joints(self, t: float) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration of the joints at a time [s], (na,) each."""
+        ...
+
+    def balance(self, t: float) -> tuple[Array, Array, Array, Array]:
+        """CoM (3,), its velocity and acceleration, and the ZMP (2,) at a time [s]."""
+        ...
+
+    def angular_momentum(self, t: float) -> Array:
+        """Angular momentum about the centre of mass at a time [s], (3,), world axes [N m s]."""
+        ...
+
+    @property
+    def feet(self) -> Mapping[str, Callable[[float], Array]]:
+        """Function of each foot that gives its foothold (3,) [m] at a time [s]."""
+        ...
+
+    def pose(self, point: str) -> Callable[[float], Pose]:
+        """An operational point's reference: its pose, velocity and acceleration at any time [s]."""
+        ...
 
 
 @dataclass(frozen=True)

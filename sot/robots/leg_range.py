@@ -22,6 +22,7 @@ DISTANCE_RESOLUTION_LEGS = 0.006  # leg lengths, of the distances
 NEWTON_STEPS = 5  # of inverse kinematics from one place to the next
 DAMPING = 1e-8
 IK_TOLERANCE = 2e-3  # rad and leg lengths: a greater error of the foot is out of range
+UNTURNED = np.eye(3)
 
 
 @lru_cache
@@ -45,7 +46,7 @@ def flat_foot_distances(robot: Robot, side: str) -> Array:
     The pelvis is upright and heads where the foot does. Distance zero of a height is straight below the hip; where not
     even that place is in range, the distance is zero as well. Of each of HIP_HEIGHTS_LEGS, along each of `directions`.
     """
-    leg = _Leg(robot, side)
+    leg = Leg(robot, side)
     found = np.zeros((len(HIP_HEIGHTS_LEGS), DIRECTION_COUNT))
     below = leg.rest
     for row in reversed(range(len(HIP_HEIGHTS_LEGS))):
@@ -66,33 +67,51 @@ def support_values(distances: Array) -> Array:
     return np.max(normals() @ corners.T, axis=1)
 
 
-class _Leg:
-    """The inverse kinematics of a leg under an upright pelvis."""
+class Leg:
+    """The inverse kinematics of a leg below the pelvis.
+
+    Attributes:
+        joints: its joints' numbers (6,).
+        hip, ankle: their places at rest (3,) [m].
+        length: from hip over knee to ankle [m].
+        rest: its joints' angles at rest (6,).
+    """
 
     def __init__(self, robot: Robot, side: str) -> None:
         self._robot, self._data, self._q = robot, robot.model.createData(), robot.rest.copy()
-        self._joints = np.array(robot.groups[f"{side}_leg"], dtype=int)
+        self.joints = np.array(robot.groups[f"{side}_leg"], dtype=int)
         points = [robot.point(f"{side}_{point}") for point in ("hip", "knee", "ankle", "foot")]
         pin.framesForwardKinematics(robot.model, self._data, robot.rest)
         hip, knee, ankle = (self._data.oMf[point].translation.copy() for point in points[:3])
-        self._hip, self._ankle = hip, points[2]
-        self._rotation = self._data.oMf[self._ankle].rotation.copy()
+        self.hip, self.ankle, self._ankle_frame = hip, ankle, points[2]
+        self._rotation = self._data.oMf[self._ankle_frame].rotation.copy()
         self.length = float(np.linalg.norm(hip - knee) + np.linalg.norm(knee - ankle))
         self._scale = np.repeat([1.0 / self.length, 1.0], 3)[:, None]
-        angles = robot.rest[7:][self._joints]
-        self._lower = np.minimum(robot.lower[self._joints] + RANGE_MARGIN, angles)
-        self._upper = np.maximum(robot.upper[self._joints] - RANGE_MARGIN, angles)
+        angles = robot.rest[7:][self.joints]
+        self._lower = np.minimum(robot.lower[self.joints] + RANGE_MARGIN, angles)
+        self._upper = np.maximum(robot.upper[self.joints] - RANGE_MARGIN, angles)
         self.rest = angles
 
     def solved(self, angles: Array, place: Array) -> Array | None:
         """The joint angles that put the ankle at a place (3,) from the hip [m], the foot as at rest; None if out of
         range. They are looked for from others."""
+        found = self.posture(angles, place)
+        return found if found is not None and self.in_range(found) else None
+
+    def posture(self, angles: Array, place: Array, turn: Array = UNTURNED) -> Array | None:
+        """The joint angles, in range or not, that put the ankle at a place (3,) from the hip [m], the foot turned from
+        how it is at rest by a rotation (3, 3), both seen from the pelvis; None if there are none. They are looked for
+        from others."""
         for _ in range(NEWTON_STEPS):
-            error, J = self._error(angles, place)
+            error, J = self._error(angles, place, turn)
             if np.abs(error).max() < IK_TOLERANCE:
-                return angles if np.all((angles >= self._lower) & (angles <= self._upper)) else None
+                return angles
             angles = angles - J.T @ np.linalg.solve(J @ J.T + DAMPING * np.eye(6), error)
         return None
+
+    def in_range(self, angles: Array) -> bool:
+        """Whether joint angles are within their ranges."""
+        return bool(np.all((angles >= self._lower) & (angles <= self._upper)))
 
     def farthest(self, angles: Array, height: float, way: Array, most: float) -> float:
         """The farthest distance along a way (2,) that is in range, at most `most`; angles: of no distance [m]."""
@@ -106,12 +125,12 @@ class _Leg:
                 reached, angles = ahead, found
         return reached
 
-    def _error(self, angles: Array, place: Array) -> tuple[Array, Array]:
+    def _error(self, angles: Array, place: Array, turn: Array) -> tuple[Array, Array]:
         """The error (6,) of the ankle's place, in leg lengths, and of the foot's rotation, and its Jacobian."""
         robot, data = self._robot, self._data
-        self._q[7 + self._joints] = angles
-        J = pin.computeFrameJacobian(robot.model, data, self._q, self._ankle, pin.LOCAL_WORLD_ALIGNED)
-        pose = pin.updateFramePlacement(robot.model, data, self._ankle)
-        off = (pose.translation - self._hip - place) / self.length
-        turned = pin.log3(pose.rotation @ self._rotation.T)
-        return np.concatenate([off, turned]), self._scale * J[:, 6 + self._joints]
+        self._q[7 + self.joints] = angles
+        J = pin.computeFrameJacobian(robot.model, data, self._q, self._ankle_frame, pin.LOCAL_WORLD_ALIGNED)
+        pose = pin.updateFramePlacement(robot.model, data, self._ankle_frame)
+        off = (pose.translation - self.hip - place) / self.length
+        turned = pin.log3(pose.rotation @ (turn @ self._rotation).T)
+        return np.concatenate([off, turned]), self._scale * J[:, 6 + self.joints]

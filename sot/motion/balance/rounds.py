@@ -12,7 +12,7 @@ from sot.motion.balance.com_reach import ComReach
 from sot.motion.balance.grip import Grip
 from sot.motion.balance.programme import plan_balance
 from sot.motion.balance.relief import RelievedBody
-from sot.motion.balance.strain import centroidal_state, strain
+from sot.motion.balance.strain import centroidal_state, feet_strain, strain
 from sot.motion.body.clearance import Clearance, ClearBody
 from sot.motion.body.height import reachable_hip_height, smooth_height_below
 from sot.motion.body.limits import Limits
@@ -195,8 +195,9 @@ class BalanceRounds:
         self._asked[part] = self._asked[part].toward(state, RELAXATION)
         off = np.abs(state.zmp() - zmp).max(axis=1)
         if not self._steps:
-            self._strain[part] = np.maximum(off - leg * ZMP_TOLERANCE, 0.0)
-            return off > leg * ZMP_TOLERANCE
+            beyond = np.maximum(off - leg * ZMP_TOLERANCE, feet_strain(robot, self._feet, self.body_motion, part))
+            self._strain[part] = np.maximum(beyond, 0.0)
+            return beyond > 0.0
         self._strain[part] = strain(robot, self._feet, self._supports, self.body_motion, state, part)
         if off.max() <= leg * ZMP_TOLERANCE:
             return np.zeros(len(off), bool)

@@ -71,11 +71,17 @@ def strain(
     state: its own at the knots of the part.
     """
     margin = _zmp_margins(robot, where, body_motion, state, part)
-    most, least = MAX_FOOT_ERROR_LEGS * leg_length(robot), MIN_ZMP_MARGIN_LEGS * leg_length(robot)
+    least = MIN_ZMP_MARGIN_LEGS * leg_length(robot)
     near = np.pad(margin < least, 1)
     outside = (margin < 0.0) | (near[1:-1] & (near[:-2] | near[2:]))
     beyond = _of_knots(np.where(outside, least - margin, 0.0))
-    return np.maximum(beyond, _foot_errors(robot, feet, body_motion, part) - most)
+    return np.maximum(beyond, feet_strain(robot, feet, body_motion, part))
+
+
+def feet_strain(robot: Robot, feet: Mapping[str, FootPath], body_motion: Spline, part: slice) -> Array:
+    """The way of the foot that is farthest off its path back to near it, at the knots of a part (n,) [m]; negative if
+    it is near."""
+    return _foot_errors(robot, feet, body_motion, part) - MAX_FOOT_ERROR_LEGS * leg_length(robot)
 
 
 def shortfalls(

@@ -16,10 +16,10 @@ from sot.motion.feet.swing import FootPath
 from sot.proximity import lever_arm_bounds
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
+from sot.robots.stance_range import PLANNED_DISTANCE_LEGS, leg_pairs, planned_distances
 
 Array = NDArray[np.float64]
 
-MIN_CLEARANCE = 0.0333  # leg lengths, distance that limbs keep from other parts
 ACCEPTED_MISSING = {"arm": 0.005, "legs": 0.00166}  # leg lengths, missing of that distance
 
 
@@ -36,12 +36,12 @@ class _NearestPair(NamedTuple):
 class Clearance:
     """Signed distances from each shape of a limb to the nearest one of what it keeps clear of, at the knots of a clip.
 
-    Only the robot's own pairs of shapes count; those that are less than MIN_CLEARANCE apart at rest need be no further
-    apart. A distance changes by no more than the joints between two shapes turn, each times its reach: distances at a
-    knot are measured again only where something may have come near since.
+    Only the robot's own pairs of shapes count, each to be as far apart as `planned_distances` says. A
+    distance changes by no more than the joints between two shapes turn, each times its reach: distances at a knot are
+    measured again only where something may have come near since.
 
     Attributes:
-        wanted: distance that is to be kept, MIN_CLEARANCE of this robot [m].
+        wanted: greatest distance that is to be kept by a pair [m].
     """
 
     def __init__(self, robot: Robot, pairs: Iterable[tuple[int, int]], length: int):
@@ -52,7 +52,7 @@ class Clearance:
             length: number of knots T.
         """
         self._leg = leg_length(robot)
-        self.wanted = MIN_CLEARANCE * self._leg
+        self.wanted = PLANNED_DISTANCE_LEGS * self._leg
         self._model, self._chains = robot.model, JointTree(robot)
         self._data = robot.model.createData()
         self._geometry = robot.shapes.copy()
@@ -60,7 +60,7 @@ class Clearance:
         for pair in pairs:
             self._geometry.addCollisionPair(pin.CollisionPair(*pair))
         self._allocate_results()
-        self._min_distances = np.minimum(self.wanted, self._distances(robot.rest))
+        self._min_distances = planned_distances(robot, self._distances(robot.rest))
         left, shapes = list(self._geometry.collisionPairs), self._geometry.geometryObjects
         owners = np.array([pair.second for pair in left], dtype=int)
         self._pairs_of_shape = [
@@ -81,15 +81,10 @@ class Clearance:
     @staticmethod
     def of_legs(robot: Robot, length: int) -> "Clearance":
         """Clearance of the left leg from the right one; pairs of feet do not count, since their motion is given."""
-        left, right = (set(_shapes_of_group(robot, f"{side}_leg")) for side in ("left", "right"))
-        soles = {robot.model.frames[robot.point(foot)].parentJoint for foot in robot.feet}
-        feet = {k for k, shape in enumerate(robot.shapes.geometryObjects) if shape.parentJoint in soles}
-        return Clearance(
-            robot, [pair for pair in _pairs_between(robot, right, left) if not feet.issuperset(pair)], length
-        )
+        return Clearance(robot, leg_pairs(robot), length)
 
     def evaluate(self, knots: Indices, y: Array, columns: Indices) -> tuple[Array, Array]:
-        """Distance that is missing from MIN_CLEARANCE at n knots (n, shapes) [m], 0 where none is, and its Jacobian
+        """Distance that is missing of what is to be kept at n knots (n, shapes) [m], 0 where none is, and its Jacobian
         (n, shapes, s) with respect to some columns of the coordinates y (n, nv)."""
         missing = np.zeros((len(y), len(self._pairs_of_shape)))
         J = np.zeros((*missing.shape, len(columns)))
@@ -131,7 +126,7 @@ class Clearance:
 
 
 class ClearArm(Arm):
-    """An arm that follows its directions and is pushed off the body where it comes nearer than MIN_CLEARANCE."""
+    """An arm that follows its directions and is pushed off the body where it comes too near."""
 
     def __init__(self, robot: Robot, side: str, targets: Targets):
         super().__init__(robot, side, targets)
@@ -144,10 +139,10 @@ class ClearArm(Arm):
 
 
 class ClearBody(Body):
-    """Base, legs and chest that follow their targets, with legs pushed off each other below MIN_CLEARANCE.
+    """Base, legs and chest that follow their targets, with legs pushed off each other where they are too near.
 
-    The push fades with overlap and vanishes where legs overlap by MIN_CLEARANCE: over feet that leave no way out it
-    would disturb all the rest.
+    The push fades with overlap and vanishes where legs overlap by as much as they are to keep: over feet that leave no
+    way out it would disturb all the rest.
     """
 
     def __init__(

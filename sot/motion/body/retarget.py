@@ -33,7 +33,7 @@ def solve_knots(part: Part, knots: Indices, y: Array, limits: Limits) -> tuple[A
         Jt = J.transpose(0, 2, 1)
         g, H = (Jt @ e[..., None])[..., 0], Jt @ J + GAUSS_NEWTON_DAMPING * np.eye(len(columns))
         x = y[left[:, None], columns]
-        step = _bounded_step(H, g, lower - x, upper - x)
+        step = bounded_step(H, g, lower - x, upper - x)
         largest = np.abs(step).max(axis=1)
         step *= np.minimum(1.0, MAX_STEP / np.maximum(largest, MAX_STEP))[:, None]
         y[left[:, None], columns] = x + step
@@ -44,7 +44,7 @@ def solve_knots(part: Part, knots: Indices, y: Array, limits: Limits) -> tuple[A
     return y[:, columns], cost
 
 
-def _bounded_step(H: Array, g: Array, lower: Array, upper: Array) -> Array:
+def bounded_step(H: Array, g: Array, lower: Array, upper: Array) -> Array:
     """Minimise ½ xᵀH x + gᵀx over lower <= x <= upper for each of n problems, g and bounds (n, s), H (n, s, s).
 
     Primal-dual active sets (Hintermüller, Ito and Kunisch 2002), all problems at once: at a bound are the coordinates

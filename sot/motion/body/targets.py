@@ -7,6 +7,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from sot.motion.body.lean import with_leans_in_range
 from sot.motion.feet.stance import LEAD_IN_TIME, Build
 from sot.motion.human.human import SEGMENTS, SIDES, Human
 from sot.robots.robot import Robot
@@ -27,11 +28,13 @@ class Targets:
         directions: segment -> (T, 3) unit vectors.
         height: error of the hips' height that is accepted [m]; None for what goes with the feet, and hips that are
             lowered smoothly to where both legs reach.
+        lean_cut: (T,) how much less the trunk leans than the human's [rad].
     """
 
     hips: Array
     frames: dict[str, Array]
     directions: dict[str, Array]
+    lean_cut: Array
     height: float | None = None
 
     @property
@@ -41,6 +44,8 @@ class Targets:
 
 def targets_of_human(human: Human, robot: Robot, build: Build, facing: Array) -> Targets:
     """Targets from a human that stands over the robot's feet, on the motion's time line, eased in within LEAD_IN_TIME.
+
+    The trunk leans no farther than legs and waist do, see `lean.with_leans_in_range`.
 
     facing: (T,) heading of the feet, from which the chest is turned [rad].
     """
@@ -65,7 +70,8 @@ def targets_of_human(human: Human, robot: Robot, build: Build, facing: Array) ->
     for body, rotation in (human.frames | {"chest": _with_share_of_yaw(human.frames["chest"], swing, facing)}).items():
         turn = Rotation.from_matrix(rotation).as_rotvec()
         frames[body] = Rotation.from_rotvec(lead * turn).as_matrix()
-    return Targets(hips, frames, directions)
+    frames, directions, lean_cut = with_leans_in_range(robot, frames, directions, facing)
+    return Targets(hips, frames, directions, lean_cut)
 
 
 def key_points(wanted: Targets, robot: Robot) -> dict[str, Array]:

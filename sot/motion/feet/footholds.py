@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -24,6 +25,7 @@ from sot.robots.leg_range import (
 )
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
+from sot.robots.stance_range import Stance
 
 Array = NDArray[np.float64]
 
@@ -39,6 +41,7 @@ MAX_FOOTHOLD_OFFSET = 0.216  # leg lengths, from the dancer's to the robot's: fa
 FOOTHOLD_PRICE_FACTOR = 4.0  # by which the price of a foothold that is too far off rises at a time
 MAX_FOOTHOLD_PRICE = 64.0  # to which it rises
 GIVEN_UP_FOOTHOLD_PRICE = 0.05  # of a foothold that stays too far off at MAX_FOOTHOLD_PRICE
+TOE_ANGLE_RESOLUTION = np.deg2rad(1.0)  # of the greatest angle of a foot over which legs stay apart
 UNIT_COST_MOVE, UNIT_COST_TURN = 0.01, 0.05  # m and rad, that cost one unit
 QP_TOLERANCE = 1e-6  # of the programmes' multipliers and residuals
 ROUNDING_ERROR = 1e-12  # m: less is taken for zero
@@ -55,8 +58,8 @@ class LegReach:
             met [m].
         standing, carrying: foot -> (2 DIRECTION_COUNT,) how far its ankle may be from below its hip, along
             `leg_range.normals` seen from the pelvis, in a stride and with hips as low as need be [m].
-        toe_out_range: least and greatest angle from the right foot's heading to the left one's [rad]; toes are turned
-            in no further than until knees meet.
+        toe_out_range: least and greatest angle from the right foot's heading to the left one's [rad]; feet are turned
+            no further than until legs meet.
         swing_speed, turn_speed: greatest mean speed of a foot in a step [m/s, rad/s].
         swing_acceleration: greatest of a foot in a step [m/s²].
         carried_beside: how far beside a foot's ankle, toward the other foot, it can carry the body alone [m].
@@ -84,6 +87,7 @@ class LegReach:
         return max(length / self.swing_speed, float(np.sqrt(LEAST_JERK_PEAK / self.swing_acceleration * length)))
 
     @staticmethod
+    @lru_cache
     def of(robot: Robot) -> "LegReach":
         data = robot.model.createData()
         pin.computeJointJacobians(robot.model, data, robot.rest)
@@ -122,40 +126,32 @@ class LegReach:
             turn_speed=TURN_SPEED_SHARE * min(float(robot.velocity[yaw(side)]) for side in SIDES),
             soles=soles,
         )
-        knees = float(abs(place("left_knee")[1] - place("right_knee")[1]))
-        return replace(
-            reach,
-            toe_out_range=(
-                max(reach.toe_out_range[0], -_max_toe_in(reach, knees - _leg_distance_at_rest(robot))),
-                reach.toe_out_range[1],
-            ),
-        )
+        return replace(reach, toe_out_range=_toe_out_with_legs_apart(reach, robot))
 
 
-def _max_toe_in(reach: LegReach, thick: float) -> float:
-    """How far both feet together can be turned in until the knees, so thick, meet [rad].
+def _toe_out_with_legs_apart(reach: LegReach, robot: Robot) -> tuple[float, float]:
+    """The part of the range of angles from the right foot's heading to the left one's over which legs stay apart [rad].
 
-    Feet are as near as soles allow, hips as high as they can be over them: the lower, the farther knees stand out.
+    Feet are turned alike, as near to each other as at rest or as their soles allow, and the hips are as high as they
+    can be over them: the lower, the farther knees stand out.
     """
-    ahead = 0.5 * reach.leg_length * float(np.sqrt(1.0 - MAX_EXTENSION**2))
-    angles = np.arange(0.0, 0.25 * np.pi, np.deg2rad(1.0))
-    wide = [
-        max(min_ankle_separation((-angle, angle), reach, np.array([0.0, 1.0])), reach.hip_width) for angle in angles
-    ]
-    meet = 0.5 * (reach.hip_width + np.array(wide)) - 2.0 * ahead * np.sin(angles) < thick
-    return 2.0 * float(angles[meet.argmax()] if meet.any() else angles[-1])
-
-
-def _leg_distance_at_rest(robot: Robot) -> float:
-    """The distance between the legs at rest [m], without the feet; infinite without shapes."""
-    feet = {robot.model.frames[robot.point(foot)].parentJoint for foot in robot.feet}
-    left, right = ({2 + joint for joint in robot.groups[f"{side}_leg"]} - feet for side in SIDES)
-    apart = np.inf
-    for pair, distance in zip(robot.shapes.collisionPairs, robot.rest_distances, strict=True):
-        first, second = (robot.shapes.geometryObjects[k].parentJoint for k in (pair.first, pair.second))
-        if (first in left and second in right) or (first in right and second in left):
-            apart = min(apart, float(distance))
-    return apart
+    stance, ends = Stance(robot), []
+    at_rest = float(np.ptp([leg.ankle[1] for leg in stance.legs]))
+    for end in reach.toe_out_range:
+        posture, turned, before = [leg.rest for leg in stance.legs], end, 0.0
+        for angle in (np.sign(end) * np.arange(0.0, 0.5 * abs(end), TOE_ANGLE_RESOLUTION)).tolist():
+            yaws = angle, -angle
+            apart = max(min_ankle_separation(yaws, reach, np.array([0.0, 1.0])), at_rest)
+            out = 0.5 * (apart - reach.hip_width)
+            down = np.sqrt((MAX_EXTENSION * reach.leg_length) ** 2 - out**2)
+            ankles = [np.array([0.0, out, -down]), np.array([0.0, -out, -down])]
+            found = stance.postures(posture, ankles, [pin.utils.rotate("z", yaw) for yaw in yaws])
+            if found is None or not stance.are_apart(found):
+                turned = before
+                break
+            posture, before = found, 2.0 * angle
+        ends.append(turned)
+    return ends[0], ends[1]
 
 
 def standing_pairs(steps: Sequence[Step]) -> Iterator[tuple[int, int]]:

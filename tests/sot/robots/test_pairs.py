@@ -75,7 +75,7 @@ def test_legs_near_each_other_are_watched_and_those_that_touch_are_not(tmp_path,
     if watched:
         index = task.pairs.index(pair)
         assert robot.rest_distances[index] == pytest.approx(gap, abs=1e-6)
-        assert task._min_distances[index] == pytest.approx(REST_DISTANCE_SHARE * gap, abs=1e-6)
+        assert task.min_distances[index] == pytest.approx(REST_DISTANCE_SHARE * gap, abs=1e-6)
 
 
 def test_a_model_may_let_shapes_pass(tmp_path):

@@ -4,7 +4,7 @@ import pinocchio as pin
 import pytest
 
 from sim.world import World
-from sot.motion.body.clearance import MIN_CLEARANCE, Clearance, ClearArm, ClearBody
+from sot.motion.body.clearance import Clearance, ClearArm, ClearBody
 from sot.motion.body.coordinates import from_configuration, to_configuration
 from sot.motion.body.limits import Limits
 from sot.motion.body.parts import Arm, Body
@@ -14,10 +14,11 @@ from sot.motion.feet.stance import Build, human_on_time_line, human_over_feet
 from sot.motion.feet.swing import FootPath
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
+from sot.robots.stance_range import PLANNED_DISTANCE_LEGS
 from tests.sot.motion.human.humans import dancer
 
 STEP = 1e-6
-WANTED = MIN_CLEARANCE * leg_length(Robot.load("hrp2"))  # m
+WANTED = PLANNED_DISTANCE_LEGS * leg_length(Robot.load("hrp2"))  # m
 NO_COLUMNS = np.array([], dtype=int)
 
 

@@ -9,7 +9,7 @@ from sot.motion.body.branches import choose_arm_path
 from sot.motion.body.coordinates import from_configuration, to_configuration
 from sot.motion.body.limits import MAX_LEG_EXTENSION, Limits
 from sot.motion.body.parts import Arm, Body, Head
-from sot.motion.body.retarget import PartFit, _bounded_step, solve_knots
+from sot.motion.body.retarget import PartFit, bounded_step, solve_knots
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import targets_of_human
 from sot.motion.feet.contacts import planted_phases
@@ -100,7 +100,7 @@ def test_body_solved_has_its_feet_on_the_floor(robot, wanted, rest):
 
 
 @pytest.mark.parametrize("stiff", [1.0, 100.0])
-def test_bounded_steps_are_those_of_a_quadratic_programme(stiff):
+def testbounded_steps_are_those_of_a_quadratic_programme(stiff):
     """Also where some rows are far stiffer than others, as feet are, and active sets go round in circles."""
     rng = np.random.default_rng(0)
     n, size = 400, 7
@@ -110,7 +110,7 @@ def test_bounded_steps_are_those_of_a_quadratic_programme(stiff):
     H = A.transpose(0, 2, 1) @ A + 0.01 * np.eye(size)
     lower, upper = -rng.uniform(0.0, 0.5, (n, size)), rng.uniform(0.0, 0.5, (n, size))
     lower[:, 0], upper[:, 0] = -np.inf, np.inf
-    steps, C = _bounded_step(H, g, lower, upper), np.eye(size)[:, 1:]
+    steps, C = bounded_step(H, g, lower, upper), np.eye(size)[:, 1:]
     for i in range(n):
         bounds = np.concatenate([lower[i, 1:], -upper[i, 1:]])
         exact = quadprog.solve_qp(H[i], -g[i], np.hstack([C, -C]), bounds)[0]

@@ -30,6 +30,7 @@ from sot.motion.feet.travel import travel_at_clock
 from sot.robots.leg_range import DIRECTION_COUNT, HIP_HEIGHTS_LEGS, RANGE_MARGIN, flat_foot_distances
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer, walker
+from tests.sot.robots.thick_legs import with_thick_legs
 
 MOCAP = Path(__file__).parents[5] / "shared" / "mocap"
 
@@ -271,20 +272,25 @@ def test_feet_that_roll_little_stand_closer(robot):
     assert min(apart[2]) > min_ankle_separation((0.0, 0.0), reach, np.array([0.0, 1.0])) - 1e-6
 
 
-def test_toes_are_turned_in_until_knees_meet(robot):
-    """With legs as they are HRP-2's hips set the limit; the thicker they are, the sooner knees do."""
-    limits = [LegReach.of(robot).toe_out_range]
-    for more in (0.012, 0.02):
-        shapes = robot.shapes.copy()
-        for shape in shapes.geometryObjects:
-            if shape.name.startswith(("RLEG2", "LLEG2", "RLEG3", "LLEG3")):
-                shape.geometry = coal.Capsule(shape.geometry.radius + more, 2.0 * shape.geometry.halfLength)
-        results = shapes.createData()
-        pin.computeDistances(robot.model, robot.model.createData(), shapes, results, robot.rest)
-        distances = np.array([result.min_distance for result in results.distanceResults])
-        limits.append(LegReach.of(replace(robot, shapes=shapes, rest_distances=distances)).toe_out_range)
+def test_feet_are_turned_until_legs_meet(robot):
+    """With legs as they are HRP-2's hips set the limits; the thicker they are, the sooner knees meet over toes that are
+    turned in."""
+    limits = [LegReach.of(with_thick_legs(robot, more)).toe_out_range for more in (0.0, 0.012, 0.02)]
+    assert limits[0] == LegReach.of(robot).toe_out_range
     assert limits[0][0] < limits[1][0] < limits[2][0] <= 0.0
     assert limits[0][1] == limits[1][1] == limits[2][1]
+
+
+def test_feet_are_turned_out_until_heels_of_hips_meet(robot):
+    """A box behind each thigh, which turns inward where toes turn out."""
+    shapes = robot.shapes.copy()
+    for shape in shapes.geometryObjects:
+        if shape.name in ("RLEG2_LINK_0", "LLEG2_LINK_0"):
+            shape.geometry = coal.Box(0.04, 0.04, 0.1)
+            shape.placement = shape.placement * pin.SE3(np.eye(3), shape.placement.rotation.T @ [-0.15, 0.0, 0.0])
+    least, most = LegReach.of(replace(robot, shapes=shapes)).toe_out_range
+    assert least == LegReach.of(robot).toe_out_range[0]
+    assert 0.0 < most < LegReach.of(robot).toe_out_range[1]
 
 
 def test_footholds_in_reach_stay(robot):

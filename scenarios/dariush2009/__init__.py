@@ -1,0 +1,1 @@
+"""Dariush 2009: online transfer of human motion; its methods on our clips."""

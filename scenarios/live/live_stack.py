@@ -1,0 +1,48 @@
+"""The stack for a reference without a future, on planted feet."""
+
+import numpy as np
+
+from sot.control.contact import Contact
+from sot.control.stack import Stack
+from sot.motion.trajectory import Reference
+from sot.robots.robot import Robot
+from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, SelfCollision, TorqueBounds
+
+HEIGHT_STIFFNESS = 16.0
+"""Stiffness of the centre of mass' height [1/s²]: one that is followed at once makes the robot bounce."""
+SOLE_MARGIN_SHARE = 0.055
+"""Distance in lengths of a sole by which the soles that the controller counts on are smaller on all sides."""
+UPPER_BODY_GROUPS = ("chest", "head", "arms")
+
+
+def live_stack(robot: Robot, reference: Reference) -> Stack:
+    """Stack for a live reference.
+
+    It differs from `planted_stack` in what a plan makes possible and a stream does not: waist and posture share one
+    level, since a strict waist leaves the posture nothing where both cannot be had; the posture is that of chest, head
+    and arms, since the legs' rows would pull the pelvis; and the height is followed softly. Soles are a little smaller
+    than they are: a motion that nobody foresaw takes the zero-moment point to their edge now and then.
+    """
+    upper_body = [robot.joints[joint] for group in UPPER_BODY_GROUPS for joint in robot.groups[group]]
+    return Stack(
+        contacts=[
+            Contact(robot.surface(foot), inset=SOLE_MARGIN_SHARE * float(np.ptp(robot.sole(foot)[:, 0])))
+            for foot in robot.feet
+        ],
+        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
+        levels={
+            "balance": [
+                Balance(
+                    reference.balance,
+                    reference.feet,
+                    reference.angular_momentum,
+                    kp=HEIGHT_STIFFNESS,
+                ),
+            ],
+            "posture": [
+                OperationalPoint(robot, "waist", reference.pose("waist"), axes="RPY", weight=2.0),
+                Posture(robot, reference.joints, joints=upper_body, name="Posture"),
+            ],
+            "forces": [LeastForces()],
+        },
+    )

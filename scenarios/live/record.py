@@ -1,0 +1,150 @@
+"""What is left of a live run: the human whom the robot followed, and the figures of the stream."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.log import RunLog
+from sim.reporting.figures import Points
+from sot.live.follower import EASE_IN_TIME, Follower
+from sot.motion.feet.flight import Flight
+from sot.motion.feet.travel import Travel
+from sot.motion.human.human import SIDES, Human, nearest_rotations
+from sot.motion.trajectory import Motion
+
+Array = NDArray[np.float64]
+
+HUMAN_RATE = 50.0
+"""Frames a second of the recorded human [Hz]."""
+LAG_STEP, MAX_LAG = 0.01, 0.6
+"""Lags that are tried, and the greatest [s]."""
+
+
+@dataclass(frozen=True)
+class LiveRecord:
+    """How a live reference came from a human: a `sot.motion.performance.Performance`."""
+
+    motion: Motion
+    human: Human
+    start: float
+    end: float
+    clock: Array
+    remarks: Sequence[str] = ()
+    travel: Travel | None = None
+    flights: Sequence[Flight] = ()
+    speed_min: float = 1.0
+    added_time: float = 0.0
+
+    @property
+    def retarget(self) -> dict[str, float | None]:
+        """Nothing was planned."""
+        return {"key_point_rms_m": None, "frames_per_s": None}
+
+
+def record_of(follower: Follower, motion: Motion) -> LiveRecord | None:
+    """The record of a run, None if nobody was seen for long enough."""
+    seen = [(t, targets) for t, targets in follower.shown if 0.0 <= t <= motion.duration]
+    if len(seen) < 2 or seen[-1][0] - seen[0][0] < 2.0 * EASE_IN_TIME:
+        return None
+    at = np.array([t for t, _ in seen])
+    times = np.arange(int(motion.duration * HUMAN_RATE) + 1) / HUMAN_RATE
+
+    def resampled(values: Array) -> Array:
+        flat = values.reshape(len(values), -1)
+        columns = [np.interp(times, at, flat[:, k]) for k in range(flat.shape[1])]
+        return np.stack(columns, axis=1).reshape(len(times), *values.shape[1:])
+
+    points = {name: resampled(np.array([targets.points[name] for _, targets in seen])) for name in seen[0][1].points}
+    frames = {
+        body: nearest_rotations(resampled(np.array([targets.frames[body] for _, targets in seen])))
+        for body in seen[0][1].frames
+    }
+    human = Human(follower.source.name, HUMAN_RATE, points, frames)
+    start, end = float(at[0]) + EASE_IN_TIME, float(at[-1])
+    return LiveRecord(motion, human, start, end, times, _remarks(follower))
+
+
+def _remarks(follower: Follower) -> list[str]:
+    told = []
+    if follower.held_s > 0.0:
+        told.append(
+            f"No frame to follow came for {follower.held_s:.1f} s in all; meanwhile the robot held its pose, and"
+            " eased to a safe one."
+        )
+    return told
+
+
+def live_figures(follower: Follower, log: RunLog, record: LiveRecord | None, behind: Array) -> dict[str, Any]:
+    """The block `live` of the report.
+
+    Args:
+        follower: of the run.
+        log: of the run.
+        record: of the run.
+        behind: how far each tick was behind the wall clock when it began [s], (T,); none where nobody kept time.
+    """
+    return {
+        "source": follower.source.name,
+        "frames": dict(sorted(follower.counts.items())),
+        "time_line": dict(sorted(follower.time_line.counts.items())),
+        "packets": dict(sorted(follower.source.counts.items())),
+        "held_s": follower.held_s,
+        "latency_ms": latencies(follower, log),
+        "lag_ms": None if record is None else hand_lag_ms(record, log),
+        "behind_ms": _spread(1e3 * behind),
+        "late_ticks": float(np.mean(behind > log.period)) if len(behind) else None,
+    }
+
+
+def latencies(follower: Follower, log: RunLog) -> dict[str, dict[str, float | None]]:
+    """Latency by stage [ms]: "received" since the person was there, all others since the frame was received."""
+    passed, period = follower.frame_times, log.period
+    rows = np.array([min(round(one.t / period), log.ticks - 1) for one in passed], dtype=int)
+    filtered = np.array([one.filtered - one.taken for one in passed])
+    solved = np.array([one.solved - one.taken for one in passed])
+    knot = np.array([follower.reference.next_knot_after(one.t) - one.t for one in passed])
+    commanded = knot + solved + (1e-6 * log.tick_us[rows] if len(rows) else 0.0)
+    return {
+        "received": _spread(1e3 * np.array([one.age for one in passed])),
+        "filtered": _spread(1e3 * filtered),
+        "solved": _spread(1e3 * solved),
+        "commanded": _spread(1e3 * commanded),
+        "measured": _spread(1e3 * (commanded + period)),
+    }
+
+
+def hand_lag_ms(record: LiveRecord, log: RunLog) -> float | None:
+    """Lag of the robot's hands behind the human's [ms], by which their ways agree best."""
+    human, robot = record.human, record.motion.robot
+    shown = np.flatnonzero((human.times >= record.start) & (human.times <= min(record.end, log.time[-1] - MAX_LAG)))
+    if len(shown) < HUMAN_RATE:
+        return None
+    names = ("waist", *(f"{side}_wrist" for side in SIDES))
+    wanted = _hands({name: human.points[name][shown] for name in names})
+    best, lag = -np.inf, 0.0
+    for tried in np.arange(0.0, MAX_LAG, LAG_STEP):
+        rows = np.round((human.times[shown] + tried) / log.period).astype(int)
+        agreement = float(np.sum(wanted * _hands(Points.of(robot, log.q[rows], names).positions)))
+        if agreement > best:
+            best, lag = agreement, tried
+    return 1e3 * lag
+
+
+def _hands(points: Any) -> Array:
+    """Way of both hands from the waist (T, 6), without its mean, of unit size."""
+    way = np.hstack([points[f"{side}_wrist"] - points["waist"] for side in SIDES])
+    way -= way.mean(axis=0)
+    return np.asarray(way / max(float(np.linalg.norm(way)), 1e-12))
+
+
+def _spread(values: Array) -> dict[str, float | None]:
+    if not len(values):
+        return {"p50": None, "p95": None, "max": None}
+    return {
+        "p50": float(np.percentile(values, 50)),
+        "p95": float(np.percentile(values, 95)),
+        "max": float(values.max()),
+    }

@@ -1,0 +1,175 @@
+"""From frames that arrive to a reference that the robot can follow: one step of the pipeline a tick."""
+
+from collections import Counter
+from dataclasses import dataclass
+from math import nan
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sot.errors import InputError
+from sot.live.arm_solver import ArmSolver
+from sot.live.body_solver import BodySolver
+from sot.live.frame import Frame, Source
+from sot.live.person import Acquaintance, Moment, Person
+from sot.live.placement import MomentTargets, Placement
+from sot.live.reference import PERIOD, LiveReference
+from sot.live.sensing.gate import Gate
+from sot.live.sensing.one_euro import MomentFilter
+from sot.live.sensing.time_line import TimeLine
+from sot.motion.body.limits import Limits
+from sot.motion.feet.stance import Build
+from sot.motion.human.human import SIDES
+from sot.robots.robot import Robot
+from sot.smooth import minimum_jerk
+
+Array = NDArray[np.float64]
+
+STALE_TIME = 0.2
+"""Time without a frame after which the robot eases into its safe posture [s]."""
+EASE_OUT_TIME, EASE_IN_TIME = 1.5, 1.0
+"""Times in which it goes to the safe posture, and from there to the person [s]."""
+REPLY_PERIOD = 0.01
+"""Time between joint targets for those who have asked for them [s]."""
+VELOCITY_TIME = 0.02
+"""Time constant of the targets' velocity [s]."""
+
+
+@dataclass
+class FrameTimes:
+    """When a frame passed the stages of its way.
+
+    Attributes:
+        t: of the run when it was taken in [s].
+        age: since the person was there, when it arrived [s].
+        taken, filtered, solved: of the wall clock [s].
+    """
+
+    t: float
+    age: float
+    taken: float
+    filtered: float = nan
+    solved: float = nan
+
+
+class Follower:
+    """A live reference that follows the person whom a source shows.
+
+    Args:
+        source: of frames.
+        robot: who follows.
+        delay: by which everything is played later [s].
+        start: what the source's clock shows when the run begins [s].
+
+    Attributes:
+        reference: what the robot shall do.
+        time_line: of the frames.
+        counts: what befell the frames.
+        shown: when the person was seen, in the time of the run [s], and as what in the robot's size.
+        frame_times: of each frame that was followed.
+        held_s: time without a frame to follow, once there had been one [s].
+    """
+
+    def __init__(self, source: Source, robot: Robot, delay: float = 0.0, start: float = 0.0) -> None:
+        self.source, self.robot, self._start = source, robot, start
+        self._build, limits = Build.of(robot), Limits.of(robot)
+        self.reference = LiveReference(robot, limits)
+        self.time_line = TimeLine(delay)
+        self.counts: Counter[str] = Counter()
+        self._body = BodySolver(robot, self._build, limits)
+        arms = [ArmSolver(robot, side, limits) for side in SIDES]
+        self._arms = [arm for arm in arms if len(arm.columns)]
+        self._acquaintance = Acquaintance(source.name)
+        self._person: Person | None = None
+        self._placement: Placement
+        self._gate: Gate
+        self._filter = MomentFilter()
+        self._solution = self.reference.rest.copy()
+        self._velocity = np.zeros(robot.nv)
+        self._last: float | None = None  # due time of the last frame that was used
+        self._share = 0.0  # of the way from the safe posture to the person
+        self.shown: list[tuple[float, MomentTargets]] = []
+        self.frame_times: list[FrameTimes] = []
+        self.held_s = 0.0
+        self._next_reply = 0.0
+
+    def update(self, t: float) -> None:
+        """Take in what has arrived by a time [s] of the run, and make the reference up to it."""
+        now = t + self._start
+        for frame in self.source.poll(now):
+            self.time_line.add(frame)
+        due = self.time_line.due(now)
+        self.counts["skipped"] += max(0, len(due) - 1)  # many at once: the last is where the person is now
+        for frame in due[-1:]:
+            self._take_in(frame, t)
+        while self.reference.horizon < t - 1e-9:
+            self._make_knot(self.reference.horizon)
+        if t >= self._next_reply:
+            self.source.reply(now, self.reference.joints(t)[0])
+            self._next_reply = t + REPLY_PERIOD
+
+    def _take_in(self, frame: Frame, t: float) -> None:
+        self.counts["frames"] += 1
+        self._stages = FrameTimes(t, self.time_line.age(frame, frame.received), perf_counter())
+        if not frame.is_finite:
+            self.counts["not finite"] += 1
+        elif self._person is None or self._person.skeleton != frame.skeleton:
+            self._get_to_know(frame)
+        else:
+            moment, due = self._person.moment(frame), self.time_line.due_time(frame) - self._start
+            if self._gate.passes(moment, due):
+                if self._gate.jumped:
+                    self._placement.start_anew()
+                    self._filter.start_anew()
+                moment = self._filter(moment, due)
+                self._stages.filtered = perf_counter()
+                self._follow(moment, due)
+                self._stages.solved = perf_counter()
+                self.frame_times.append(self._stages)
+            elif self._gate.is_stranger:
+                self._person = None
+
+    def _get_to_know(self, frame: Frame) -> None:
+        """Calibrate a new person; only the first one may be refused with an error."""
+        try:
+            self._person = self._acquaintance.add(frame)
+        except InputError:
+            if not self.counts["persons"]:
+                raise
+            self.counts["unknown skeleton"] += 1
+            return
+        if self._person is not None:
+            self.counts["persons"] += 1
+            self._acquaintance = Acquaintance(self.source.name)
+            self._placement = Placement(self._build, self._person)
+            self._gate = Gate(self._person, self.counts)
+            self._filter.start_anew()
+
+    def _follow(self, moment: Moment, due: float) -> None:
+        targets = self._placement(moment, due)
+        self.shown.append((due - self.time_line.delay, targets))
+        elapsed = due - self._last if self._last is not None else PERIOD
+        y = self._body.solve(targets, self._solution)
+        data = self._body.place(y)
+        for arm in self._arms:
+            y[arm.columns] = arm.solve(data, targets.directions, elapsed, self.reference.now[arm.columns])
+        if self._last is None or elapsed > STALE_TIME:
+            self._velocity = np.zeros_like(y)
+        else:
+            share = 1.0 - np.exp(-elapsed / VELOCITY_TIME)
+            self._velocity += share * ((y - self._solution) / elapsed - self._velocity)
+        self._solution, self._last = y, due
+
+    def _make_knot(self, t: float) -> None:
+        """Make the knot after a time [s]."""
+        ago = np.inf if self._last is None else t - self._last
+        fresh = ago < STALE_TIME
+        if self._last is not None and not fresh:
+            self.held_s += PERIOD
+        step = PERIOD / EASE_IN_TIME if fresh else -PERIOD / EASE_OUT_TIME
+        self._share = min(max(self._share + step, 0.0), 1.0)
+        share = float(minimum_jerk(np.array(self._share)))
+        velocity = self._velocity if fresh else np.zeros_like(self._velocity)
+        rest = self.reference.rest
+        self.reference.advance(rest + share * (self._solution - rest), share * velocity)

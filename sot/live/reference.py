@@ -1,0 +1,222 @@
+"""A reference that is made while it is asked for; it answers what a `Motion` does, without a future."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from sot.control.pose import Pose
+from sot.gravity import GRAVITY
+from sot.live.com_preview import KNOT_PERIOD, ComPreview
+from sot.live.governor import Governor
+from sot.live.planted_legs import PlantedLegs
+from sot.live.state import pinocchio_state
+from sot.motion.body.coordinates import from_configuration, to_pinocchio
+from sot.motion.body.limits import Limits
+from sot.motion.feet.contacts import planted_phases, support_polygon
+from sot.motion.trajectory import Motion, MotionSample
+from sot.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+PERIOD = 0.01
+"""Time between the knots of the reference [s]."""
+KNOTS_PER_PLAN = round(KNOT_PERIOD / PERIOD)
+
+
+@dataclass(frozen=True)
+class Knot:
+    """The reference at one time: coordinates and derivatives (nv,), CoM and derivatives (3,), ZMP (2,), angular
+    momentum (3,), and each point's pose."""
+
+    y: Array
+    dy: Array
+    ddy: Array
+    com: Array
+    com_velocity: Array
+    com_acceleration: Array
+    zmp: Array
+    momentum: Array
+    poses: dict[str, Pose]
+
+
+class LiveReference:
+    """A robot motion on planted feet that follows targets as they come; a `sot.motion.trajectory.Reference`.
+
+    Between two knots, PERIOD apart, accelerations are linear. Times before the last two knots are not answered, they
+    get the older of the two.
+
+    Args:
+        robot: who moves, from its rest posture.
+        limits: of the coordinates.
+    """
+
+    duration = inf
+
+    def __init__(self, robot: Robot, limits: Limits) -> None:
+        self.robot = robot
+        self._data = robot.model.createData()
+        self.rest = from_configuration(robot.rest[None])[0]
+        self._governor = Governor(robot, limits, self.rest, PERIOD)
+        self._points: dict[str, int] = {}
+        (self._phase,) = planted_phases(robot, inf)
+        com = pin.centerOfMass(robot.model, self._data, robot.rest).copy()
+        foot = robot.sole(robot.feet[0])
+        support = support_polygon(robot, self._phase)
+        self._preview = ComPreview(support, np.ptp(foot[:, :2], axis=0), com[:2], float(com[2]))
+        self._legs = PlantedLegs(robot, self._phase, self.rest)
+        self._wanted = com[:2].copy()
+        self._knots: list[Knot] = []
+        self._knots.append(self._knot())
+        self._step(self.rest, np.zeros(robot.nv))
+
+    @property
+    def horizon(self) -> float:
+        """Time up to which it is made [s]."""
+        return (len(self._knots) - 1) * PERIOD
+
+    def next_knot_after(self, t: float) -> float:
+        """Time of the first knot that is made with what is known at a time [s]: from then on the robot can tell."""
+        return PERIOD * np.ceil(t / PERIOD - 1e-6)
+
+    @property
+    def now(self) -> Array:
+        """Coordinates (nv,) at the last knot."""
+        return self._knots[-1].y
+
+    def advance(self, target: Array, velocity: Array) -> None:
+        """Make the next knot, towards a target (nv,) that moves with a velocity (nv,)."""
+        self._step(target, velocity)
+
+    def _step(self, target: Array, velocity: Array) -> None:
+        target = target.copy()
+        target[2] = min(target[2], self._legs.greatest_height(self._governor.y))
+        self._governor.step(target, velocity)
+        if (len(self._knots) - 1) % KNOTS_PER_PLAN == 0:
+            self._preview.plan(self._wanted)
+        self._preview.advance(PERIOD)
+        self._knots.append(self._knot())
+
+    def _knot(self) -> Knot:
+        governor, model, data, plan = self._governor, self.robot.model, self._data, self._preview
+        y, dy, ddy = self._legs(governor.y, governor.dy, governor.ddy)
+        q, v, a = pinocchio_state(y, dy, ddy)
+        pin.computeCentroidalMomentumTimeVariation(model, data, q, v, a)
+        momentum, turn = data.hg.angular.copy(), data.dhg.angular.copy()
+        pin.centerOfMass(model, data, q, v, a)
+        com, velocity, acceleration = data.com[0].copy(), data.vcom[0].copy(), data.acom[0].copy()
+        self._wanted = com[:2].copy()
+        com[:2], velocity[:2], acceleration[:2] = plan.c, plan.dc, plan.ddc
+        lean = (com[2] * acceleration[:2] + np.array([turn[1], -turn[0]]) / self.robot.mass) / (
+            GRAVITY + acceleration[2]
+        )
+        poses = {}
+        if self._points:
+            pin.forwardKinematics(model, data, q, v, a)
+            poses = {point: self._pose(frame) for point, frame in self._points.items()}
+        return Knot(y, dy, ddy, com, velocity, acceleration, com[:2] - lean, momentum, poses)
+
+    def _pose(self, frame: int) -> Pose:
+        model, data, axes = self.robot.model, self._data, pin.LOCAL_WORLD_ALIGNED
+        place = pin.updateFramePlacement(model, data, frame)
+        return Pose(
+            place.translation.copy(),
+            place.rotation.copy(),
+            pin.getFrameVelocity(model, data, frame, axes).vector,
+            pin.getFrameClassicalAcceleration(model, data, frame, axes).vector,
+        )
+
+    def _pose_at(self, knot: Knot, point: str) -> Pose:
+        if point not in knot.poses:  # of a knot before the point was first asked for
+            q, v, a = pinocchio_state(knot.y, knot.dy, knot.ddy)
+            pin.forwardKinematics(self.robot.model, self._data, q, v, a)
+            knot.poses[point] = self._pose(self._points[point])
+        return knot.poses[point]
+
+    def _between(self, t: float) -> tuple[Knot, Knot, float]:
+        """The knots around a time [s], and how long ago the first was."""
+        k = min(max(int(t / PERIOD + 1e-6), 0), len(self._knots) - 2)
+        return self._knots[k], self._knots[k + 1], min(max(t - k * PERIOD, 0.0), PERIOD)
+
+    def joints(self, t: float) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration of the joints at a time [s], (na,) each."""
+        last, following, dt = self._between(t)
+        y, dy, ddy = _interpolated(last.y, last.dy, last.ddy, following.ddy, dt)
+        return y[6:], dy[6:], ddy[6:]
+
+    def balance(self, t: float) -> tuple[Array, Array, Array, Array]:
+        """CoM (3,), its velocity and acceleration, and the ZMP (2,) at a time [s]."""
+        last, following, dt = self._between(t)
+        c, dc, ddc = _interpolated(last.com, last.com_velocity, last.com_acceleration, following.com_acceleration, dt)
+        return c, dc, ddc, last.zmp + dt / PERIOD * (following.zmp - last.zmp)
+
+    def angular_momentum(self, t: float) -> Array:
+        """Angular momentum about the centre of mass at a time [s], (3,), world axes [N m s]."""
+        last, following, dt = self._between(t)
+        return last.momentum + dt / PERIOD * (following.momentum - last.momentum)
+
+    @property
+    def feet(self) -> dict[str, Callable[[float], Array]]:
+        """Function of each foot that gives its foothold (3,) [m]: it stays."""
+        return {foot: _stays_at(pose.translation) for foot, pose in self._phase.feet.items()}
+
+    def pose(self, point: str) -> Callable[[float], Pose]:
+        """An operational point's pose, velocity and acceleration at a time [s].
+
+        Raises:
+            InputError: the robot has no such point.
+        """
+        frame = self.robot.point(point)
+        self._points[point] = frame
+
+        def at(t: float) -> Pose:
+            last, following, dt = self._between(t)
+            one, other = self._pose_at(last, point), self._pose_at(following, point)
+            share = dt / PERIOD
+            acceleration = one.acceleration + share * (other.acceleration - one.acceleration)
+            velocity = one.velocity + 0.5 * dt * (one.acceleration + acceleration)
+            move = dt * (one.velocity + dt * (one.acceleration / 3.0 + acceleration / 6.0))
+            return Pose(one.position + move[:3], pin.exp3(move[3:]) @ one.rotation, velocity, acceleration)
+
+        return at
+
+    def sample(self, t: float) -> MotionSample:
+        """The whole state at a time [s]."""
+        last, following, dt = self._between(t)
+        y, dy, ddy = _interpolated(last.y, last.dy, last.ddy, following.ddy, dt)
+        q, v, a = pinocchio_state(y, dy, ddy)
+        return MotionSample(q, v, a, *self.balance(t))
+
+    def recorded(self, duration: float, rate: float) -> Motion:
+        """What it was from its start on, as a motion of a duration [s] at a rate [Hz]."""
+        times = np.arange(round(duration * rate) + 1) / rate
+        k = np.minimum((times / PERIOD + 1e-6).astype(int), len(self._knots) - 2)
+        dt = np.clip(times - k * PERIOD, 0.0, PERIOD)[:, None]
+
+        def column(name: str) -> Array:
+            return np.array([getattr(knot, name) for knot in self._knots])
+
+        def interpolated(value: str, rate: str, curve: str) -> tuple[Array, Array, Array]:
+            curves = column(curve)
+            return _interpolated(column(value)[k], column(rate)[k], curves[k], curves[k + 1], dt)
+
+        q, v, a = to_pinocchio(*interpolated("y", "dy", "ddy"))
+        com, com_velocity, com_acceleration = interpolated("com", "com_velocity", "com_acceleration")
+        zmp, momentum = (
+            values[k] + dt / PERIOD * (values[k + 1] - values[k]) for values in (column("zmp"), column("momentum"))
+        )
+        phases = planted_phases(self.robot, times[-1])
+        return Motion(self.robot, rate, q, v, a, com, com_velocity, com_acceleration, zmp, momentum, phases)
+
+
+def _stays_at(place: Array) -> Callable[[float], Array]:
+    return lambda t: place
+
+
+def _interpolated(x: Array, dx: Array, ddx: Array, following: Array, dt: float | Array) -> tuple[Array, Array, Array]:
+    """Value and derivatives dt after a knot, the second derivative linear to that of the following knot."""
+    curve = ddx + dt / PERIOD * (following - ddx)
+    return x + dt * dx + dt**2 * (ddx / 3.0 + curve / 6.0), dx + 0.5 * dt * (ddx + curve), curve

@@ -1,0 +1,1 @@
+"""What is made of frames before they are followed: their order, what is believed of them, and less noise."""
