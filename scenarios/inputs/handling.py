@@ -42,6 +42,7 @@ BESIDE_M = 0.16  # m, between a palm and the object before it touches and after 
 BOX_M = (0.28, 0.48, 0.28)  # m
 STAND_M, TABLE_M, PLATE_M = 0.85, 0.99, 0.03  # m, heights
 BOX_AHEAD_M, TABLE_AHEAD_M = 0.54, 0.83  # m, of the box before and after
+GRIP_ABOVE_MIDDLE_M = 0.07  # m, of a box on the floor, that the hands need not go as low as its middle
 OVER_FOOT_M = 0.14  # m, by which the hips are over the left foot to stand on it alone, and the box with them
 DOOR_M = (0.04, 0.90, 2.00)  # m
 HINGE_M = (0.46, 0.50)  # m, forward and left
@@ -84,7 +85,7 @@ def box_demonstration(from_plate: bool) -> Demonstration:
     half = 0.5 * BOX_M[2]
     start, carried = (BOX_AHEAD_M, 0.0, low + half), (BOX_AHEAD_M, 0.0, 1.14)
     there = (TABLE_AHEAD_M, OVER_FOOT_M, TABLE_M + half)
-    hips_low, bow = (STANDING_HIPS_M - 0.44, 75.0) if from_plate else (STANDING_HIPS_M - 0.05, 24.0)
+    hips_low, bow = (STANDING_HIPS_M - 0.50, 78.0) if from_plate else (STANDING_HIPS_M - 0.05, 24.0)
     box: Track = [
         (lift, start),
         (up, carried),
@@ -112,7 +113,10 @@ def box_demonstration(from_plate: bool) -> Demonstration:
     frames = round(end * RATE_HZ) + 1
     times = np.arange(frames) / RATE_HZ
     path = ObjectPath(np.array(BOX_M), _along(times, box), np.tile(np.eye(3), (frames, 1, 1)))
-    palms = {side: _gripping_palm(times, sign, path, held) for side, sign in SIDES.items()}
+    palms = {
+        side: _gripping_palm(times, sign, path, held, GRIP_ABOVE_MIDDLE_M if from_plate else 0.0)
+        for side, sign in SIDES.items()
+    }
     on_box = [SurfacePair(SurfaceName("robot", f"{side}_hand"), SurfaceName("box", side)) for side in ("left", "right")]
     below, table = (
         SurfacePair(SurfaceName("box", "bottom"), SurfaceName("world", name))
@@ -187,10 +191,13 @@ def _clip(times: Array, hips: Track, bows: Track, palms: dict[str, Array], foot:
     return bvh_text(place, angles, RATE_HZ)
 
 
-def _gripping_palm(times: Array, sign: float, path: ObjectPath, held: tuple[float, float]) -> Array:
-    """Places (T, 3) of a palm that hangs, comes beside a box, holds it in a span of time, and hangs again."""
-    side = sign * np.array([0.0, 0.5 * path.size[1], 0.0])
-    beside = side * (1.0 + BESIDE_M / (0.5 * path.size[1]))
+def _gripping_palm(times: Array, sign: float, path: ObjectPath, held: tuple[float, float], above: float) -> Array:
+    """Places (T, 3) of a palm that hangs, comes beside a box, holds it in a span of time, and hangs again.
+
+    above: how far above the box's middle it holds it [m].
+    """
+    side = np.array([0.0, sign * 0.5 * path.size[1], above])
+    beside = side + np.array([0.0, sign * BESIDE_M, 0.0])
     hanging = np.array(HANGING_PALM_M) * [1.0, sign, 1.0]
     start, end = held
     first, last = path.position[0], path.position[-1]

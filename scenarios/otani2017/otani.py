@@ -150,7 +150,9 @@ def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tupl
     )
     simulated = System(robot, actual)
     handled_things = HandledThings(simulated, schedule.history, schedule.played_times())
-    return replace(danced, motion=schedule.played(), handled=handled_things), schedule, simulated
+    played = schedule.played()
+    danced.run.log.zmp_planned[: len(played.zmp)] = played.zmp  # the run knew the motion only as it is without waits
+    return replace(danced, motion=played, handled=handled_things), schedule, simulated
 
 
 def read_demonstration(handling: Handling) -> tuple[Human, HandledObjects, ContactPlan]:
