@@ -185,7 +185,7 @@ def follow(
     motion = follower.reference.recorded(done.log.ticks / request.rate, request.rate)
     record = record_of(follower, motion)
     info = RunInfo(
-        clip=Path(request.source).stem,
+        clip=request.source if is_stream else Path(request.source).stem,
         robot=robot.name,
         solver=request.solver,
         feet="planted",
