@@ -31,10 +31,10 @@ dance: $(READY)  ## replay half a minute of dance under physics
 	@echo "Figures:   runs/dance/report.json"
 
 test: $(READY)  ## the quick tests
-	$(BIN)/pytest
+	$(BIN)/pytest -n auto --dist loadfile
 
 slow: $(READY)  ## whole runs, and the commands of the README
-	$(BIN)/pytest -m slow
+	$(BIN)/pytest -m slow -n auto --dist loadfile
 
 check: $(READY)  ## format, lint, types, import rules
 	$(BIN)/ruff format --check
