@@ -5,6 +5,7 @@ from tasks.bounds import AccelerationBounds, JointBounds, TorqueBounds
 from tasks.center_of_mass import CenterOfMass
 from tasks.contact_forces import LeastForces
 from tasks.foot_sliding import FootSliding
+from tasks.free_point import FreePoint
 from tasks.momentum import AngularMomentum
 from tasks.operational_point import OperationalPoint
 from tasks.posture import Posture
@@ -17,6 +18,7 @@ __all__ = [
     "Balance",
     "CenterOfMass",
     "FootSliding",
+    "FreePoint",
     "JointBounds",
     "LeastForces",
     "OperationalPoint",

@@ -8,8 +8,16 @@ from sot.control.stack import Stack
 from sot.gravity import GRAVITY
 from sot.motion.objects.events import SurfacePair
 from sot.motion.objects.retarget import RobotDemonstration
-from tasks import CenterOfMass, JointBounds, LeastForces, OperationalPoint, Posture, SelfCollision, TorqueBounds
-from tasks.free_point import FreePoint
+from tasks import (
+    CenterOfMass,
+    FreePoint,
+    JointBounds,
+    LeastForces,
+    OperationalPoint,
+    Posture,
+    SelfCollision,
+    TorqueBounds,
+)
 
 HAND_FRICTION = 0.6
 """Coefficient that is relied upon between a palm's rubber and a thing."""
