@@ -46,11 +46,16 @@ class FreePoint(OperationalPoint):
         """Acceleration rows while the point is free, none while it supports."""
         footings = [contact for contact in tick.contacts if contact.point == self.point and contact.is_footing]
         if any(contact.mode != "off" for contact in footings):
-            self._was_supporting, self.error = True, self._no_error
-            return self.make_rows(self._no_rows, self._no_error, self._no_error)
+            self._was_supporting = True
+            return self.no_rows()
         if self._was_supporting:
             self._was_supporting, self._release = False, (tick.t, footings[0].acceleration(tick))
         return super().rows(tick)
+
+    def no_rows(self) -> Rows:
+        """What the task asks for while it asks for nothing."""
+        self.error = self._no_error
+        return self.make_rows(self._no_rows, self._no_error, self._no_error)
 
     def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
         """As for an `OperationalPoint`, beginning with the acceleration that the contact demanded."""

@@ -5,27 +5,21 @@ import pinocchio as pin
 
 from solvers.rows import Rows
 from sot.behaviours.stride import lowered_pose, raised_pose
-from sot.control.contact import ARRIVAL_ACCELERATION_FADE_POWER
 from sot.control.pose import Pose, PoseReference
 from sot.control.tick import Tick
 from sot.motion.feet.footfalls import Footfalls
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from tasks.operational_point import OperationalPoint
+from tasks.free_point import FreePoint
 
 Array = np.ndarray
 
-RELEASE_TIME = 0.04
-"""Time within which a foot's acceleration goes over from its contact's demand to its path's [s]: no torque steps."""
 
-
-class SwingFoot(OperationalPoint):
+class SwingFoot(FreePoint):
     """Moves a foot along its path in a motion while its contact is off; a foot that stands has no rows. If the contact
     has a `path`, the foot follows that one instead.
 
-    A path may leave the floor with an acceleration, and the foot may be beside it: the demand begins with what the
-    contact demanded. Where the motion has the foot on the floor while the contact is still off, the foot is lowered at
-    a steady speed.
+    Where the motion has the foot on the floor while the contact is still off, the foot is lowered at a steady speed.
 
     Args:
         robot: The robot.
@@ -39,8 +33,6 @@ class SwingFoot(OperationalPoint):
     ) -> None:
         self._stances = Footfalls(motion.phases, foot)
         super().__init__(robot, foot, motion.pose(foot), kp=kp, kd=kd, weight=weight, name=f"SwingFoot {foot}")
-        self._was_standing, self._release = False, (-np.inf, np.zeros(6))  # when it left, with which acceleration
-        self._no_error, self._no_rows = np.zeros(0), np.zeros((0, robot.nv))
 
     @property
     def reference(self) -> PoseReference:
@@ -58,24 +50,10 @@ class SwingFoot(OperationalPoint):
     def rows(self, tick: Tick) -> Rows:
         """Acceleration rows in all axes while the foot swings, none while it stands."""
         contact = next((contact for contact in tick.contacts if contact.point == self.point), None)
-        if contact is None or contact.mode != "off":
-            self._was_standing, self.error = contact is not None, self._no_error
-            return self.make_rows(self._no_rows, self._no_error, self._no_error)
-        if self._was_standing:
-            self._was_standing, self._release = False, (tick.t, contact.acceleration(tick))
+        if contact is None:
+            return self.no_rows()
         self._reference = contact.path or self._lowered_path
         return super().rows(tick)
-
-    def observe(self, tick: Tick) -> tuple[Array, Array, Array, Array, Array]:
-        """As for an `OperationalPoint`, beginning with the acceleration that the contact demanded."""
-        error, rate, J, drift, feedforward = super().observe(tick)
-        start, left = self._release
-        share = 1.0 - (tick.t - start) / RELEASE_TIME
-        if share > 0.0:
-            feedforward = feedforward + share**ARRIVAL_ACCELERATION_FADE_POWER * (
-                left - feedforward - self.kp * error - self.kd * rate
-            )
-        return error, rate, J, drift, feedforward
 
     def _lowered_path(self, t: float) -> Pose:
         pose = self._planned_path(t)
