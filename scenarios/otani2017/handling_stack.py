@@ -29,8 +29,6 @@ MAX_GRIP = 3.0
 """Times the squeeze that is wished for that a hand may press at most: the robot is not to lean on what it holds."""
 MIN_LYING_LOAD, MAX_LYING_LOAD = 0.1, 1.5
 """Least and greatest normal force on a thing that lies on a surface, in weights of the thing."""
-CLEARANCE = 0.01
-"""Least distance of parts of the robot from one another [m]."""
 
 
 def contacts_of(demonstration: RobotDemonstration) -> dict[SurfacePair, Contact]:
@@ -66,7 +64,7 @@ def handling_stack(
     waist, chest = clock.pose(motion.pose("waist")), clock.pose(motion.pose("chest"))
     return Stack(
         contacts=list(contacts.values()),
-        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(system, CLEARANCE)],
+        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(system)],
         levels={
             "balance": [CenterOfMass(schedule.com, axes="xy", kp=60.0)],
             "motion": [
