@@ -100,7 +100,7 @@ def test_body_solved_has_its_feet_on_the_floor(robot, wanted, rest):
 
 
 @pytest.mark.parametrize("stiff", [1.0, 100.0])
-def testbounded_steps_are_those_of_a_quadratic_programme(stiff):
+def test_bounded_steps_are_those_of_a_quadratic_programme(stiff):
     """Also where some rows are far stiffer than others, as feet are, and active sets go round in circles."""
     rng = np.random.default_rng(0)
     n, size = 400, 7
