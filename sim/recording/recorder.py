@@ -45,7 +45,7 @@ def write_recording(
     """
     log, robot = log.trimmed(), motion.robot
     panels = [*([things_tab(log, handled)] if handled else []), *run_tabs(log, motion, plan)]
-    blueprint = layout(motion, panels, bool(log.conflicts))
+    blueprint = layout(motion, panels, bool(log.conflicts), things=handled is not None)
     with open_recording(path, f"{info.clip}, {robot.label}", _about_text(info, robot), blueprint) as columns:
         scenery = [] if scene is None else read_scenery(robot, scene)
         send_visuals(columns, log, info, motion, plan.human if plan else None, scenery)
