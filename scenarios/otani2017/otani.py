@@ -213,4 +213,4 @@ def _turned(path: PosePath) -> float:
 
 
 def _text(value: float | None, factor: float = 1.0) -> str:
-    return "-" if value is None else f"{factor * value:.1f}"
+    return "-" if value is None else f"{factor * value:.3g}"
