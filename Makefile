@@ -23,8 +23,8 @@ $(READY): requirements.lock pyproject.toml
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	@touch $@
 
-dance: $(READY)  ## replay half a minute of dance under physics
-	$(BIN)/sot replay lafan1_dance1_subject2 --feet planted --start 5 --duration 32 --out runs/dance
+dance: $(READY)  ## replay twenty seconds of dance under physics
+	$(BIN)/sot replay lafan1_dance1_subject2 --feet planted --start 5 --duration 20 --out runs/dance
 	@echo
 	@echo "Watch it:  $(BIN)/sot view runs/dance         (add --web for a browser)"
 	@echo "Plots:     $(BIN)/sot report runs/dance       (one page)"

@@ -1,4 +1,4 @@
-"""A box carried over one leg and a door pushed open, whatever their weight and spring, after one human: Otani 2017, IV."""
+"""A box carried over one leg, a door pushed open, of several weights and springs, after one human: Otani 2017, IV."""
 
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
