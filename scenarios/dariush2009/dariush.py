@@ -17,20 +17,11 @@ from scenarios.dariush2009.experiments import (
 )
 from scenarios.dariush2009.pictures import draw_blending, draw_distances, draw_limits, draw_priorities
 from scenarios.dariush2009.tables import print_tables
-from scenarios.hammam2015.hammam import ROBOT
+from scenarios.hammam2015.hammam import CLIPS, ROBOT
 from scenarios.hammam2015.key_point_reference import ClipPart, key_point_reference
 from scenarios.replay import ProgressCallback
 from sot.robots.robot import Robot
 from tasks.resolved.virtual_limits import virtual_limits
-
-CLIPS = (
-    ClipPart("groove", 0.0, 8.0),
-    ClipPart("lafan1_dance1_subject2", 10.0, 8.0),
-    ClipPart("lafan1_dance1_subject2", 60.0, 8.0),
-    ClipPart("lafan1_aiming", 20.0, 8.0),
-    ClipPart("lafan1_aiming", 120.0, 8.0),
-    ClipPart("cmu_01_01", 0.0, 8.0),
-)
 
 
 def study(rate: float, out: Path, tell: ProgressCallback, parts: Sequence[ClipPart] = CLIPS) -> dict[str, Any]:

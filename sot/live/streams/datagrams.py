@@ -1,10 +1,15 @@
 """UDP datagrams from whom nobody knows: bounded in size and rate, one sender at a time, and never an exception."""
 
 import socket
+from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sot.errors import InputError
+from sot.live.frame import Frame
 
 Address = tuple[str, int]
 
@@ -101,3 +106,50 @@ class Datagrams:
     def close(self) -> None:
         """Close the socket."""
         self._socket.close()
+
+
+class DatagramSource(ABC):
+    """A source whose frames come in datagrams; each protocol says how they are decoded.
+
+    Args:
+        scheme: of its address.
+        host, port: where to listen.
+
+    Attributes:
+        name: its address.
+        counts: datagrams that were dropped, by reason.
+
+    Raises:
+        InputError: nothing can listen there.
+    """
+
+    def __init__(self, scheme: str, host: str, port: int) -> None:
+        self.name = f"{scheme}://{host}:{port}"
+        self.ended = False
+        self._datagrams = Datagrams(host, port)
+        self.counts: Counter[str] = self._datagrams.counts
+        self._frames: list[Frame] = []
+        self._now = 0.0
+
+    @property
+    def port(self) -> int:
+        """The port that it listens at."""
+        return self._datagrams.port
+
+    def poll(self, now: float) -> list[Frame]:
+        """Frames that have been completed by a time [s]."""
+        self._now, self._frames = now, []
+        self._datagrams.receive(now, self._decode)
+        return self._frames
+
+    @abstractmethod
+    def _decode(self, content: bytes, address: Address) -> bool:
+        """Take in a datagram, which may complete frames; whether it is one of the protocol."""
+
+    def reply(self, now: float, joints: NDArray[np.float64]) -> None:
+        """Tell joint targets (na,) [rad] to those who have asked; most protocols have no way back."""
+        del now, joints
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._datagrams.close()

@@ -2,7 +2,6 @@
 
 import hmac
 import json
-from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from sot.live.frame import Frame, Skeleton
 from sot.live.streams import checks
 from sot.live.streams.checks import Malformed
-from sot.live.streams.datagrams import Address, Allowance, Datagrams
+from sot.live.streams.datagrams import Address, Allowance, DatagramSource
 
 Array = NDArray[np.float64]
 
@@ -28,7 +27,7 @@ REFUSALS_PER_SECOND = 1.0
 """Bound of how often a wrong token is answered [Hz]: an answer to a forged address hits somebody else."""
 
 
-class JsonUdpSource:
+class JsonUdpSource(DatagramSource):
     """Receives frames, and tells joint targets to whoever asks for them.
 
     Args:
@@ -41,27 +40,11 @@ class JsonUdpSource:
     """
 
     def __init__(self, host: str, port: int, token: str = "", joints: tuple[str, ...] = ()) -> None:
-        self.name = f"udp://{host}:{port}"
-        self.ended = False
+        super().__init__("udp", host, port)
         self._token, self._joints = token, joints
-        self._datagrams = Datagrams(host, port)
-        self.counts: Counter[str] = self._datagrams.counts
         self._skeleton: Skeleton | None = None
-        self._frames: list[Frame] = []
-        self._now = 0.0
         self._listeners: dict[Address, float] = {}
         self._refusals = Allowance(REFUSALS_PER_SECOND)
-
-    @property
-    def port(self) -> int:
-        """The port that it listens at."""
-        return self._datagrams.port
-
-    def poll(self, now: float) -> list[Frame]:
-        """Frames that have arrived by a time [s]."""
-        self._now, self._frames = now, []
-        self._datagrams.receive(now, self._decode)
-        return self._frames
 
     def _decode(self, content: bytes, address: Address) -> bool:
         try:
@@ -116,10 +99,6 @@ class JsonUdpSource:
             content = _encoded(targets)
             for one in told:
                 self._datagrams.send(content, one)
-
-    def close(self) -> None:
-        """Close the socket."""
-        self._datagrams.close()
 
 
 def encoded_frame(frame: Frame, token: str = "") -> list[bytes]:

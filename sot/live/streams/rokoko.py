@@ -1,7 +1,6 @@
 """Rokoko Studio's JSON, version 3, plain or LZ4: bones of actors in a scene, in Unity's axes."""
 
 import json
-from collections import Counter
 from typing import Any
 
 import lz4.frame
@@ -12,7 +11,7 @@ from sot.live.frame import Frame, Skeleton
 from sot.live.streams import checks
 from sot.live.streams.bones import LIMB_BONES, skeleton_of
 from sot.live.streams.checks import Malformed
-from sot.live.streams.datagrams import Address, Datagrams
+from sot.live.streams.datagrams import Address, DatagramSource
 from sot.live.streams.unity_axes import positions_to_unity, positions_to_world, rotations_to_unity, rotations_to_world
 
 Array = NDArray[np.float64]
@@ -51,7 +50,7 @@ PARENTS = {
 }
 
 
-class RokokoSource:
+class RokokoSource(DatagramSource):
     """Receives the first actor of each datagram.
 
     Args:
@@ -62,25 +61,9 @@ class RokokoSource:
     """
 
     def __init__(self, host: str, port: int) -> None:
-        self.name = f"rokoko://{host}:{port}"
-        self.ended = False
-        self._datagrams = Datagrams(host, port)
-        self.counts: Counter[str] = self._datagrams.counts
+        super().__init__("rokoko", host, port)
         self._skeleton = Skeleton((), ())
         self._sequence = 0
-        self._frames: list[Frame] = []
-        self._now = 0.0
-
-    @property
-    def port(self) -> int:
-        """The port that it listens at."""
-        return self._datagrams.port
-
-    def poll(self, now: float) -> list[Frame]:
-        """Frames that have arrived by a time [s]."""
-        self._now, self._frames = now, []
-        self._datagrams.receive(now, self._decode)
-        return self._frames
 
     def _decode(self, content: bytes, address: Address) -> bool:
         try:
@@ -117,13 +100,6 @@ class RokokoSource:
         self._sequence += 1
         world = positions_to_world(positions)
         return Frame(self._skeleton, world, rotations, stamp, self._sequence, self._now)
-
-    def reply(self, now: float, joints: Array) -> None:
-        """The protocol has no way back."""
-
-    def close(self) -> None:
-        """Close the socket."""
-        self._datagrams.close()
 
 
 def _plain(content: bytes) -> bytes:

@@ -1,7 +1,5 @@
 """The Virtual Motion Capture protocol: OSC messages over UDP, bones local to their parents, in Unity's axes."""
 
-from collections import Counter
-
 import numpy as np
 from numpy.typing import NDArray
 from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
@@ -14,7 +12,7 @@ from sot.live.frame import Frame, Skeleton
 from sot.live.streams import checks
 from sot.live.streams.bones import LIMB_BONES, skeleton_of
 from sot.live.streams.checks import Malformed
-from sot.live.streams.datagrams import Address, Datagrams
+from sot.live.streams.datagrams import Address, DatagramSource
 from sot.live.streams.unity_axes import positions_to_unity, positions_to_world, rotations_to_unity, rotations_to_world
 
 Array = NDArray[np.float64]
@@ -42,7 +40,7 @@ PARENTS = {
 BONES = ("Hips", *PARENTS)
 
 
-class VmcSource:
+class VmcSource(DatagramSource):
     """Receives bones, and puts those of one moment together.
 
     A frame spans several datagrams. It is complete with the last of the bones that the frame before had, or where the
@@ -56,29 +54,13 @@ class VmcSource:
     """
 
     def __init__(self, host: str, port: int) -> None:
-        self.name = f"vmc://{host}:{port}"
-        self.ended = False
-        self._datagrams = Datagrams(host, port)
-        self.counts: Counter[str] = self._datagrams.counts
+        super().__init__("vmc", host, port)
         self._bones: dict[str, Array] = {}
         self._expected: frozenset[str] = frozenset()
         self._root = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
         self._stamp: float | None = None
         self._sequence = 0
         self._skeleton = Skeleton((), ())
-        self._frames: list[Frame] = []
-        self._now = 0.0
-
-    @property
-    def port(self) -> int:
-        """The port that it listens at."""
-        return self._datagrams.port
-
-    def poll(self, now: float) -> list[Frame]:
-        """Frames that have been completed by a time [s]."""
-        self._now, self._frames = now, []
-        self._datagrams.receive(now, self._decode)
-        return self._frames
 
     def _decode(self, content: bytes, address: Address) -> bool:
         try:
@@ -141,13 +123,6 @@ class VmcSource:
         self._sequence += 1
         stamp, self._stamp = self._now if self._stamp is None else self._stamp, None
         self._frames.append(Frame(self._skeleton, positions, rotations, stamp, self._sequence, self._now))
-
-    def reply(self, now: float, joints: Array) -> None:
-        """The protocol has no way back."""
-
-    def close(self) -> None:
-        """Close the socket."""
-        self._datagrams.close()
 
 
 def encoded_frame(frame: Frame) -> list[bytes]:
