@@ -27,6 +27,20 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
         raise InputError(f"{path}: not a TOML file: {error}") from None
 
 
+def named_file(file: str | Path, folder: Path, names: Iterable[str], kind: str) -> Path:
+    """Path of a file that is given by its name in a folder, or by its own path (`.toml`); kind: for the message.
+
+    Raises:
+        InputError: there is none of that name.
+    """
+    path = Path(file)
+    if path.suffix == ".toml":
+        return path.resolve()
+    if str(file) not in (known := tuple(names)):
+        raise InputError(f"unknown {kind} '{file}': choose one of {', '.join(known)}, or give a {kind} file (.toml)")
+    return (folder / f"{file}.toml").resolve()
+
+
 def is_number(value: Any) -> bool:
     """Whether a value is a finite number."""
     return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)

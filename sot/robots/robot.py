@@ -19,6 +19,7 @@ from sot.robots.reading.tree import Tree
 from sot.robots.robot_file import FEET, GROUPS, POINTS, RobotFile
 from sot.robots.standing import stand
 from sot.robots.surface import Surface
+from sot.toml_file import named_file
 
 __all__ = ["FEET", "GROUPS", "HANDS", "MODELS", "POINTS", "Robot", "robot_names", "shipped_robot_names"]
 
@@ -97,13 +98,7 @@ class Robot:
         Raises:
             InputError: no such robot, or its file is incomplete or does not fit its model.
         """
-        path = Path(robot)
-        if path.suffix != ".toml":
-            path = MODELS / f"{robot}.toml"
-            if not path.is_file():
-                known = ", ".join(robot_names())
-                raise InputError(f"unknown robot '{robot}': choose one of {known}, or give a robot file (.toml)")
-        return _load(path.resolve())
+        return _load(named_file(robot, MODELS, robot_names(), "robot"))
 
     def mujoco_spec(self) -> mujoco.MjSpec:
         """The robot alone for MuJoCo, a new one each time: joints in Pinocchio's order, points as sites, no motors."""

@@ -16,6 +16,7 @@ from sot.robots.reading.solid import Solid
 from sot.robots.robot import Robot
 from sot.robots.surface import Surface
 from sot.robots.things.thing_file import ThingFile
+from sot.toml_file import named_file
 
 __all__ = ["MODELS", "Thing", "thing_names"]
 
@@ -88,13 +89,8 @@ class Thing:
             InputError: no such thing, its file or model cannot be read, a body of it moves without mass, or a value
                 makes no sense.
         """
-        path = Path(thing)
-        if path.suffix != ".toml":
-            path = MODELS / f"{thing}.toml"
-            if not path.is_file():
-                known = ", ".join(thing_names())
-                raise InputError(f"unknown thing '{thing}': choose one of {known}, or give a thing file (.toml)")
-        file, name = ThingFile(path.resolve(), size), name or path.stem
+        path = named_file(thing, MODELS, thing_names(), "thing")
+        file, name = ThingFile(path, size), name or path.stem
         made = _of_spec(
             file.spec(mass, friction, stiffness, damping), name, file.label, _as_placement(placement), file.body
         )
