@@ -10,6 +10,7 @@ from sot.proximity.movement import distance_drifts, distance_jacobian, move_pair
 from sot.proximity.shapes import bounding_balls, shapes_of
 from sot.robots.robot import Robot
 from sot.robots.system import System
+from sot.vector_view import view_of_all
 
 Array = np.ndarray
 
@@ -157,9 +158,9 @@ class _Places:
         for request in self.results.distanceRequests:
             request.gjk_tolerance = GJK_TOLERANCE
         self._pairs = list(self.results.distanceResults)
-        self.rotations = _view_of_all([place.rotation for place in self.results.oMg], (3, 3))
-        self.translations = _view_of_all([place.translation for place in self.results.oMg], (3,))
-        self.normals = _view_of_all([result.normal for result in self._pairs], (3,))
+        self.rotations = view_of_all([place.rotation for place in self.results.oMg], (3, 3))
+        self.translations = view_of_all([place.translation for place in self.results.oMg], (3,))
+        self.normals = view_of_all([result.normal for result in self._pairs], (3,))
         self.distances, self.points = np.empty(len(self._pairs)), np.empty((len(self._pairs), 3))
 
     def measure(self, pairs: Array) -> None:
@@ -168,16 +169,6 @@ class _Places:
             pin.computeDistance(self._geometry, self.results, k)
             self.distances[k] = self._pairs[k].min_distance
             self.points[k] = self._pairs[k].getNearestPoint2()
-
-
-def _view_of_all(views: Sequence[Array], shape: tuple[int, ...]) -> Array:
-    """One view of arrays that lie in memory at equal intervals, as members of a vector's elements do."""
-    if len(views) < 2:
-        return np.array(views).reshape(-1, *shape) if not views else views[0][None]
-    first, *others = (view.__array_interface__["data"][0] for view in views)
-    interval = others[0] - first
-    assert others == [first + (k + 1) * interval for k in range(len(others))]
-    return np.lib.stride_tricks.as_strided(views[0], (len(views), *shape), (interval, *views[0].strides))
 
 
 def _rest_data(system: System) -> pin.Data:
