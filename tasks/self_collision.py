@@ -71,10 +71,10 @@ class SelfCollision(Task):
         self._among: list[object] | None = None  # contacts and carried things for which the next is worked out
         self._alone = np.zeros(len(self.min_distances), dtype=bool)
         self.pairs = self._proximity.pairs
-        self._labels = [" and ".join(pair) for pair in self.pairs]
         # What is carried, and the trunk before a thing, is moved by joints that are not between the two shapes as well.
         self._carried_by_others = np.arange(len(self.pairs)) >= self._proximity.own_pairs
         self._watched = np.zeros(0, dtype=int)
+        self._watched_labels: list[str] = []
         self._last_look = -np.inf
         self._unwatched_until = np.full(len(self.pairs), -np.inf)  # times until which pairs may be left alone
         self._allocate_rows(0, system.nv)
@@ -92,6 +92,7 @@ class SelfCollision(Task):
         """
         if not 0.0 < tick.t - self._last_look < LOOK_PERIOD - TIME_TOLERANCE:
             self._watched, self._last_look = self._pairs_to_watch(tick), tick.t
+            self._watched_labels = [" and ".join(self.pairs[k]) for k in self._watched.tolist()]
         near, count = self._watched, len(self._watched)
         if count > len(self._unbounded_below):
             self._allocate_rows(count, self._system.nv)
@@ -104,7 +105,7 @@ class SelfCollision(Task):
             *(distances, rates, A, drifts, near, self.min_distances, self._carried_by_others),
             *(self._acceleration, tick.period, lower),
         )
-        self.labels = [self._labels[k] for k in near.tolist()]
+        self.labels = self._watched_labels
         return self.make_rows(A, lower, self._unbounded_above)
 
     def _allocate_rows(self, pairs: int, nv: int) -> None:

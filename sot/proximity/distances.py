@@ -80,6 +80,7 @@ class Proximity:
         self.latest_distances = np.full(len(indices), -np.inf)
         self._latest_poses = np.zeros((len(indices), 12))
         self._now, self._ahead = _Places(self._geometry), _Places(self._geometry)
+        self._data = None
         self.move_to(_rest_data(system))
         with_things = self.measure(np.arange(own_pairs, len(indices)))
         self.rest_distances = np.maximum([*robot.rest_distances, *with_things], 0.0)
@@ -90,7 +91,8 @@ class Proximity:
         Data of a robot among things do for the robot alone, whose joints come first.
         """
         pin.updateGeometryPlacements(self._model, data, self._geometry, self._now.results)
-        self._J = data.J[:, : self._nv]
+        if data is not self._data:
+            self._data, self._J = data, data.J[:, : self._nv]  # a live view: asking for it takes longer than a distance
 
     def rate_bounds(self, v: Array) -> Array:
         """Upper bounds of the rates of all distances at a velocity (nv,), shape (pairs,) [m/s]."""
@@ -113,9 +115,7 @@ class Proximity:
 
     def measure(self, pairs: Array) -> Array:
         """Measure pairs: distances of these, negative where shapes overlap, (n,) [m]."""
-        self._now.measure(pairs)
-        distances: Array = self._now.distances[pairs]
-        return distances
+        return np.array(self._now.measure(pairs.tolist()))
 
     def jacobian_and_rates(self, pairs: Array, v: Array) -> tuple[Array, Array]:
         """Jacobian J (n, nv) of the distances of pairs that were measured here, and J v (n,) [m/s]."""
@@ -133,7 +133,7 @@ class Proximity:
             *(self._J, v, period, starts, counts, self._chains, self._indices, pairs),
             *(now.rotations, now.translations, ahead.rotations, ahead.translations),
         )
-        ahead.measure(pairs)
+        ahead.measure(pairs.tolist())
         return distance_drifts(ahead.normals, ahead.points, pairs, twists, rates, period)
 
     def motion(self, pairs: Array, v: Array, period: float) -> DistanceMotion:
@@ -149,8 +149,8 @@ class _Places:
     Attributes:
         results: Pinocchio's data of the shapes.
         rotations, translations: Axes and origins of all shapes, world axes, (m, 3, 3) and (m, 3).
-        distances: Of the pairs as they were measured last, negative where shapes overlap, (n,) [m].
-        normals, points: Normals from the first shapes to the second ones, and nearest points of these, (n, 3).
+        normals, points: Of the pairs as they were measured last, normals from the first shapes to the second ones, and
+            nearest points of these, (n, 3).
     """
 
     def __init__(self, geometry: pin.GeometryModel) -> None:
@@ -161,14 +161,17 @@ class _Places:
         self.rotations = view_of_all([place.rotation for place in self.results.oMg], (3, 3))
         self.translations = view_of_all([place.translation for place in self.results.oMg], (3,))
         self.normals = view_of_all([result.normal for result in self._pairs], (3,))
-        self.distances, self.points = np.empty(len(self._pairs)), np.empty((len(self._pairs), 3))
+        self.points = np.empty((len(self._pairs), 3))
 
-    def measure(self, pairs: Array) -> None:
-        """Measure some pairs."""
-        for k in pairs.tolist():
-            pin.computeDistance(self._geometry, self.results, k)
-            self.distances[k] = self._pairs[k].min_distance
-            self.points[k] = self._pairs[k].getNearestPoint2()
+    def measure(self, pairs: Sequence[int]) -> list[float]:
+        """Distances of some pairs; their normals and points as well are those of now then."""
+        geometry, results, points, distances = self._geometry, self.results, self.points, []
+        for k in pairs:
+            result = self._pairs[k]
+            pin.computeDistance(geometry, results, k)
+            points[k] = result.getNearestPoint2()
+            distances.append(result.min_distance)
+        return distances
 
 
 def _rest_data(system: System) -> pin.Data:
