@@ -151,7 +151,7 @@ class Robot:
         Raises:
             InputError: the robot has no such surface.
         """
-        return named_surface(self.surfaces, name, self.name)
+        return named_surface(self.surfaces, name, f"{self.name} has")
 
     def joint_numbers(self, joints: str | Sequence[str]) -> np.ndarray:
         """Numbers (n,) of the joints of a group, or of some that are named.

@@ -105,13 +105,13 @@ FLOOR = Surface("floor", np.zeros((0, 3)))
 """The floor at z = 0, of any size; what a sole may rely on is a matter of the sole's friction."""
 
 
-def named_surface(surfaces: Mapping[str, Surface], name: str, owner: str) -> Surface:
-    """The surface of a name among those of a robot or thing.
+def named_surface(surfaces: Mapping[str, Surface], name: str, there_is: str) -> Surface:
+    """The surface of a name among others.
 
     Raises:
-        InputError: It has no such surface.
+        InputError: There is none; the message begins with `there_is`.
     """
     try:
         return surfaces[name]
     except KeyError:
-        raise InputError(f"{owner} has no surface '{name}': choose one of {', '.join(surfaces)}") from None
+        raise InputError(f"{there_is} no surface '{name}': choose one of {', '.join(surfaces)}") from None

@@ -109,7 +109,7 @@ class System:
         Raises:
             InputError: There is no such surface.
         """
-        return named_surface(self.surfaces, name, "the world")
+        return named_surface(self.surfaces, name, "there is")
 
     def body_of(self, surface: Surface) -> int | str:
         """What a surface is of: the joint that moves it, or the name of a thing that does not move; or the floor."""

@@ -145,7 +145,7 @@ class Thing:
         Raises:
             InputError: the thing has no such surface.
         """
-        return named_surface(self.surfaces, name, self.name)
+        return named_surface(self.surfaces, name, f"{self.name} has")
 
 
 def _as_placement(placement: pin.SE3 | Sequence[float]) -> pin.SE3:
