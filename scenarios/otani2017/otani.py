@@ -26,6 +26,7 @@ from sot.motion.objects import event_file
 from sot.motion.objects.demonstration import HandledObjects, read_objects
 from sot.motion.objects.events import ContactPlan
 from sot.motion.objects.pose_path import PosePath
+from sot.motion.objects.pushing import paced_for_pushing
 from sot.motion.objects.retarget import Scale, retarget_objects
 from sot.motion.plan import imitation
 from sot.motion.trajectory import Motion
@@ -136,6 +137,9 @@ def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tupl
     actual = scene_things(handled, scale, handling.actual, offsets)
     believed = scene_things(handled, scale, handling.known(), share=UNKNOWN_SHARE if handling.unknown else 1.0)
     system = System(robot, believed)
+    # A controller that knows no object cannot know how fast it may be pushed.
+    paced = paced_for_pushing(human, handled, contacts, () if handling.unknown else believed)
+    human, handled, contacts = paced.human, paced.handled, paced.contacts
     demonstration = retarget_objects(
         human, handled, contacts, imitation(human, robot, request.rate), system, hands_for(robot, handling.study)
     )
@@ -152,7 +156,8 @@ def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tupl
     handled_things = HandledThings(simulated, schedule.history, schedule.played_times())
     played = schedule.played()
     danced.run.log.zmp_planned[: len(played.zmp)] = played.zmp  # the run knew the motion only as it is without waits
-    return replace(danced, motion=played, handled=handled_things), schedule, simulated
+    remarks = (*paced.remarks, *danced.remarks)
+    return replace(danced, motion=played, handled=handled_things, remarks=remarks), schedule, simulated
 
 
 def read_demonstration(handling: Handling) -> tuple[Human, HandledObjects, ContactPlan]:

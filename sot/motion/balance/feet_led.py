@@ -14,10 +14,10 @@ from sot.motion.balance.programme import plan_balance
 from sot.motion.body.coordinates import from_configuration, to_pinocchio
 from sot.motion.body.spline import Spline
 from sot.motion.feet.contacts import Phase
-from sot.motion.feet.ground import UP, Ground
 from sot.motion.feet.support import supports
 from sot.motion.feet.swing import FootPath
 from sot.motion.footing import footing_on
+from sot.motion.ground import UP, Ground
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.robots.surface import FLOOR, Surface
