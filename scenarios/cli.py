@@ -15,6 +15,7 @@ from scenarios import viewer
 from scenarios.bench import benchmark_figures, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
+from scenarios.inputs.plant import parse_feet_compliance
 from scenarios.listing import Kind, list_rows
 from scenarios.live.commands import live_command, stream_command
 from scenarios.otani2017 import options
@@ -73,6 +74,15 @@ UpAxis = Annotated[
     str | None,
     typer.Option("--up", help="Up axis of the clip's file: x, y, z, -x, -y or -z; found in the clip by default."),
 ]
+PlantName = Annotated[str, typer.Option("--plant", help="torque: motors take torques; servo: joints take positions.")]
+Compliance = Annotated[
+    str | None,
+    typer.Option(
+        "--feet-compliance",
+        help='Rubber between ankles and soles, "KX,KY" or "KX,KY,KZ": stiffness of a foot about x (roll), y (pitch)'
+        " [N m/rad] and along z [N/m]; rigid by default.",
+    ),
+]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
 
 
@@ -92,6 +102,8 @@ def replay_command(
     edit: EditFile = None,
     push: Pushes = None,
     mismatch: MismatchText = "",
+    plant: PlantName = "torque",
+    feet_compliance: Compliance = None,
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/CLIP by default.")] = None,
     view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
 ) -> int:
@@ -101,8 +113,24 @@ def replay_command(
     folder = out or Path("runs") / Path(clip).stem
     pushes = tuple(parse_push(text) for text in push or ())
     changed = parse_mismatch(mismatch)
+    soft = parse_feet_compliance(feet_compliance) if feet_compliance is not None else None
     request = Replay(
-        clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts, edit, up
+        clip,
+        robot,
+        stack,
+        solver,
+        feet,
+        start,
+        duration,
+        rate,
+        mapping,
+        pushes,
+        changed,
+        contacts,
+        edit,
+        up,
+        plant,
+        soft,
     )
     with progress() as tell:
         report = replay(request, folder, tell)
