@@ -22,6 +22,10 @@ DCM_GAIN = 1.15
 """Rate at which the divergent component converges, in √(g / l): 4/s for 0.8 m."""
 
 
+MIN_SHARE = 1e-3
+"""Least weight of a foot that stands where the plan is seen from: of two that come and go at once, each has one."""
+
+
 class Damping(Protocol):
     """A controller of the sway from the zero-moment point alone."""
 
@@ -93,9 +97,8 @@ class Stabiliser:
         measured = any(wrench.any() for wrench in readings.foot_wrench.values())  # nothing is before the first step
         if self._dcm is not None and self._admittance is not None and measured:
             omega = np.sqrt(GRAVITY / self._length)
-            pin.centerOfMass(robot.model, self._data, q, v)
-            xi = self._data.com[0] + self._data.vcom[0] / omega
-            off = (xi - plan.com - plan.com_velocity / omega)[:2]
+            planned = (plan.com + plan.com_velocity / omega)[:2]
+            off = self._dcm_seen_from_the_feet(t, q, v, omega) - planned
             wanted = self._loads(t, plan.zmp + (1.0 + self._dcm.convergence) * off, force)
             for foot, offset in self._admittance(wanted, readings.foot_wrench).items():
                 own = offsets[foot]
@@ -105,3 +108,19 @@ class Stabiliser:
             feet = self._loads.feet(t)
             shift = self._damping(t, measured_zmp({foot: readings.foot_wrench[foot] for foot in feet}, feet) - plan.zmp)
         return self._correction(plan.q, plan.v, shift, offsets)
+
+    def _dcm_seen_from_the_feet(self, t: float, q: Array, v: Array, omega: float) -> Array:
+        """ξ of a state (2,), moved and turned along with the feet that stand from where they are to their plan [m]."""
+        robot, data = self._motion.robot, self._data
+        pin.centerOfMass(robot.model, data, q, v)
+        pin.updateFramePlacements(robot.model, data)
+        xi = (data.com[0] + data.vcom[0] / omega)[:2]
+        feet, limits = self._loads.feet(t), self._loads.limits(t)
+        seen, total = np.zeros(2), 0.0
+        for foot, planned in feet.items():
+            place, share = data.oMf[robot.point(foot)], max(limits[foot], MIN_SHARE)
+            turn = planned.rotation @ place.rotation.T
+            c, s = turn[0, 0] + turn[1, 1], turn[1, 0] - turn[0, 1]
+            turned = np.array([[c, -s], [s, c]]) @ (xi - place.translation[:2]) / np.hypot(c, s)
+            seen, total = seen + share * (planned.translation[:2] + turned), total + share
+        return seen / total if feet else xi
