@@ -24,7 +24,7 @@ class AdmittanceGains:
     """
 
     ankle: float = 3.6
-    leg: float = 1.5
+    leg: float = 0.3
     leak: float = 0.3
 
 
