@@ -10,7 +10,7 @@ from typing import Any
 
 from scenarios import stacks
 from scenarios.inputs import clips, edit_file
-from scenarios.inputs.plant import hardware_of
+from scenarios.inputs.plant import hardware_of, position_controller
 from scenarios.inputs.stack_file import Composer, Composition, blaming_stack_file, load_stack
 from sim.drivers import PositionController
 from sim.log import RunInfo
@@ -37,7 +37,6 @@ from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.robots.system import System
 from sot.robots.things.thing import Thing
-from sot.servo.planned import PlannedTargets
 from sot.servo.soft_feet import refuse_soft_feet
 from sot.whole_file import atomic_write
 from tasks.editing import edit
@@ -69,6 +68,7 @@ class Replay:
         up: the up axis of the clip's file, one of `sot.motion.human.world.UP_AXES`; found in the clip by default.
         plant: one of `scenarios.inputs.plant.PLANTS`: whether joints take torques or have servos that take positions.
         compliance: of the robot's feet; rigid by default.
+        stabiliser: one of `scenarios.inputs.plant.STABILISERS`, for a robot with servos.
     """
 
     clip: str
@@ -87,6 +87,7 @@ class Replay:
     up: str | None = None
     plant: str = "torque"
     compliance: FootCompliance | None = None
+    stabiliser: str = "dcm"
 
 
 @dataclass(frozen=True)
@@ -158,12 +159,13 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
     """
     make_solver(request.solver)  # before any work
     robot = Robot.load(request.robot)
-    hardware_of(robot, request.plant, request.compliance)
+    hardware = hardware_of(robot, request.plant, request.compliance)
     if request.plant == "servo":
         if request.stack or request.edits:
             raise InputError("--plant servo: the planned motion is played; --stack and --edit are for --plant torque")
         motion, planned = _reference_motion(request, robot, tell)
-        return run_on_servos(request, PlannedTargets(motion, 1.0 / request.rate), motion, planned, tell)
+        controller = position_controller(request.stabiliser, motion, hardware, 1.0 / request.rate)
+        return run_on_servos(request, controller, motion, planned, tell)
     edits = edit_file.read_edits(request.edits) if request.edits else ()
     for one in edits:
         one.check(robot)
@@ -227,7 +229,7 @@ def run_on_servos(
     """
     world = _world(request, motion)
     done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
-    return Dance(done, _info(request, world, planned, done, "open loop"), motion, planned)
+    return Dance(done, _info(request, world, planned, done, request.stabiliser), motion, planned)
 
 
 def _world(request: Replay, motion: Motion, scene: Scene | None = None, things: Sequence[Thing] = ()) -> World:

@@ -2,14 +2,21 @@
 
 from math import inf, isfinite
 
+from sim.drivers import PositionController
 from sot.errors import InputError
 from sot.hardware.compliance import FootCompliance
 from sot.hardware.hardware import Hardware
 from sot.hardware.sensors import Sensors
 from sot.hardware.servo import Servo
+from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
+from sot.servo.planned import PlannedTargets
+from sot.servo.stabiliser import DcmGains, Stabiliser
 
 PLANTS = ("torque", "servo")
+STABILISERS = ("dcm", "sag", "open")
+"""What a robot with servos does beside its plan: the divergent component is fed back and what the plan's loads deflect
+is undone, only that, or nothing."""
 
 
 def parse_feet_compliance(text: str) -> FootCompliance:
@@ -42,3 +49,17 @@ def hardware_of(robot: Robot, plant: str, compliance: FootCompliance | None) -> 
     if plant == "servo":
         return Hardware(Servo.of(robot), compliance, Sensors())
     return Hardware(compliance=compliance)
+
+
+def position_controller(name: str, motion: Motion, hardware: Hardware, period: float) -> PositionController:
+    """The controller of a robot with servos, by the name of what stabilises it.
+
+    Raises:
+        InputError: no such name.
+    """
+    if name not in STABILISERS:
+        raise InputError(f"unknown stabiliser '{name}': choose one of {', '.join(STABILISERS)}")
+    if name == "open":
+        return PlannedTargets(motion, period)
+    dcm = DcmGains() if name == "dcm" else None
+    return Stabiliser(motion, period, hardware.compliance, hardware.servo, dcm)

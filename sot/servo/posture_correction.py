@@ -120,6 +120,6 @@ def foot_stiffness(robot: Robot, servo: Servo, compliance: FootCompliance | None
     for foot in robot.feet:
         frame = robot.point(foot)
         leg = _leg(robot, frame)
-        J = pin.getFrameJacobian(robot.model, data, frame, pin.LOCAL)[np.ix_([3, 4, 2], leg)]
+        J = pin.getFrameJacobian(robot.model, data, frame, pin.LOCAL)[:, leg][[3, 4, 2]]
         stiffness[foot] = 1.0 / (J**2 @ (1.0 / servo.stiffness[leg - 6]) + bush)
     return stiffness

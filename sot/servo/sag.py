@@ -12,8 +12,8 @@ Array = np.ndarray
 def sag_offset(load: FootLoad, compliance: FootCompliance, bush: Array) -> FootOffset:
     """What a foot is to be turned and lowered by so that its load deflects it back to the plan.
 
-    The moment about the bush, M + (o − b) × F, turns the sole by M / K against the foot; as the sole lies flat, the foot
-    turns by −M / K against the floor, and all of the robot with it. An upright pendulum multiplies that by
+    The moment about the bush, M + (o − b) × F, turns the sole by M / K against the foot; as the sole lies flat, the
+    foot turns by −M / K against the floor, and all of the robot with it. An upright pendulum multiplies that by
     K / (K − m g l). Turned by −M / K beforehand, the foot leaves the robot where it was meant to be.
 
     Args:

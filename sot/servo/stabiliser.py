@@ -1,6 +1,7 @@
 """The position controller of a dance on compliant feet: a plan, what its loads deflect undone, and feedback."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -10,7 +11,7 @@ from sot.gravity import GRAVITY
 from sot.hardware.compliance import FootCompliance, bush_position
 from sot.hardware.readings import Readings, measured_zmp
 from sot.hardware.servo import JointTargets, Servo
-from sot.motion.trajectory import Motion
+from sot.motion.trajectory import Motion, MotionSample
 from sot.servo.admittance import AdmittanceGains, FootAdmittance
 from sot.servo.load_sharing import LoadSharing
 from sot.servo.posture_correction import FootOffset, PostureCorrection, foot_stiffness
@@ -44,7 +45,7 @@ class DcmGains:
     """
 
     convergence: float = DCM_GAIN
-    feet: AdmittanceGains = AdmittanceGains()
+    feet: AdmittanceGains = field(default_factory=AdmittanceGains)
 
 
 class Stabiliser:
@@ -64,6 +65,8 @@ class Stabiliser:
         servo: of the joints; unless given, the robot's by default.
         dcm: gains of the feedback of the divergent component; None for none.
         damping: the damping controller; None for none.
+        sample: where the posture comes from, `t -> MotionSample`, called once a tick: an `IntegratedStack`'s; the plan
+            itself unless given.
     """
 
     def __init__(
@@ -74,9 +77,11 @@ class Stabiliser:
         servo: Servo | None = None,
         dcm: DcmGains | None = None,
         damping: Damping | None = None,
+        sample: Callable[[float], MotionSample] | None = None,
     ) -> None:
         robot = motion.robot
         self.period, self._motion, self._compliance = period, motion, compliance
+        self._sample = sample or motion.sample
         self._data = robot.model.createData()
         self._loads, self._correction = LoadSharing(motion), PostureCorrection(robot, period)
         self._bushes = {foot: bush_position(robot, foot) for foot in robot.feet}
@@ -87,9 +92,9 @@ class Stabiliser:
 
     def __call__(self, t: float, q: Array, v: Array, readings: Readings) -> JointTargets:
         """One tick, see `PositionController`."""
-        plan = self._motion.sample(t)
+        plan = self._sample(t)
         robot = self._motion.robot
-        force = robot.mass * (plan.com_acceleration + [0.0, 0.0, GRAVITY])
+        force = robot.mass * (plan.com_acceleration + np.array([0.0, 0.0, GRAVITY]))
         offsets = {foot: FootOffset() for foot in robot.feet}
         if self._compliance is not None:
             for foot, load in self._loads(t, plan.zmp, force).items():
