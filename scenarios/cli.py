@@ -164,6 +164,9 @@ def run_command(
     rate: Rate = 1000.0,
     push: Pushes = None,
     mismatch: MismatchText = "",
+    plant: PlantName = "torque",
+    feet_compliance: Compliance = None,
+    stabiliser: StabiliserName = "dcm",
     mass: options.Mass = None,
     stiffness: options.Stiffness = None,
     damping: options.Damping = None,
@@ -191,6 +194,9 @@ def run_command(
         rate=rate,
         pushes=pushes,
         mismatch=changed,
+        plant=plant,
+        compliance=parse_feet_compliance(feet_compliance) if feet_compliance is not None else None,
+        stabiliser=stabiliser,
     )
     folder = out or Path("runs") / Path(scenario).stem
     with progress() as tell:

@@ -37,6 +37,7 @@ from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.robots.system import System
 from sot.robots.things.thing import Thing
+from sot.servo.integrated_stack import IntegratedStack
 from sot.servo.soft_feet import refuse_soft_feet
 from sot.whole_file import atomic_write
 from tasks.editing import edit
@@ -160,9 +161,7 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
     make_solver(request.solver)  # before any work
     robot = Robot.load(request.robot)
     hardware = hardware_of(robot, request.plant, request.compliance)
-    if request.plant == "servo":
-        if request.stack or request.edits:
-            raise InputError("--plant servo: the planned motion is played; --stack and --edit are for --plant torque")
+    if hardware.servo is not None and not (request.stack or request.edits):
         motion, planned = _reference_motion(request, robot, tell)
         controller = position_controller(request.stabiliser, motion, hardware, 1.0 / request.rate)
         return run_on_servos(request, controller, motion, planned, tell)
@@ -189,7 +188,7 @@ def run_motion(
     system: System | None = None,
     things: Sequence[Thing] = (),
 ) -> Dance:
-    """Run a stack on a planned motion under physics.
+    """Run a stack on a planned motion under physics; where joints have servos, its accelerations are integrated.
 
     Args:
         request: what was asked for.
@@ -212,8 +211,12 @@ def run_motion(
         world = _world(request, motion, scene, things)
     tell("starting (the first time on a machine this compiles, for half a minute)", None)
     _compile_tick(motion)
+    runs: Controller | PositionController = controller
+    if world.hardware.servo is not None:
+        own = IntegratedStack(controller, motion.q[0], motion.v[0])
+        runs = position_controller(request.stabiliser, motion, world.hardware, 1.0 / request.rate, own.sample)
     with blaming_stack_file(request.stack):
-        done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
+        done = run(runs, world, motion, lambda t: tell("replaying", t / motion.duration))
     info = _info(request, world, planned, done, solver.name)
     remarks = () if schedule is None else tuple(schedule.remarks())
     return Dance(done, info, motion, planned, told, scene, remarks=remarks)

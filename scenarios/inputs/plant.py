@@ -1,5 +1,6 @@
 """The plant as one asks for it on a command line: servos or torque motors, rigid or compliant feet."""
 
+from collections.abc import Callable
 from math import inf, isfinite
 
 from sim.drivers import PositionController
@@ -8,9 +9,8 @@ from sot.hardware.compliance import FootCompliance
 from sot.hardware.hardware import Hardware
 from sot.hardware.sensors import Sensors
 from sot.hardware.servo import Servo
-from sot.motion.trajectory import Motion
+from sot.motion.trajectory import Motion, MotionSample
 from sot.robots.robot import Robot
-from sot.servo.planned import PlannedTargets
 from sot.servo.stabiliser import DcmGains, Stabiliser
 
 PLANTS = ("torque", "servo")
@@ -51,15 +51,20 @@ def hardware_of(robot: Robot, plant: str, compliance: FootCompliance | None) -> 
     return Hardware(compliance=compliance)
 
 
-def position_controller(name: str, motion: Motion, hardware: Hardware, period: float) -> PositionController:
-    """The controller of a robot with servos, by the name of what stabilises it.
+def position_controller(
+    name: str,
+    motion: Motion,
+    hardware: Hardware,
+    period: float,
+    sample: Callable[[float], MotionSample] | None = None,
+) -> PositionController:
+    """The controller of a robot with servos, by the name of what stabilises it; for `sample` see `Stabiliser`.
 
     Raises:
         InputError: no such name.
     """
     if name not in STABILISERS:
         raise InputError(f"unknown stabiliser '{name}': choose one of {', '.join(STABILISERS)}")
-    if name == "open":
-        return PlannedTargets(motion, period)
+    sagging = hardware.compliance if name != "open" else None
     dcm = DcmGains() if name == "dcm" else None
-    return Stabiliser(motion, period, hardware.compliance, hardware.servo, dcm)
+    return Stabiliser(motion, period, sagging, hardware.servo, dcm, sample=sample)
