@@ -65,7 +65,7 @@ def sole_in_foot(bush: np.ndarray, deflection: np.ndarray) -> pin.SE3:
 
     Args:
         bush: its middle in the foot frame (3,) [m].
-        deflection: roll, pitch [rad] and height [m] by which the sole is off (3,); the roll turns the axis of the pitch.
+        deflection: roll, pitch [rad] and height [m] by which the sole is off (3,); pitch turns after roll.
     """
     roll, pitch, height = deflection.tolist()
     turn = pin.utils.rotate("x", roll) @ pin.utils.rotate("y", pitch)
