@@ -85,10 +85,11 @@ class Stabiliser:
         self._data = robot.model.createData()
         self._loads, self._correction = LoadSharing(motion), PostureCorrection(robot, period)
         self._bushes = {foot: bush_position(robot, foot) for foot in robot.feet}
-        self._length = float(motion.com[0, 2])
+        length = float(motion.com[0, 2])
+        self._omega = np.sqrt(GRAVITY / length)
         self._damping, self._dcm = damping, dcm
         stiffness = foot_stiffness(robot, servo or Servo.of(robot), compliance)
-        self._admittance = FootAdmittance(robot, self._length, stiffness, dcm.feet, period) if dcm else None
+        self._admittance = FootAdmittance(robot, length, stiffness, dcm.feet, period) if dcm else None
 
     def __call__(self, t: float, q: Array, v: Array, readings: Readings) -> JointTargets:
         """One tick, see `PositionController`."""
@@ -101,9 +102,7 @@ class Stabiliser:
                 offsets[foot] = sag_offset(load, self._compliance, self._bushes[foot])
         measured = any(wrench.any() for wrench in readings.foot_wrench.values())  # nothing is before the first step
         if self._dcm is not None and self._admittance is not None and measured:
-            omega = np.sqrt(GRAVITY / self._length)
-            planned = (plan.com + plan.com_velocity / omega)[:2]
-            off = self._dcm_seen_from_the_feet(t, q, v, omega) - planned
+            off = self.divergent_component(t, q, v) - (plan.com + plan.com_velocity / self._omega)[:2]
             wanted = self._loads(t, plan.zmp + (1.0 + self._dcm.convergence) * off, force)
             for foot, offset in self._admittance(wanted, readings.foot_wrench).items():
                 own = offsets[foot]
@@ -114,12 +113,12 @@ class Stabiliser:
             shift = self._damping(t, measured_zmp({foot: readings.foot_wrench[foot] for foot in feet}, feet) - plan.zmp)
         return self._correction(plan.q, plan.v, shift, offsets)
 
-    def _dcm_seen_from_the_feet(self, t: float, q: Array, v: Array, omega: float) -> Array:
+    def divergent_component(self, t: float, q: Array, v: Array) -> Array:
         """ξ of a state (2,), moved and turned along with the feet that stand from where they are to their plan [m]."""
         robot, data = self._motion.robot, self._data
         pin.centerOfMass(robot.model, data, q, v)
         pin.updateFramePlacements(robot.model, data)
-        xi = (data.com[0] + data.vcom[0] / omega)[:2]
+        xi = (data.com[0] + data.vcom[0] / self._omega)[:2]
         feet, limits = self._loads.feet(t), self._loads.limits(t)
         seen, total = np.zeros(2), 0.0
         for foot, planned in feet.items():
