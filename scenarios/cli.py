@@ -15,6 +15,7 @@ from scenarios import viewer
 from scenarios.bench import benchmark_figures, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
+from scenarios.inputs.plant import parse_feet_compliance
 from scenarios.listing import Kind, list_rows
 from scenarios.live.commands import live_command, stream_command
 from scenarios.otani2017 import options
@@ -73,6 +74,23 @@ UpAxis = Annotated[
     str | None,
     typer.Option("--up", help="Up axis of the clip's file: x, y, z, -x, -y or -z; found in the clip by default."),
 ]
+PlantName = Annotated[str, typer.Option("--plant", help="torque: motors take torques; servo: joints take positions.")]
+Compliance = Annotated[
+    str | None,
+    typer.Option(
+        "--feet-compliance",
+        help='Rubber between ankles and soles, "KX,KY" or "KX,KY,KZ": stiffness of a foot about x (roll), y (pitch)'
+        " [N m/rad] and along z [N/m]; rigid by default.",
+    ),
+]
+StabiliserName = Annotated[
+    str,
+    typer.Option(
+        "--stabiliser",
+        help="With --plant servo. dcm: the divergent component is fed back, and the sag of the feet is undone;"
+        " sag: that alone; open: the plan as it is.",
+    ),
+]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
 
 
@@ -92,6 +110,9 @@ def replay_command(
     edit: EditFile = None,
     push: Pushes = None,
     mismatch: MismatchText = "",
+    plant: PlantName = "torque",
+    feet_compliance: Compliance = None,
+    stabiliser: StabiliserName = "dcm",
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/CLIP by default.")] = None,
     view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
 ) -> int:
@@ -101,8 +122,25 @@ def replay_command(
     folder = out or Path("runs") / Path(clip).stem
     pushes = tuple(parse_push(text) for text in push or ())
     changed = parse_mismatch(mismatch)
+    soft = parse_feet_compliance(feet_compliance) if feet_compliance is not None else None
     request = Replay(
-        clip, robot, stack, solver, feet, start, duration, rate, mapping, pushes, changed, contacts, edit, up
+        clip,
+        robot,
+        stack,
+        solver,
+        feet,
+        start,
+        duration,
+        rate,
+        mapping,
+        pushes,
+        changed,
+        contacts,
+        edit,
+        up,
+        plant,
+        soft,
+        stabiliser,
     )
     with progress() as tell:
         report = replay(request, folder, tell)
@@ -126,6 +164,9 @@ def run_command(
     rate: Rate = 1000.0,
     push: Pushes = None,
     mismatch: MismatchText = "",
+    plant: PlantName = "torque",
+    feet_compliance: Compliance = None,
+    stabiliser: StabiliserName = "dcm",
     mass: options.Mass = None,
     stiffness: options.Stiffness = None,
     damping: options.Damping = None,
@@ -153,6 +194,9 @@ def run_command(
         rate=rate,
         pushes=pushes,
         mismatch=changed,
+        plant=plant,
+        compliance=parse_feet_compliance(feet_compliance) if feet_compliance is not None else None,
+        stabiliser=stabiliser,
     )
     folder = out or Path("runs") / Path(scenario).stem
     with progress() as tell:

@@ -10,7 +10,9 @@ from typing import Any
 
 from scenarios import stacks
 from scenarios.inputs import clips, edit_file
+from scenarios.inputs.plant import hardware_of, position_controller
 from scenarios.inputs.stack_file import Composer, Composition, blaming_stack_file, load_stack
+from sim.drivers import PositionController
 from sim.log import RunInfo
 from sim.loop import Run, run
 from sim.mismatch import NO_MISMATCH, Mismatch
@@ -26,6 +28,7 @@ from sot.control.controller import Controller
 from sot.control.schedule import Schedule
 from sot.control.stack import Stack
 from sot.errors import InputError
+from sot.hardware.compliance import FootCompliance
 from sot.motion import Human, read, recognise
 from sot.motion.feet import contact_file
 from sot.motion.performance import Performance
@@ -34,6 +37,8 @@ from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.robots.system import System
 from sot.robots.things.thing import Thing
+from sot.servo.integrated_stack import IntegratedStack
+from sot.servo.soft_feet import refuse_soft_feet
 from sot.whole_file import atomic_write
 from tasks.editing import edit
 
@@ -62,6 +67,9 @@ class Replay:
         mismatch: how the simulated robot and floor differ from what the controller knows.
         edits: file of edits of the dance.
         up: the up axis of the clip's file, one of `sot.motion.human.world.UP_AXES`; found in the clip by default.
+        plant: one of `scenarios.inputs.plant.PLANTS`: whether joints take torques or have servos that take positions.
+        compliance: of the robot's feet; rigid by default.
+        stabiliser: one of `scenarios.inputs.plant.STABILISERS`, for a robot with servos.
     """
 
     clip: str
@@ -78,6 +86,9 @@ class Replay:
     contacts: Path | None = None
     edits: Path | None = None
     up: str | None = None
+    plant: str = "torque"
+    compliance: FootCompliance | None = None
+    stabiliser: str = "dcm"
 
 
 @dataclass(frozen=True)
@@ -149,6 +160,11 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
     """
     make_solver(request.solver)  # before any work
     robot = Robot.load(request.robot)
+    hardware = hardware_of(robot, request.plant, request.compliance)
+    if hardware.servo is not None and not (request.stack or request.edits):
+        motion, planned = _reference_motion(request, robot, tell)
+        controller = position_controller(request.stabiliser, motion, hardware, 1.0 / request.rate)
+        return run_on_servos(request, controller, motion, planned, tell)
     edits = edit_file.read_edits(request.edits) if request.edits else ()
     for one in edits:
         one.check(robot)
@@ -172,7 +188,7 @@ def run_motion(
     system: System | None = None,
     things: Sequence[Thing] = (),
 ) -> Dance:
-    """Run a stack on a planned motion under physics.
+    """Run a stack on a planned motion under physics; where joints have servos, its accelerations are integrated.
 
     Args:
         request: what was asked for.
@@ -192,15 +208,47 @@ def run_motion(
     stack, schedule, told = composed_stack(request, compose, motion)
     controller = Controller(system or robot, stack, solver, period=1.0 / request.rate, schedule=schedule)
     with blaming_stack_file(request.stack):
-        world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes, scene, things)
+        world = _world(request, motion, scene, things)
     tell("starting (the first time on a machine this compiles, for half a minute)", None)
     _compile_tick(motion)
+    runs: Controller | PositionController = controller
+    if world.hardware.servo is not None:
+        own = IntegratedStack(controller, motion.q[0], motion.v[0])
+        runs = position_controller(request.stabiliser, motion, world.hardware, 1.0 / request.rate, own.sample)
     with blaming_stack_file(request.stack):
-        done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
-    info = RunInfo(
+        done = run(runs, world, motion, lambda t: tell("replaying", t / motion.duration))
+    info = _info(request, world, planned, done, solver.name)
+    remarks = () if schedule is None else tuple(schedule.remarks())
+    return Dance(done, info, motion, planned, told, scene, remarks=remarks)
+
+
+def run_on_servos(
+    request: Replay, controller: PositionController, motion: Motion, planned: Plan | None, tell: ProgressCallback
+) -> Dance:
+    """Run a position controller along a planned motion, on a robot with servos, under physics.
+
+    Raises:
+        InputError: anything in the request that does not fit.
+    """
+    world = _world(request, motion)
+    done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
+    return Dance(done, _info(request, world, planned, done, request.stabiliser), motion, planned)
+
+
+def _world(request: Replay, motion: Motion, scene: Scene | None = None, things: Sequence[Thing] = ()) -> World:
+    """The world that a request asks for."""
+    robot = motion.robot
+    hardware = hardware_of(robot, request.plant, request.compliance)
+    if request.compliance is not None:
+        refuse_soft_feet(request.compliance, motion)
+    return World(robot, 1.0 / request.rate, request.mismatch, request.pushes, scene, things, hardware=hardware)
+
+
+def _info(request: Replay, world: World, planned: Plan | None, done: Run, solver: str) -> RunInfo:
+    return RunInfo(
         clip=Path(request.clip).stem,
-        robot=robot.name,
-        solver=solver.name,
+        robot=world.robot.name,
+        solver=solver,
         feet=request.feet,
         rate_hz=request.rate,
         fell_at_s=done.fell_at_s,
@@ -209,9 +257,8 @@ def run_motion(
         reason=done.reason,
         mismatch=request.mismatch,
         pushes=request.pushes,
+        hardware=world.hardware,
     )
-    remarks = () if schedule is None else tuple(schedule.remarks())
-    return Dance(done, info, motion, planned, told, scene, remarks=remarks)
 
 
 def composed_stack(

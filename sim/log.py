@@ -9,6 +9,7 @@ import numpy as np
 
 from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.push import Push
+from sot.hardware.hardware import TORQUE_DRIVEN, Hardware
 from sot.robots.robot import Robot
 from sot.robots.system import System
 
@@ -49,7 +50,9 @@ class RunLog:
         contact_names: the contacts that are in the stack at the start, if any is not of a foot with the floor.
         time: start of the tick [s], (T,).
         q, v: simulated configuration and velocity of the robot, (T, nq) and (T, nv).
-        torque: commanded joint torque before any actuator clamps it [N m], (T, na).
+        torque: commanded joint torque before any actuator clamps it; of servos, the torque of their motors [N m],
+            (T, na).
+        target: where servos are told to have the joints at the tick [rad], (T, na); no columns without servos.
         acceleration: commanded generalised acceleration of the robot, (T, nv).
         thing_q, thing_v: simulated configuration and velocity of the things, one after the other, (T, ...).
         contact_mode: planned mode of each contact of `contact_names`, as `foot_mode`, (T, C).
@@ -58,6 +61,10 @@ class RunLog:
         contact_normal: measured sum of their normal forces [N], (T, C).
         foot_wrench: measured force and moment of the floor on each foot, the moment about the foot frame's origin
             [N, N m], (T, 2, 6).
+        foot_reading: the same wrench as the force sensor above each sole has it, in the foot frame, (T, 2, 6), at the
+            start of the tick's last physics step; no columns without sensors.
+        sole_deflection: roll, pitch [rad] and height [m] of each sole below a compliant foot, (T, 2, 3); no columns for
+            rigid ones.
         foot_mode: planned contact of each foot, `FOOT_OFF`, `FOOT_FIXED` or `FOOT_SLIDING`, (T, 2).
         foot_ramp: share of its largest normal force that each foot may take, 0..1, (T, 2).
         zmp_measured: from the measured contact forces [m], (T, 2); nan without load.
@@ -89,6 +96,7 @@ class RunLog:
     q: np.ndarray
     v: np.ndarray
     torque: np.ndarray
+    target: np.ndarray
     acceleration: np.ndarray
     thing_q: np.ndarray
     thing_v: np.ndarray
@@ -97,6 +105,8 @@ class RunLog:
     contact_force: np.ndarray
     contact_normal: np.ndarray
     foot_wrench: np.ndarray
+    foot_reading: np.ndarray
+    sole_deflection: np.ndarray
     foot_mode: np.ndarray
     foot_ramp: np.ndarray
     zmp_measured: np.ndarray
@@ -130,6 +140,7 @@ class RunLog:
         level_names: Sequence[str] = (),
         level_units: Sequence[str] = (),
         contact_names: Sequence[str] = (),
+        hardware: Hardware = TORQUE_DRIVEN,
     ) -> Self:
         """An empty log with room for a number of ticks."""
         system = System.of(robot)
@@ -138,6 +149,7 @@ class RunLog:
             "q": (robot.nq,),
             "v": (robot.nv,),
             "torque": (robot.na,),
+            "target": (0 if hardware.servo is None else robot.na,),
             "acceleration": (robot.nv,),
             "thing_q": (system.nq - robot.nq,),
             "thing_v": (system.nv - robot.nv,),
@@ -145,6 +157,8 @@ class RunLog:
             "contact_force": (contacts, 3),
             "contact_normal": (contacts,),
             "foot_wrench": (feet, 6),
+            "foot_reading": (0 if hardware.sensors is None else feet, 6),
+            "sole_deflection": (0 if hardware.compliance is None else feet, 3),
             "foot_ramp": (feet,),
             "zmp_measured": (2,),
             "zmp_control": (2,),
@@ -224,6 +238,7 @@ class RunInfo:
             that slowing down added.
         fell_at_s: when the robot fell, None if it did not; `reason` says by which sign.
         mismatch, pushes: what the world did that the controller did not know of.
+        hardware: servos, soles and sensors of the robot.
     """
 
     clip: str
@@ -238,3 +253,4 @@ class RunInfo:
     reason: str = ""
     mismatch: Mismatch = NO_MISMATCH
     pushes: tuple[Push, ...] = ()
+    hardware: Hardware = TORQUE_DRIVEN

@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 import mujoco
 
+from sim.hardware.soles import BUSH_AXES, bush_joint
 from sot.errors import InputError
+from sot.robots.robot import Robot
 
 VALUE_RANGES = {
     "mass": (0.1, 10.0),
@@ -46,13 +48,16 @@ class Mismatch:
             if not low <= getattr(self, name) <= high:
                 raise InputError(f"mismatch {name}={getattr(self, name):g}: must be between {low:g} and {high:g}")
 
-    def apply(self, model: mujoco.MjModel) -> None:
-        """Change masses and dampings of a compiled model."""
+    def apply(self, model: mujoco.MjModel, robot: Robot) -> None:
+        """Change masses and dampings of a compiled model; bushes of feet are no joints of the robot."""
         if self.mass != 1.0:
             model.body_mass *= self.mass
             model.body_inertia *= self.mass
             mujoco.mj_setConst(model, mujoco.MjData(model))
-        model.dof_damping *= self.damping
+        bushes = {bush_joint(foot, axis) for foot in robot.feet for axis in BUSH_AXES}
+        for k in range(model.nv):
+            if model.joint(model.dof_jntid[k]).name not in bushes:
+                model.dof_damping[k] *= self.damping
 
 
 NO_MISMATCH = Mismatch()

@@ -19,7 +19,7 @@ class RobotState:
         model, data: MuJoCo's, with a free joint at the robot's base and its other joints by their names.
 
     Raises:
-        InputError: The model has not all of the robot's joints in their order, or no free joint at its base.
+        InputError: The model has not all of the robot's joints, or no free joint at its base.
     """
 
     def __init__(self, robot: Robot, model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -27,24 +27,31 @@ class RobotState:
         missing = [name for name in robot.joints if name not in joints]
         if missing:
             raise InputError(f"the MuJoCo model has no joint {', '.join(missing)} of {robot.label}")
-        first = joints[robot.joints[0]]
-        base = int(model.body_jntadr[model.body_rootid[model.jnt_bodyid[first]]])
+        own = [joints[name] for name in robot.joints]
+        base = int(model.body_jntadr[model.body_rootid[model.jnt_bodyid[own[0]]]])
         if base < 0 or model.jnt_type[base] != mujoco.mjtJoint.mjJNT_FREE:
             raise InputError(f"the MuJoCo model has no free joint at the base of {robot.label}")
-        if tuple(model.joint(base + 1 + k).name for k in range(robot.na)) != robot.joints:
-            raise InputError(f"the MuJoCo model has the joints of {robot.label} in another order")
-        q, v = model.jnt_qposadr[base], model.jnt_dofadr[base]
+        q, v = int(model.jnt_qposadr[base]), int(model.jnt_dofadr[base])
+        # Passive joints of feet may stand between the robot's own.
+        self._q = _as_slice([*range(q, q + 7), *model.jnt_qposadr[own].tolist()])
+        self._v = _as_slice([*range(v, v + 6), *model.jnt_dofadr[own].tolist()])
         # Live views: to ask MuJoCo for its arrays anew takes longer than to read them.
-        self._qpos, self._qvel = data.qpos[q : q + robot.nq], data.qvel[v : v + robot.nv]
+        self._qpos, self._qvel = data.qpos, data.qvel
 
     def read(self) -> tuple[np.ndarray, np.ndarray]:
         """Configuration (nq,) and velocity (nv,), new arrays; not numbers once the physics diverged."""
-        return state_from_mujoco(self._qpos, self._qvel)
+        return state_from_mujoco(self._qpos[self._q], self._qvel[self._v])
 
     def write(self, q: np.ndarray, v: np.ndarray | None = None) -> None:
         """Set a configuration (nq,) and a velocity (nv,), at rest unless given; `mujoco.mj_forward` does the rest."""
-        v = np.zeros(len(self._qvel)) if v is None else v
-        self._qpos[:], self._qvel[:] = state_to_mujoco(q, v)
+        v = np.zeros(len(q) - 1) if v is None else v
+        self._qpos[self._q], self._qvel[self._v] = state_to_mujoco(q, v)
+
+
+def _as_slice(places: list[int]) -> slice | np.ndarray:
+    """Places in an array; as a slice, which is quicker, if they follow one another."""
+    first, last = places[0], places[-1] + 1
+    return slice(first, last) if places == list(range(first, last)) else np.array(places)
 
 
 class ThingState:

@@ -6,10 +6,12 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
+from sim.hardware.assembly import add_hardware, robot_spec
 from sim.own_scene import ALL_COLLISION_BITS, Scene, add_scene
 from sim.sensors import FloorSensors
 from sot.control.load import Carried
 from sot.errors import InputError
+from sot.hardware.hardware import TORQUE_DRIVEN, Hardware
 from sot.robots.reading.pinocchio_model import placement
 from sot.robots.reading.solid import VISUAL_GROUP
 from sot.robots.robot import Robot
@@ -36,8 +38,9 @@ def build_model(
     scene: Scene | None = None,
     things: Sequence[Thing] = (),
     loads: Sequence[Carried] = (),
+    hardware: Hardware = TORQUE_DRIVEN,
 ) -> mujoco.MjModel:
-    """The robot, driven by one torque motor a joint (Pinocchio's order), on a plane at z = 0.
+    """The robot, driven by one torque motor or servo a joint (Pinocchio's order), on a plane at z = 0.
 
     Args:
         robot: the robot, as its tree has it.
@@ -46,13 +49,15 @@ def build_model(
         scene: what else is in the world.
         things: what the robot may handle, stand on and lean on.
         loads: masses that are fixed to the robot.
+        hardware: what is between commands and joints, ankles and soles, robot and readings.
 
     Raises:
         InputError: MuJoCo cannot compile it.
     """
     try:
-        spec = robot.mujoco_spec()
+        spec = robot_spec(robot, hardware, timestep)
         _add_motors(spec, robot)
+        add_hardware(spec, robot, hardware)
         _add_floor(spec, friction)
         _add_lights(spec)
         _add_pads(spec, robot)

@@ -6,6 +6,8 @@ from math import nan
 import mujoco
 import numpy as np
 
+from sim.hardware.soles import sole_bodies
+
 ROBOT_BODY = 1  # the body at the root of the robot: the first of the world
 DISTANCE_LIMIT_M = 10.0  # MuJoCo may stop measuring a distance here
 WHOLE_ROBOT = "robot"  # the sensor of the whole robot, beside one a foot
@@ -37,7 +39,7 @@ class FloorSensors:
         self._origins = {foot: data.site_xpos[site] for foot, site in sites.items()}
         self._floor = int(model.geom("floor").id)
         self._arm_bodies = {int(model.joint(arm).bodyid[0]) for arm in arms}
-        self._foot_bodies = set(model.body_weldid[model.site_bodyid[list(sites.values())]].tolist())
+        self._foot_bodies = {int(model.body_weldid[body]) for body in sole_bodies(model, feet).values()}
 
     @staticmethod
     def add_to(spec: mujoco.MjSpec, feet: Mapping[str, tuple[mujoco.MjsBody, np.ndarray]]) -> None:

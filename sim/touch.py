@@ -6,6 +6,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
+from sim.hardware.soles import sole_bodies
 from sim.sensors import ROBOT_BODY
 from sot.robots.robot import Robot
 from sot.robots.surface import Surface
@@ -42,7 +43,7 @@ class TouchSensors:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, robot: Robot, things: Sequence[Thing]) -> None:
         self._model, self._data, self._robot = model, data, robot
-        self._feet = {int(model.body_weldid[model.site(foot).bodyid[0]]): foot for foot in robot.feet}
+        self._feet = {int(model.body_weldid[body]): foot for foot, body in sole_bodies(model, robot.feet).items()}
         self._things = {thing.name: 1 + k for k, thing in enumerate(things)}
         self._parts = [self._part(geom) for geom in range(model.ngeom)]
 

@@ -7,6 +7,9 @@ from math import ceil
 import mujoco
 import numpy as np
 
+from sim.hardware.sensor_suite import SensorSuite
+from sim.hardware.servo_drive import ServoDrive
+from sim.hardware.soles import Soles
 from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.own_scene import Scene
 from sim.push import Push, Pusher
@@ -16,6 +19,9 @@ from sim.sensors import FloorSensors, SelfDistance
 from sim.touch import Touch, TouchSensors
 from sot.control.contact import Contact
 from sot.control.load import Carried
+from sot.hardware.hardware import TORQUE_DRIVEN, Hardware
+from sot.hardware.readings import Readings
+from sot.hardware.servo import JointTargets
 from sot.robots.robot import Robot
 from sot.robots.system import System
 from sot.robots.things.thing import Thing
@@ -40,9 +46,10 @@ class World:
             robot.
         things: what the robot may handle, stand on and lean on; those with joints are part of the state.
         loads: masses that are fixed to the robot, whether its controller knows of them or not.
+        hardware: servos, compliant feet and sensors of the robot; ideal torque motors and rigid soles unless given.
 
     Attributes:
-        robot, mismatch, pushes, things: as given.
+        robot, mismatch, pushes, things, hardware: as given.
         system: the robot and the things.
         model, data: MuJoCo's, open for forces of one's own (`data.xfrc_applied`) and rendering.
 
@@ -59,21 +66,29 @@ class World:
         scene: Scene | None = None,
         things: Sequence[Thing] = (),
         loads: Sequence[Carried] = (),
+        hardware: Hardware = TORQUE_DRIVEN,
     ):
         self.robot, self.things = robot, tuple(things)
         self.system = System(robot, self.things)
         self.timestep = timestep
         self.mismatch = mismatch
-        self.pushes = tuple(pushes)
+        self.pushes, self.hardware = tuple(pushes), hardware
         self._substeps = max(1, ceil(timestep / MAX_PHYSICS_TIMESTEP - 1e-9))
-        self.model = build_model(robot, timestep / self._substeps, self.mismatch.friction, scene, self.things, loads)
-        self.mismatch.apply(self.model)
+        self.model = build_model(
+            robot, timestep / self._substeps, self.mismatch.friction, scene, self.things, loads, hardware
+        )
+        self.mismatch.apply(self.model, robot)
         self.data = mujoco.MjData(self.model)
         self._state = RobotState(robot, self.model, self.data)
         self._thing_states = [ThingState(thing, self.model, self.data) for thing in self.system.moving_things]
         self._motors = self.data.ctrl[: self.system.na]  # the live view; what a scene drives comes after
         self._apply_pushes = Pusher(self.model, self.data, robot, self.pushes)
         self._delay_steps = round(self.mismatch.delay * self._substeps / timestep)
+        self._servos = ServoDrive(hardware.servo, self.model.opt.timestep) if hardware.servo is not None else None
+        self._sensors = (
+            SensorSuite(self.model, self.data, robot, hardware.sensors) if hardware.sensors is not None else None
+        )
+        self._soles = Soles(self.model, self.data, robot)
         self.reset(self.system.rest)
         self._floor = FloorSensors(
             self.model, self.data, robot.feet, [robot.joints[joint] for joint in robot.groups["arms"]]
@@ -93,9 +108,14 @@ class World:
         v = v if v is not None and len(v) == system.nv else np.zeros(system.nv)
         for thing, state in zip(system.moving_things, self._thing_states, strict=True):
             state.write(q[system.coordinates[thing.name]], v[system.velocities[thing.name]])
-        mujoco.mj_forward(self.model, self.data)
         self._random = np.random.default_rng(self.mismatch.seed)
-        self._delayed_torques: deque[np.ndarray] = deque()
+        self._delayed: deque[np.ndarray | JointTargets] = deque()
+        if self._servos is not None:
+            self._servos.reset()
+            self._motors[:] = self._servos.holding(*(values[-self.robot.na :] for values in self._state.read()))
+        mujoco.mj_forward(self.model, self.data)
+        if self._sensors is not None:
+            self._sensors.reset()
 
     @property
     def time(self) -> float:
@@ -119,20 +139,43 @@ class World:
             v[3 : self.robot.nv] += self.mismatch.noise * self._random.standard_normal(self.robot.nv - 3)
         return q, v
 
-    def step(self, tau: np.ndarray) -> None:
-        """Advance one control period under the motors' torques (na,) [N m], which they clip to the effort limits.
+    def step(self, command: np.ndarray | JointTargets) -> None:
+        """Advance one control period under the motors' torques (na,) [N m], or under what their servos are to reach.
 
-        With a delay, what was commanded first acts from the start, as if it had been commanded before.
+        Motors clip torques to the effort limits. With a delay, what was commanded first acts from the start, as if it
+        had been commanded before.
+
+        Raises:
+            TypeError: torques for a robot with servos, or targets for one without.
         """
+        if isinstance(command, JointTargets) != (self._servos is not None):
+            raise TypeError("a robot with servos takes JointTargets, and no other does")
         for _ in range(self._substeps):
-            self._delayed_torques.append(np.array(tau))
-            self._motors[:] = (
-                self._delayed_torques.popleft()
-                if len(self._delayed_torques) > self._delay_steps
-                else self._delayed_torques[0]
-            )
+            self._delayed.append(command if isinstance(command, JointTargets) else np.array(command))
+            acting = self._delayed.popleft() if len(self._delayed) > self._delay_steps else self._delayed[0]
+            self._motors[:] = self._servos(acting) if isinstance(acting, JointTargets) and self._servos else acting
             self._apply_pushes()
+            if self._sensors is not None:
+                self._sensors.step_begins()
             mujoco.mj_step(self.model, self.data)
+
+    def applied_torque(self) -> np.ndarray:
+        """Torque of each motor in the last physics step (na,) [N m]."""
+        return self.data.actuator_force[: self.system.na].copy()
+
+    def readings(self) -> Readings:
+        """The robot's sensors at the start of the last physics step, with their errors.
+
+        Raises:
+            TypeError: the robot has no sensors.
+        """
+        if self._sensors is None:
+            raise TypeError("the robot of this world has no sensors")
+        return self._sensors.readings()
+
+    def sole_deflections(self) -> np.ndarray:
+        """How far each foot's bush gives way (feet, 3): roll, pitch [rad] and height [m] of the sole; 0 if rigid."""
+        return self._soles.deflections()
 
     def foot_wrenches(self) -> dict[str, np.ndarray]:
         """Force [N] and moment about the foot frame's origin [N m] of the floor on each foot (6,), world axes."""

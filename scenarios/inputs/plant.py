@@ -1,0 +1,70 @@
+"""The plant as one asks for it on a command line: servos or torque motors, rigid or compliant feet."""
+
+from collections.abc import Callable
+from math import inf, isfinite
+
+from sim.drivers import PositionController
+from sot.errors import InputError
+from sot.hardware.compliance import FootCompliance
+from sot.hardware.hardware import Hardware
+from sot.hardware.sensors import Sensors
+from sot.hardware.servo import Servo
+from sot.motion.trajectory import Motion, MotionSample
+from sot.robots.robot import Robot
+from sot.servo.stabiliser import DcmGains, Stabiliser
+
+PLANTS = ("torque", "servo")
+STABILISERS = ("dcm", "sag", "open")
+"""What a robot with servos does beside its plan: the divergent component is fed back and what the plan's loads deflect
+is undone, only that, or nothing."""
+
+
+def parse_feet_compliance(text: str) -> FootCompliance:
+    """Compliant feet from "KX,KY" or "KX,KY,KZ": stiffness about x (roll) and y (pitch) [N m/rad] and along z [N/m].
+
+    Raises:
+        InputError: anything else.
+    """
+    try:
+        roll, pitch, *vertical = map(float, text.split(","))
+    except ValueError:
+        roll, pitch, vertical = inf, inf, []
+    stiffnesses = (roll, pitch, *vertical)
+    if len(stiffnesses) > 3 or not all(isfinite(value) and value > 0.0 for value in stiffnesses):
+        raise InputError(
+            f'--feet-compliance "{text}": give KX,KY or KX,KY,KZ, positive numbers, as in "2500,2500": '
+            "roll and pitch [N m/rad], height [N/m]"
+        )
+    return FootCompliance(*stiffnesses)
+
+
+def hardware_of(robot: Robot, plant: str, compliance: FootCompliance | None) -> Hardware:
+    """The hardware of a robot on a plant.
+
+    Raises:
+        InputError: no such plant.
+    """
+    if plant not in PLANTS:
+        raise InputError(f"unknown plant '{plant}': choose one of {', '.join(PLANTS)}")
+    if plant == "servo":
+        return Hardware(Servo.of(robot), compliance, Sensors())
+    return Hardware(compliance=compliance)
+
+
+def position_controller(
+    name: str,
+    motion: Motion,
+    hardware: Hardware,
+    period: float,
+    sample: Callable[[float], MotionSample] | None = None,
+) -> PositionController:
+    """The controller of a robot with servos, by the name of what stabilises it; for `sample` see `Stabiliser`.
+
+    Raises:
+        InputError: no such name.
+    """
+    if name not in STABILISERS:
+        raise InputError(f"unknown stabiliser '{name}': choose one of {', '.join(STABILISERS)}")
+    sagging = hardware.compliance if name != "open" else None
+    dcm = DcmGains() if name == "dcm" else None
+    return Stabiliser(motion, period, sagging, hardware.servo, dcm, sample=sample)

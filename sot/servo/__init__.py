@@ -1,0 +1,1 @@
+"""Controllers of robots whose joints have servos."""
