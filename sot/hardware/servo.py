@@ -48,12 +48,14 @@ class Servo:
 
     @staticmethod
     def of(robot: Robot) -> "Servo":
-        """The servos of a robot: full torque at `FULL_TORQUE_ERROR`, and the rotor alone critically damped."""
-        stiffness = robot.effort / FULL_TORQUE_ERROR
+        """The servos of a robot: the gains of its file, else full torque at `FULL_TORQUE_ERROR`, and the rotor alone
+        critically damped."""
+        stiffness, damping = robot.servo["stiffness"], robot.servo["damping"]
+        stiffness = np.where(np.isnan(stiffness), robot.effort / FULL_TORQUE_ERROR, stiffness)
         rotor = np.where(robot.armature > 0.0, robot.armature, ROTOR_INERTIA_RATIO * robot.effort)
         period = np.full(robot.na, 1.0 / UPPER_COMMAND_RATE)
         period[list(robot.groups["legs"])] = 1.0 / LEG_COMMAND_RATE
-        return Servo(stiffness, 2.0 * np.sqrt(stiffness * rotor), period)
+        return Servo(stiffness, np.where(np.isnan(damping), 2.0 * np.sqrt(stiffness * rotor), damping), period)
 
     def scaled(self, stiffness: float) -> "Servo":
         """Servos whose stiffness is a factor larger, their rotors damped as well as before."""
