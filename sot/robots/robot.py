@@ -53,8 +53,8 @@ class Robot:
             `acceleration` is for references and braking, `acceleration_hard` bounds a control tick.
         damping, friction, armature: viscous [N m s/rad] and Coulomb [N m] losses and reflected rotor inertia
             [kg m²] (na,); the armature is part of the model's mass matrix too, the losses of nothing.
-        servo: gains of joint servos that the robot file gives, "stiffness" and "damping" [N m/rad, N m s/rad] (na,), nan
-            where it gives none.
+        servo: gains of joint servos that the robot file gives, "stiffness" and "damping" (na,) [N m/rad,
+            N m s/rad], nan where it gives none.
         shapes: collision shapes, fixed to the model's joints: the model file's, primitives and hulls in the place of
             meshes; its collision pairs are the ones that count, in physics as well as in control and plans.
         rest_distances: of these pairs at rest (pairs,) [m].
