@@ -1,4 +1,4 @@
-"""A dance on servos, open loop: upright on rigid feet and on firm rubber, wherever on earth; soft rubber lets it fall."""
+"""A dance on servos, open loop: upright on rigid feet and firm rubber, wherever on earth; on soft rubber it falls."""
 
 from dataclasses import replace
 
