@@ -3,6 +3,7 @@
 import numpy as np
 
 from sot.hardware.compliance import FootCompliance
+from sot.rotation import cross
 from sot.servo.load_sharing import FootLoad
 from sot.servo.posture_correction import FootOffset
 
@@ -21,5 +22,5 @@ def sag_offset(load: FootLoad, compliance: FootCompliance, bush: Array) -> FootO
         compliance: of the bush.
         bush: its middle b (3,) in the foot frame [m].
     """
-    x, y, _ = load.moment - np.cross(bush, load.force)
+    x, y, _ = load.moment - cross(bush, load.force)
     return FootOffset(-x / compliance.roll, -y / compliance.pitch, -load.force[2] / compliance.vertical)
