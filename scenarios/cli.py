@@ -88,7 +88,7 @@ StabiliserName = Annotated[
     typer.Option(
         "--stabiliser",
         help="With --plant servo. dcm: the divergent component is fed back, and the sag of the feet is undone;"
-        " sag: that alone; open: the plan as it is.",
+        " dcm-adaptive: so, with feet whose compliance is estimated; sag: undone alone; open: the plan as it is.",
     ),
 ]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from math import inf, isfinite
+from typing import Literal
 
 from sim.drivers import PositionController
 from sot.errors import InputError
@@ -14,9 +15,9 @@ from sot.robots.robot import Robot
 from sot.servo.stabiliser import DcmGains, Stabiliser
 
 PLANTS = ("torque", "servo")
-STABILISERS = ("dcm", "sag", "open")
+STABILISERS = ("dcm", "dcm-adaptive", "sag", "open")
 """What a robot with servos does beside its plan: the divergent component is fed back and what the plan's loads deflect
-is undone, only that, or nothing."""
+is undone; the same for feet whose compliance has to be estimated; the latter alone; nothing."""
 
 
 def parse_feet_compliance(text: str) -> FootCompliance:
@@ -65,6 +66,7 @@ def position_controller(
     """
     if name not in STABILISERS:
         raise InputError(f"unknown stabiliser '{name}': choose one of {', '.join(STABILISERS)}")
-    sagging = hardware.compliance if name != "open" else None
-    dcm = DcmGains() if name == "dcm" else None
-    return Stabiliser(motion, period, sagging, hardware.servo, dcm, sample=sample)
+    known: FootCompliance | Literal["estimated"] | None
+    known = "estimated" if name == "dcm-adaptive" else hardware.compliance if name != "open" else None
+    dcm = DcmGains() if name.startswith("dcm") else None
+    return Stabiliser(motion, period, known, hardware.servo, dcm, sample=sample)
