@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
@@ -104,19 +104,19 @@ class Robot:
         """The robot alone for MuJoCo, a new one each time: joints in Pinocchio's order, points as sites, no motors."""
         return self.tree.spec()
 
-    @property
+    @cached_property
     def nq(self) -> int:
         return self.model.nq
 
-    @property
+    @cached_property
     def nv(self) -> int:
         return self.model.nv
 
-    @property
+    @cached_property
     def na(self) -> int:
         return self.model.nv - 6
 
-    @property
+    @cached_property
     def mass(self) -> float:
         """Total mass [kg]."""
         return pin.computeTotalMass(self.model)
