@@ -74,7 +74,9 @@ class _Plane:
             value: Array = (1.0 - share) * of(self._double) + share * of(self._single)
             return value
 
-        A, B, C, D = (mixed(lambda design, k=k: design.system[k]) for k in range(4))
+        A, B, C, D = map(
+            mixed, (lambda d: d.system.A, lambda d: d.system.B, lambda d: d.system.C, lambda d: d.system.D)
+        )
         self._system = StateSpace(A, B[:, 0], C[0], D[0, 0])
         self._feedback, self._reference = mixed(lambda design: design.feedback)[0], mixed(lambda d: d.reference)[0]
         self._correction = mixed(lambda design: design.correction)[:, 0]

@@ -34,18 +34,18 @@ class StateSpace(NamedTuple):
 class Pendulum:
     """A robot as one body that stands on a compliant joint; in one plane, on given feet.
 
-    The reference of the centre of mass is at the angle u from the vertical through the joint, seen from there; the body
-    is moved there without being turned. The joint gives way by δ and turns the whole body, so that the centre of mass
-    is at θ = u + δ. About the joint
+    The reference of the centre of mass is at the angle u from the vertical through the joint, seen from there. The body
+    moves there by its legs, upper parts farther than lower ones, with an angular momentum I_u u̇ about the centre of
+    mass. The joint gives way by δ and turns the whole body, so that the centre of mass is at θ = u + δ. About the joint
 
-        m l² θ̈ + I δ̈ = m g l θ − K δ − b δ̇,
+        m l² θ̈ + I δ̈ + I_u ü = m g l θ − K δ − b δ̇,
 
     and what the joint gives, K δ + b δ̇, is the moment of the weight at the zero-moment point (ZMP):
 
-        y = (K δ + b δ̇) / (m g) = l θ − (l² θ̈ + I δ̈ / m) / g.
+        y = (K δ + b δ̇) / (m g) = l θ − (m l² θ̈ + I δ̈ + I_u ü) / (m g).
 
-    Kim & Oh (26) and (28) are this with I = 0 and the damping on θ̇. Their (27), (31) and (32) are misprinted: A's lower
-    row is (g/l − K/ml², −b/ml²), the zeros are those of s² − g/l, and ω_n² is K/ml² − g/l.
+    Kim & Oh (26) and (28) are this with I = I_u = 0 and the damping on θ̇. Their (27), (31) and (32) are misprinted: the
+    lower row of A is (g/l − K/ml², −b/ml²), the zeros are those of s² − g/l, and ω_n² is K/ml² − g/l.
 
     Attributes:
         mass: m [kg].
@@ -53,6 +53,7 @@ class Pendulum:
         stiffness: K [N m/rad].
         damping: b [N m s/rad].
         inertia: I about the centre of mass [kg m²].
+        led_inertia: I_u [kg m²].
         lag: time constant of the sensors and servos [s].
         delay: T [s].
     """
@@ -62,6 +63,7 @@ class Pendulum:
     stiffness: float
     damping: float
     inertia: float = 0.0
+    led_inertia: float = 0.0
     lag: float = 0.0
     delay: float = 0.0
 
@@ -74,6 +76,11 @@ class Pendulum:
     def turning_inertia(self) -> float:
         """m l² + I [kg m²]."""
         return self.mass * self.length**2 + self.inertia
+
+    @property
+    def leading_inertia(self) -> float:
+        """m l² + I_u [kg m²]."""
+        return self.mass * self.length**2 + self.led_inertia
 
     @property
     def natural_frequency(self) -> float:
@@ -94,28 +101,29 @@ class Pendulum:
     @property
     def high_frequency_gain(self) -> float:
         """|y / u| far above ω_n without the joint's damping, lag and delay [m/rad]."""
-        return self.stiffness * self.mass * self.length**2 / (self.weight * self.turning_inertia)
+        return self.stiffness * self.leading_inertia / (self.weight * self.turning_inertia)
 
     def response(self, frequencies: Array) -> Array:
         """y / u at frequencies (k,) [Hz], complex (k,) [m/rad]: Kim & Oh (31) with inertia and an exact delay."""
         s = 2j * pi * np.asarray(frequencies)
         joint = self.stiffness + self.damping * s
         motion = self.turning_inertia * s**2 + joint - self.weight * self.length
-        inverted = self.mass * self.length**2 * (s**2 - GRAVITY / self.length)
+        inverted = self.leading_inertia * s**2 - self.weight * self.length
         y: Array = -joint / self.weight * inverted / motion * np.exp(-self.delay * s) / (self.lag * s + 1.0)
         return y
 
     def filtered_states(self, filter_time: float) -> StateSpace:
         """The pendulum behind a first-order filter of its command, with the moment of a disturbance as second input.
 
-        States: z = δ + c u_f with c = m l² / (m l² + I), ż, the filtered command u_f; then y behind the lag, and the
-        delay (Padé's first approximation), where there are any. In z the acceleration of the command does not occur.
+        States: z = δ + c u_f with c = (m l² + I_u) / (m l² + I), ż, the filtered command u_f; then y behind the lag,
+        and the delay (Padé's first approximation), where there are any. In z no acceleration of the
+        command occurs.
 
         Args:
             filter_time: time constant of the filter [s].
         """
         inertia, weight = self.turning_inertia, self.weight
-        c, falling = self.mass * self.length**2 / inertia, weight * self.length
+        c, falling = self.leading_inertia / inertia, weight * self.length
         # δ and δ̇ as rows on (z, ż, u_f) and u.
         deflection, rate = np.array([1.0, 0.0, -c]), np.array([0.0, 1.0, c / filter_time])
         rate_of_input = -c / filter_time

@@ -52,7 +52,7 @@ def sine_coefficients(time: Array, values: Array, frequency: float) -> complex:
 def fit_pendulum(measured: FrequencyResponse, mass: float, length: float) -> Pendulum:
     """The pendulum whose response is nearest to a measured one, in logarithm of gain and phase, robustly.
 
-    Stiffness, damping, inertia, lag and delay are free. The search starts from the best of a grid of natural
+    All but mass and length are free. The search starts from the best of a grid of natural
     frequencies and damping ratios.
 
     Raises:
@@ -69,19 +69,19 @@ def fit_pendulum(measured: FrequencyResponse, mass: float, length: float) -> Pen
 
     omega = 2.0 * pi * np.geomspace(frequency[0], frequency[-1], GRID * GRID)
     starts = [
-        np.array([log(w), log(zeta), share, 0.005, 0.005])
+        np.array([log(w), log(zeta), share, 0.5 * share, 0.005, 0.005])
         for w in omega
         for zeta in np.geomspace(0.01, 0.7, GRID)
-        for share in (0.02, 0.3)
+        for share in (0.05, 0.3)
     ]
     costs = [float(np.sum(np.minimum(np.abs(residual(start)), 1.0))) for start in starts]
-    lower = np.array([log(omega[0]), log(1e-4), 0.0, 0.0, 0.0])
-    upper = np.array([log(omega[-1]), log(3.0), 2.0, LONGEST_DELAY, LONGEST_DELAY])
+    lower = np.array([log(omega[0]), log(1e-4), 0.0, 0.0, 0.0, 0.0])
+    upper = np.array([log(omega[-1]), log(3.0), 2.0, 2.0, LONGEST_DELAY, LONGEST_DELAY])
     best = None
     for k in np.argsort(costs)[:4]:
         found = least_squares(
             residual, np.clip(starts[k], lower + 1e-9, upper - 1e-9), bounds=(lower, upper), loss="soft_l1",
-            f_scale=ROBUST_RESIDUAL, x_scale=[0.1, 0.3, 0.1, 0.003, 0.003],
+            f_scale=ROBUST_RESIDUAL, x_scale=[0.1, 0.3, 0.1, 0.1, 0.003, 0.003],
         )  # fmt: skip
         best = found if best is None or found.cost < best.cost else best
     assert best is not None
@@ -89,7 +89,7 @@ def fit_pendulum(measured: FrequencyResponse, mass: float, length: float) -> Pen
 
 
 def _pendulum(parameters: Array, mass: float, length: float) -> Pendulum:
-    """From log ω_n, log ζ, I / (m l²), lag and delay."""
+    """From log ω_n, log ζ, I and I_u in m l², lag and delay."""
     omega, zeta = np.exp(parameters[:2])
     point = mass * length**2
     inertia = float(parameters[2]) * point
@@ -100,8 +100,9 @@ def _pendulum(parameters: Array, mass: float, length: float) -> Pendulum:
         float(turning * omega**2 + mass * GRAVITY * length),
         float(2.0 * zeta * omega * turning),
         inertia,
-        float(parameters[3]),
+        float(parameters[3]) * point,
         float(parameters[4]),
+        float(parameters[5]),
     )
 
 

@@ -56,21 +56,33 @@ class DampingDesign:
 
     def response(self, frequencies: Array) -> Array:
         """Reference over measured zero-moment point at frequencies (k,) [Hz], complex (k,) [rad/m]."""
-        A, B, C, D = self.system
-        n = len(A)
-        corrected = np.hstack([np.eye(n) - self.correction @ C, -self.correction @ D])
-        ahead = np.vstack([A - B @ self.feedback, -self.feedback])
+        A, B, C, D = self.controller
         z = np.exp(2j * pi * np.asarray(frequencies) * self.period)
-        inner = ahead @ corrected
-        states = np.linalg.solve(z[:, None, None] * np.eye(n + 1) - inner, (ahead @ self.correction)[None])
-        value: Array = (self.reference @ (corrected @ states + self.correction))[:, 0, 0]
+        value: Array = (C @ np.linalg.solve(z[:, None, None] * np.eye(len(A)) - A, B[None]) + D)[:, 0, 0]
         return value
 
+    @property
+    def controller(self) -> StateSpace:
+        """The controller from sample to sample, measured zero-moment point in, reference out; its states are x⁻, u⁻."""
+        A, B, C, D = self.system
+        corrected = np.hstack([np.eye(len(A)) - self.correction @ C, -self.correction @ D])
+        ahead = np.vstack([A - B @ self.feedback, -self.feedback])
+        return StateSpace(
+            ahead @ corrected, ahead @ self.correction, self.reference @ corrected, self.reference @ self.correction
+        )
+
     def margin(self, measured: FrequencyResponse) -> float:
-        """Least |1 + L| over a measured response of the robot, −1 if the loop encircles −1: then it is unstable."""
-        difference = 1.0 - self._dense(measured) * self.response(_dense_frequencies(measured))
-        turned = np.sum(np.diff(np.unwrap(np.angle(np.concatenate([difference.real[:1] + 0j, difference])))))
-        return -1.0 if abs(turned) > pi else float(np.abs(difference).min())
+        """Least |1 + L| over a measured response of the robot; −1 if the loop is unstable, by Nyquist's criterion.
+
+        The robot is stable by itself. A controller need not be, as the paper's form shows: then 1 + L has to turn about
+        the origin once for each unstable pole.
+        """
+        frequencies = _dense_frequencies(measured)
+        difference = 1.0 - self._dense(measured) * self.response(frequencies)
+        # At rest L is real, and half of the turns are at negative frequencies.
+        turned = np.diff(np.unwrap(np.angle(np.append(difference.real[0] + 0j, difference)))).sum()
+        unstable = np.count_nonzero(np.abs(np.linalg.eigvals(self.controller.A)) > 1.0)
+        return float(np.abs(difference).min()) if abs(turned - pi * unstable) < 0.5 * pi else -1.0
 
     def _dense(self, measured: FrequencyResponse) -> Array:
         """The measured response between its frequencies: the pendulum's, times what it is off, interpolated."""
@@ -116,29 +128,27 @@ def design_damping(pendulum: Pendulum, damping_ratio: float, period: float, form
         noise[-1] = wander**2
         system = StateSpace(A, B, np.hstack([system.C, [[0.0]]]), system.D[:, :1])
     else:  # a moment that is noise
-        noise = (wander * system.B[:, 1] / fall) ** 2
+        noise = (wander * fall * system.B[:, 1]) ** 2
         system = StateSpace(system.A, system.B[:, :1], system.C, system.D[:, :1])
     sampled, covariance = _sampled(system, np.diag(noise), period)
     placed = 3 if filtered else 2  # what is behind these states, lag and delay, keeps its poles without feedback
     feedback = np.zeros((1, len(sampled.A)))
     poles = _placed_poles(system.A[:placed, :placed], pendulum.natural_frequency, damping_ratio)
-    feedback[:, :placed] = _ackermann(
-        sampled.A[:placed, :placed], sampled.B[:placed], np.exp(np.array(poles) * period)
-    )
+    feedback[:, :placed] = _ackermann(sampled.A[:placed, :placed], sampled.B[:placed], np.exp(np.array(poles) * period))
     reference = np.eye(1, len(sampled.A), 2) if filtered else -feedback
     correction = _kalman_gain(sampled, covariance, (ZMP_NOISE * pendulum.length) ** 2)
     return DampingDesign(pendulum, damping_ratio, form, period, sampled, feedback, correction, reference)
 
 
-def checked_margin(design: DampingDesign, measured: FrequencyResponse, what: str) -> float:
+def checked_margin(design: DampingDesign, measured: FrequencyResponse, what: str, least: float = MIN_MARGIN) -> float:
     """The margin of a design on a measured response.
 
     Raises:
-        InputError: it is below `MIN_MARGIN`; `what` says which design.
+        InputError: it is less than the least; `what` says which design.
     """
     margin = design.margin(measured)
-    if margin < MIN_MARGIN:
-        why = "the loop is unstable" if margin < 0.0 else f"min |1 + L| is {margin:.2f}, less than {MIN_MARGIN:g}"
+    if margin < least:
+        why = "the loop is unstable" if margin < 0.0 else f"min |1 + L| is {margin:.2f}, less than {least:g}"
         raise InputError(
             f"{what}: damping ratio {design.damping_ratio:g} in the {design.form} form is refused, {why} on the "
             "measured response"

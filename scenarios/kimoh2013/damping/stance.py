@@ -8,7 +8,6 @@ import pinocchio as pin
 
 from sim.push import Push
 from sim.world import World
-from sot.errors import InputError
 from sot.gravity import GRAVITY
 from sot.hardware.compliance import FootCompliance, bush_position
 from sot.hardware.hardware import Hardware
@@ -17,13 +16,11 @@ from sot.hardware.servo import Servo
 from sot.motion.feet.contacts import Phase, support_polygon
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.servo.posture_shift import PostureShift
+from sot.servo.shifted_posture import shifted_posture
 from sot.servo.soft_feet import refuse_soft_feet
 
 Array = np.ndarray
 
-PLANES = ("xz", "yz")
-SUPPORTS = ("double", "single")
 STANDING_FOOT = "left_foot"
 LIFT_RATIO = 0.06
 """Height of the other foot, of the centre of mass's."""
@@ -39,7 +36,7 @@ class Stance:
 
     Attributes:
         robot: the robot.
-        support: one of `SUPPORTS`.
+        support: one of `sot.servo.identified.SUPPORTS`.
         q: posture (nq,).
         feet: that stand, on the floor.
         pivot: middle of their bushes (3,) [m]; the centre of mass is above.
@@ -78,7 +75,7 @@ def stance_of(robot: Robot, support: str) -> Stance:
     feet = {foot: data.oMf[robot.point(foot)].copy() for foot in standing}
     pivot = np.mean([at.act(bush_position(robot, foot)) for foot, at in feet.items()], axis=0)
     lifts = {foot: np.array([0.0, 0.0, LIFT_RATIO * com[2]]) for foot in robot.feet if foot not in standing}
-    q = PostureShift(robot).posture(robot.rest, pivot[:2] - com[:2], lifts)
+    q = shifted_posture(robot, robot.rest, pivot[:2] - com[:2], lifts)
     length = float(pin.centerOfMass(robot.model, data, q)[2] - pivot[2])
     edges = support_polygon(robot, Phase(0.0, 1.0, feet))
     room = edges.offsets - edges.normals @ pivot[:2]
@@ -95,26 +92,20 @@ def usual_compliance(robot: Robot) -> FootCompliance:
     return FootCompliance(turning, turning, VERTICAL_RATIO * weight / length)
 
 
-def world_of(stance: Stance, compliance: FootCompliance, period: float, pushes: Sequence[Push] = ()) -> World:
+def world_of(
+    stance: Stance,
+    compliance: FootCompliance,
+    period: float,
+    pushes: Sequence[Push] = (),
+    sensors: Sensors | None = None,
+) -> World:
     """A world with the robot on servos and bushes, at rest in its stance.
 
     Raises:
         InputError: the bushes are too soft to stand on.
     """
     refuse_soft_feet(compliance, stance.motion(1.0, 10.0))
-    hardware = Hardware(Servo.of(stance.robot), compliance, Sensors())
+    hardware = Hardware(Servo.of(stance.robot), compliance, sensors or Sensors())
     world = World(stance.robot, period, pushes=pushes, hardware=hardware)
     world.reset(stance.q)
     return world
-
-
-def checked_cases(names: Sequence[str]) -> tuple[tuple[str, str], ...]:
-    """Cases "xz-double", "yz-single", … as plane and support.
-
-    Raises:
-        InputError: another name.
-    """
-    known = {f"{plane}-{support}": (plane, support) for support in SUPPORTS for plane in PLANES}
-    if wrong := [name for name in names if name not in known]:
-        raise InputError(f"unknown case '{wrong[0]}': choose of {', '.join(known)}")
-    return tuple(known[name] for name in names)

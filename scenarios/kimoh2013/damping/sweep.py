@@ -2,18 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import ceil, pi
+from math import ceil, cos, pi
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
-from scenarios.kimoh2013.damping.stance import PLANES, Stance, world_of
+from scenarios.kimoh2013.damping.stance import Stance, world_of
 from sot.errors import InputError
 from sot.hardware.compliance import FootCompliance
-from sot.hardware.readings import measured_zmp
-from sot.hardware.servo import JointTargets
+from sot.servo.identified import PLANES
 from sot.servo.pendulum_fit import FrequencyResponse, sine_coefficients
-from sot.servo.posture_shift import PostureShift
+from sot.servo.stabiliser import Stabiliser
 
 Array = np.ndarray
 
@@ -25,13 +23,13 @@ REST_S = 2.0
 """Time before the first sine [s]."""
 MIN_RAMP_S = 1.0
 """Shortest time in which a sine comes up [s]; it takes a cycle at least."""
-MEASURED_CYCLES, MIN_MEASURED_S = 2, 3.0
-"""Least cycles and time over which a sine is measured [s]."""
-POSTURES = 31
-"""Postures that are computed beforehand, over all shifts."""
-AIM_SHARE = 0.3
+WINDOW_CYCLES, MIN_WINDOW_S = 2, 2.0
+"""Least cycles and time over which a sine is measured [s]; it is measured until …"""
+STEADY, MAX_WINDOWS = 0.02, 8
+"""… two windows agree to this share: at first the robot also sways as if it had been pushed."""
+AIM_SHARE = 0.25
 """Amplitude of the zero-moment point that is aimed at, of the way to the edge of the sole."""
-MIN_SHARE, MAX_SHARE = 0.06, 0.55
+MIN_SHARE, MAX_SHARE = 0.06, 0.4
 """Amplitudes with which a measurement counts."""
 MAX_ATTEMPTS = 8
 
@@ -45,7 +43,7 @@ class Sweep:
         response: zero-moment point over the angle of the reference [m/rad].
         amplitude: of the reference at each frequency (k,) [m].
         zmp_amplitude: of the zero-moment point (k,) [m].
-        distortion: rms of what is no sine of that frequency, of the rms of the sine (k,).
+        distortion: rms of all but the sine, over the sine's (k,).
     """
 
     plane: str
@@ -56,7 +54,7 @@ class Sweep:
 
 
 class SwayingRobot:
-    """A robot in a world, whose centre of mass is led along one axis.
+    """A robot in a world, whose centre of mass is led along one axis as a damping controller would lead it.
 
     Args:
         stance: how it stands.
@@ -68,20 +66,26 @@ class SwayingRobot:
         self.axis, self.stance = PLANES.index(plane), stance
         self.period = 1.0 / SAMPLING_RATE
         self._world = world_of(stance, compliance, self.period)
-        self._posture = _shifted_postures(stance, self.axis)
-        self._rate = self._posture.derivative()
+        self._controller = Stabiliser(stance.motion(1.0, SAMPLING_RATE), self.period, damping=self._lead)
+        self._shift, self._zmp = np.zeros(2), np.zeros(2)
 
-    def step(self, position: float, velocity: float) -> float:
-        """Command a shift [m] at a rate [m/s] for one period; returns the zero-moment point before it [m].
+    def _lead(self, t: float, zmp: Array) -> Array:
+        self._zmp = zmp
+        return self._shift
+
+    def step(self, shift: float) -> float:
+        """Command a shift [m] for one period; returns the zero-moment point before it [m].
 
         Raises:
             InputError: no foot carries anything: the robot fell.
         """
-        zmp = measured_zmp(self._world.readings().foot_wrench, self.stance.feet)[self.axis]
-        self._world.step(JointTargets(self._posture(position), velocity * self._rate(position)))
-        if not np.isfinite(zmp) and self._world.time > REST_S:
+        self._shift[self.axis] = shift
+        world = self._world
+        self._world.step(self._controller(world.time, *world.state(), world.readings()))
+        zmp = float(self._zmp[self.axis])
+        if not np.isfinite(zmp):
             raise InputError(f"{self.stance.robot.label} fell over while it was being identified")
-        return float(zmp - self.stance.pivot[self.axis])
+        return zmp
 
 
 def sweep(
@@ -105,7 +109,7 @@ def sweep(
     robot = SwayingRobot(stance, compliance, plane)
     room = float(stance.reach[robot.axis])
     for _ in range(round(REST_S * SAMPLING_RATE)):
-        robot.step(0.0, 0.0)
+        robot.step(0.0)
     gain, rows = 1.0, []
     for k, frequency in enumerate(FREQUENCIES):
         amplitude = AIM_SHARE * room / gain
@@ -134,42 +138,31 @@ def _measure(robot: SwayingRobot, frequency: float, amplitude: float, most: floa
     """Zero-moment point over reference in one sine, which is broken off where the former moves too far [m]."""
     cycle = 1.0 / frequency
     ramp = max(cycle, MIN_RAMP_S)
-    total = ramp + max(MEASURED_CYCLES, ceil(MIN_MEASURED_S * frequency)) * cycle
+    window = round(max(WINDOW_CYCLES, ceil(MIN_WINDOW_S * frequency)) * cycle / robot.period)
     omega = 2.0 * pi * frequency
-    times = np.arange(round(total / robot.period)) * robot.period
-    values, complete = np.zeros(len(times)), True
-    for k, t in enumerate(times):
-        values[k] = robot.step(*_sine(amplitude, omega, t, *_smooth_step(t, ramp)))
-        if abs(values[k]) > 1.3 * most:
-            complete, times, values = False, times[: k + 1], values[: k + 1]
+    count, complete = round(ramp / robot.period), True
+    values: list[float] = []
+    found: list[complex] = []
+    while complete and len(found) < MAX_WINDOWS:
+        count += window
+        while complete and len(values) < count:
+            t = len(values) * robot.period
+            values.append(robot.step(amplitude * _smooth_step(t / ramp) * np.sin(omega * t)))
+            complete = abs(values[-1]) < 1.3 * most
+        zmp = np.array(values[-window:])
+        times = robot.period * np.arange(len(values) - len(zmp), len(values))
+        found.append(sine_coefficients(times, zmp, frequency))
+        if len(found) > 1 and abs(found[-1] - found[-2]) < STEADY * abs(found[-1]):
             break
     begin = times[-1] + robot.period
     for k in range(round(cycle / robot.period)):  # and let it die out
-        risen, rate = _smooth_step(k * robot.period, cycle)
-        robot.step(*_sine(amplitude, omega, begin + k * robot.period, 1.0 - risen, -rate))
-    inside = times >= (ramp if complete else 0.0)
-    zmp = sine_coefficients(times[inside], values[inside], frequency)
-    rest = values[inside] - values[inside].mean() - np.imag(zmp * np.exp(1j * omega * times[inside]))
-    return _MeasuredSine(zmp / amplitude, float(np.sqrt(2.0 * np.mean(rest**2)) / max(abs(zmp), 1e-12)), complete)
+        t = k * robot.period
+        robot.step(amplitude * _smooth_step(1.0 - t / cycle) * np.sin(omega * (begin + t)))
+    sine = np.imag(found[-1] * np.exp(1j * omega * times))
+    rest = float(np.sqrt(2.0 * np.mean((zmp - zmp.mean() - sine) ** 2)))
+    return _MeasuredSine(found[-1] / amplitude, rest / max(abs(found[-1]), 1e-12), complete)
 
 
-def _sine(amplitude: float, omega: float, t: float, share: float, rate: float) -> tuple[float, float]:
-    """A sine of an amplitude of which a share shows, and its rate."""
-    sine, cosine = np.sin(omega * t), np.cos(omega * t)
-    return amplitude * share * sine, amplitude * (share * omega * cosine + rate * sine)
-
-
-def _smooth_step(t: float, duration: float) -> tuple[float, float]:
-    """Half a cosine from 0 to 1, and its rate [1/s]."""
-    if t >= duration:
-        return 1.0, 0.0
-    angle = pi * t / duration
-    return 0.5 - 0.5 * np.cos(angle), 0.5 * pi / duration * np.sin(angle)
-
-
-def _shifted_postures(stance: Stance, axis: int) -> CubicSpline:
-    """Joint angles by the shift of the centre of mass along an axis, as far as the support reaches."""
-    robot, shift = stance.robot, PostureShift(stance.robot)
-    shifts = 0.7 * float(stance.reach[axis]) * np.linspace(-1.0, 1.0, POSTURES)
-    still, direction = np.zeros(robot.nv), np.eye(2)[axis]
-    return CubicSpline(shifts, [shift(stance.q, still, x * direction, np.zeros(2), iterations=5)[0][7:] for x in shifts])
+def _smooth_step(x: float) -> float:
+    """Half a cosine, from 0 at 0 to 1 from 1 on."""
+    return 0.5 - 0.5 * cos(pi * min(max(x, 0.0), 1.0))
