@@ -84,6 +84,14 @@ Compliance = Annotated[
         " [N m/rad] and along z [N/m]; rigid by default.",
     ),
 ]
+StabiliserName = Annotated[
+    str,
+    typer.Option(
+        "--stabiliser",
+        help="With --plant servo. dcm: the divergent component is fed back, and the sag of the feet is undone;"
+        " dcm-adaptive: so, with feet whose compliance is estimated; sag: undone alone; open: the plan as it is.",
+    ),
+]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
 
 
@@ -105,6 +113,7 @@ def replay_command(
     mismatch: MismatchText = "",
     plant: PlantName = "torque",
     feet_compliance: Compliance = None,
+    stabiliser: StabiliserName = "dcm",
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/CLIP by default.")] = None,
     view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
 ) -> int:
@@ -132,6 +141,7 @@ def replay_command(
         up,
         plant,
         soft,
+        stabiliser,
     )
     with progress() as tell:
         report = replay(request, folder, tell)
@@ -155,6 +165,9 @@ def run_command(
     rate: Rate = 1000.0,
     push: Pushes = None,
     mismatch: MismatchText = "",
+    plant: PlantName = "torque",
+    feet_compliance: Compliance = None,
+    stabiliser: StabiliserName = "dcm",
     mass: options.Mass = None,
     stiffness: options.Stiffness = None,
     damping: options.Damping = None,
@@ -192,6 +205,9 @@ def run_command(
         rate=rate,
         pushes=pushes,
         mismatch=changed,
+        plant=plant,
+        compliance=parse_feet_compliance(feet_compliance) if feet_compliance is not None else None,
+        stabiliser=stabiliser,
     )
     folder = out or Path("runs") / Path(scenario).stem
     with progress() as tell:

@@ -31,8 +31,8 @@ def point(example, name):
     return Points.of(example["robot"], log.q, (name,)).positions[name]
 
 
-def test_all_thirteen_are_there():
-    assert [path.name[:2] for path in EXAMPLES] == [f"{k:02}" for k in range(1, 14)]
+def test_all_fourteen_are_there():
+    assert [path.name[:2] for path in EXAMPLES] == [f"{k:02}" for k in range(1, 15)]
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -178,6 +178,19 @@ def test_13_carries_a_bag_and_bears_a_pull():
     assert 0.003 < sway[200:500].max() < 0.05  # it does not know of the bag yet
     assert sway[-1] < 0.002 and sway[750:].max() < 0.05
     assert tick.mass == pytest.approx(example["robot"].mass + 8.0)
+
+
+@pytest.mark.slow
+def test_14_walks_up_a_slope_and_down_again():
+    example = ran("14_slope_walk.py")
+    done, motion, robot = example["done"], example["motion"], example["robot"]
+    log = done.log.trimmed()
+    assert done.fell_at_s is None and log.time[-1] > motion.duration - 0.01
+    way, rise = log.com[:, 0] - log.com[0, 0], log.com[:, 2] - log.com[0, 2]
+    assert way.max() > 0.98 and rise.max() > 0.98 * np.tan(np.deg2rad(10.0)) and abs(way[-1]) < 0.05
+    assert np.abs(log.com - motion.com[: len(log.com)]).max() < 0.01
+    assert np.abs(np.diff(log.torque, axis=0)).max() < 28.0
+    assert all(np.ptp(point(example, foot)[:, 0]) > 0.98 for foot in robot.feet)
 
 
 @pytest.mark.parametrize("package", sorted(PACKAGES))

@@ -1,15 +1,23 @@
 """The plant as one asks for it on a command line: servos or torque motors, rigid or compliant feet."""
 
+from collections.abc import Callable
 from math import inf, isfinite
+from typing import Literal
 
+from sim.drivers import PositionController
 from sot.errors import InputError
 from sot.hardware.compliance import FootCompliance
 from sot.hardware.hardware import Hardware
 from sot.hardware.sensors import Sensors
 from sot.hardware.servo import Servo
+from sot.motion.trajectory import Motion, MotionSample
 from sot.robots.robot import Robot
+from sot.servo.stabiliser import DcmGains, Stabiliser
 
 PLANTS = ("torque", "servo")
+STABILISERS = ("dcm", "dcm-adaptive", "sag", "open")
+"""What a robot with servos does beside its plan: the divergent component is fed back and what the plan's loads deflect
+is undone; the same for feet whose compliance has to be estimated; the latter alone; nothing."""
 
 
 def parse_feet_compliance(text: str) -> FootCompliance:
@@ -42,3 +50,23 @@ def hardware_of(robot: Robot, plant: str, compliance: FootCompliance | None) -> 
     if plant == "servo":
         return Hardware(Servo.of(robot), compliance, Sensors())
     return Hardware(compliance=compliance)
+
+
+def position_controller(
+    name: str,
+    motion: Motion,
+    hardware: Hardware,
+    period: float,
+    sample: Callable[[float], MotionSample] | None = None,
+) -> PositionController:
+    """The controller of a robot with servos, by the name of what stabilises it; for `sample` see `Stabiliser`.
+
+    Raises:
+        InputError: no such name.
+    """
+    if name not in STABILISERS:
+        raise InputError(f"unknown stabiliser '{name}': choose one of {', '.join(STABILISERS)}")
+    known: FootCompliance | Literal["estimated"] | None
+    known = "estimated" if name == "dcm-adaptive" else hardware.compliance if name != "open" else None
+    dcm = DcmGains() if name.startswith("dcm") else None
+    return Stabiliser(motion, period, known, hardware.servo, dcm, sample=sample)

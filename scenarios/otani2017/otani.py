@@ -15,6 +15,7 @@ from scenarios.otani2017 import pictures
 from scenarios.otani2017.handling_stack import contacts_of, handling_stack
 from scenarios.otani2017.scene import ObjectOptions, placement_noise, scene_things
 from scenarios.replay import Dance, ProgressCallback, Replay, check_writable, make_solver, run_motion, write_outputs
+from sim.log import RunLog
 from sim.recording.things import HandledThings
 from sim.reporting import report
 from sim.reporting.objects import object_figures
@@ -26,7 +27,8 @@ from sot.motion.objects import event_file
 from sot.motion.objects.demonstration import HandledObjects, read_objects
 from sot.motion.objects.events import ContactPlan
 from sot.motion.objects.pose_path import PosePath
-from sot.motion.objects.retarget import Scale, retarget_objects
+from sot.motion.objects.pushing import paced_for_pushing
+from sot.motion.objects.retarget import RobotDemonstration, Scale, retarget_objects
 from sot.motion.plan import imitation
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
@@ -93,18 +95,8 @@ def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) 
     make_solver(request.solver)
     danced, schedule, system = perform(request, handling, tell)
     log = danced.run.log.trimmed()
-    objects = object_figures(log, system)
-    demonstration = schedule.demonstration
-    for name, path in demonstration.things.items():
-        aim = path.track.position[-1]
-        if system.thing(name).is_free:
-            made = [event for event in demonstration.targets if event.pair.first.entity == name]
-            aim = demonstration.targets[made[-1]].place.translation if made else aim
-            objects[name]["end_error_m"] = float(np.linalg.norm(np.array(objects[name]["end_m"]) - aim))
-        else:
-            objects[name]["wanted_angle_deg"] = _turned(path)
     extra = {
-        "objects": objects,
+        "objects": object_report(log, system, schedule.demonstration),
         "manipulation": {
             "failure": schedule.failure or None,
             "waits": [{"events": wait.what, "start_s": wait.start, "end_s": wait.end} for wait in schedule.waits],
@@ -116,6 +108,26 @@ def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) 
     curves = pictures.save_curves(out / pictures.CURVES_FILE, log, system, schedule.played_times(), label)
     pictures.draw(out / pictures.PICTURE_FILE, [curves], f"{handling.clip}, {label}, by {system.robot.label}")
     return figures
+
+
+def object_report(log: RunLog, system: System, demonstration: RobotDemonstration) -> dict[str, dict[str, Any]]:
+    """Figures of the things, see `object_figures`, with how far they are off their aim, or should have turned.
+
+    Args:
+        log: Rows of the run.
+        system: The robot and the things as they are simulated.
+        demonstration: What was to be done.
+    """
+    objects = object_figures(log, system)
+    for name, path in demonstration.things.items():
+        aim = path.track.position[-1]
+        if system.thing(name).is_free:
+            made = [event for event in demonstration.targets if event.pair.first.entity == name]
+            aim = demonstration.targets[made[-1]].place.translation if made else aim
+            objects[name]["end_error_m"] = float(np.linalg.norm(np.array(objects[name]["end_m"]) - aim))
+        else:
+            objects[name]["wanted_angle_deg"] = _turned(path)
+    return objects
 
 
 def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tuple[Dance, ManipulationSchedule, System]:
@@ -139,6 +151,9 @@ def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tupl
     actual = scene_things(handled, scale, handling.actual, offsets)
     believed = scene_things(handled, scale, handling.known(), share=UNKNOWN_SHARE if handling.unknown else 1.0)
     system = System(robot, believed)
+    # A controller that knows no object cannot know how fast it may be pushed.
+    paced = paced_for_pushing(human, handled, contacts, () if handling.unknown else believed)
+    human, handled, contacts = paced.human, paced.handled, paced.contacts
     demonstration = retarget_objects(
         human, handled, contacts, imitation(human, robot, request.rate), system, hands_for(robot, handling.study)
     )
@@ -155,7 +170,8 @@ def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tupl
     handled_things = HandledThings(simulated, schedule.history, schedule.played_times())
     played = schedule.played()
     danced.run.log.zmp_planned[: len(played.zmp)] = played.zmp  # the run knew the motion only as it is without waits
-    return replace(danced, motion=played, handled=handled_things), schedule, simulated
+    remarks = (*paced.remarks, *danced.remarks)
+    return replace(danced, motion=played, handled=handled_things, remarks=remarks), schedule, simulated
 
 
 def read_demonstration(handling: Handling) -> tuple[Human, HandledObjects, ContactPlan]:

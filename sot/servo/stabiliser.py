@@ -1,7 +1,8 @@
 """The position controller of a dance on compliant feet: a plan, what its loads deflect undone, and feedback."""
 
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal, Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -10,11 +11,12 @@ from sot.gravity import GRAVITY
 from sot.hardware.compliance import FootCompliance, bush_position
 from sot.hardware.readings import Readings, measured_zmp
 from sot.hardware.servo import JointTargets, Servo
-from sot.motion.trajectory import Motion
+from sot.motion.trajectory import Motion, MotionSample
 from sot.servo.admittance import AdmittanceGains, FootAdmittance
+from sot.servo.compliance_estimate import ComplianceEstimate
 from sot.servo.load_sharing import LoadSharing
-from sot.servo.posture_correction import FootOffset, PostureCorrection, foot_stiffness
-from sot.servo.sag import sag_offset
+from sot.servo.posture_correction import FootOffset, PostureCorrection, leg_compliance
+from sot.servo.sag import bush_compliance, sag_offset
 
 Array = np.ndarray
 
@@ -44,7 +46,7 @@ class DcmGains:
     """
 
     convergence: float = DCM_GAIN
-    feet: AdmittanceGains = AdmittanceGains()
+    feet: AdmittanceGains = field(default_factory=AdmittanceGains)
 
 
 class Stabiliser:
@@ -60,47 +62,56 @@ class Stabiliser:
     Args:
         motion: the plan.
         period: control period [s].
-        compliance: of the feet, as far as it is known: what the planned load deflects is undone. None for no sag.
+        compliance: of the feet: what the planned load deflects is undone. "estimated" where it is not known; None for
+            rigid feet.
         servo: of the joints; unless given, the robot's by default.
         dcm: gains of the feedback of the divergent component; None for none.
         damping: the damping controller; None for none.
+        sample: where the posture comes from, `t -> MotionSample`, called once a tick: an `IntegratedStack`'s; the plan
+            itself unless given.
     """
 
     def __init__(
         self,
         motion: Motion,
         period: float,
-        compliance: FootCompliance | None = None,
+        compliance: FootCompliance | Literal["estimated"] | None = None,
         servo: Servo | None = None,
         dcm: DcmGains | None = None,
         damping: Damping | None = None,
+        sample: Callable[[float], MotionSample] | None = None,
     ) -> None:
         robot = motion.robot
-        self.period, self._motion, self._compliance = period, motion, compliance
+        self.period, self._motion = period, motion
+        self._sample = sample or motion.sample
         self._data = robot.model.createData()
         self._loads, self._correction = LoadSharing(motion), PostureCorrection(robot, period)
         self._bushes = {foot: bush_position(robot, foot) for foot in robot.feet}
-        self._length = float(motion.com[0, 2])
+        length = float(motion.com[0, 2])
+        self._omega = np.sqrt(GRAVITY / length)
         self._damping, self._dcm = damping, dcm
-        stiffness = foot_stiffness(robot, servo or Servo.of(robot), compliance)
-        self._admittance = FootAdmittance(robot, self._length, stiffness, dcm.feet, period) if dcm else None
+        self._compliance = bush_compliance(compliance) if isinstance(compliance, FootCompliance) else np.zeros(3)
+        self._estimate = ComplianceEstimate(robot, length, self._bushes) if compliance == "estimated" else None
+        self._legs = leg_compliance(robot, servo or Servo.of(robot))
+        self._admittance = FootAdmittance(robot, length, dcm.feet, period) if dcm else None
 
     def __call__(self, t: float, q: Array, v: Array, readings: Readings) -> JointTargets:
         """One tick, see `PositionController`."""
-        plan = self._motion.sample(t)
+        plan = self._sample(t)
         robot = self._motion.robot
-        force = robot.mass * (plan.com_acceleration + [0.0, 0.0, GRAVITY])
+        force = robot.mass * (plan.com_acceleration + np.array([0.0, 0.0, GRAVITY]))
+        measured = any(wrench.any() for wrench in readings.foot_wrench.values())  # nothing is before the first step
+        if self._estimate is not None and measured:
+            self._compliance = self._estimate(readings)
         offsets = {foot: FootOffset() for foot in robot.feet}
-        if self._compliance is not None:
+        if self._compliance.any():
             for foot, load in self._loads(t, plan.zmp, force).items():
                 offsets[foot] = sag_offset(load, self._compliance, self._bushes[foot])
-        measured = any(wrench.any() for wrench in readings.foot_wrench.values())  # nothing is before the first step
         if self._dcm is not None and self._admittance is not None and measured:
-            omega = np.sqrt(GRAVITY / self._length)
-            planned = (plan.com + plan.com_velocity / omega)[:2]
-            off = self._dcm_seen_from_the_feet(t, q, v, omega) - planned
+            off = self.divergent_component(t, q, v) - (plan.com + plan.com_velocity / self._omega)[:2]
             wanted = self._loads(t, plan.zmp + (1.0 + self._dcm.convergence) * off, force)
-            for foot, offset in self._admittance(wanted, readings.foot_wrench).items():
+            compliance = {foot: own + self._compliance for foot, own in self._legs.items()}
+            for foot, offset in self._admittance(wanted, readings.foot_wrench, compliance).items():
                 own = offsets[foot]
                 offsets[foot] = FootOffset(own.roll + offset.roll, own.pitch + offset.pitch, own.height + offset.height)
         shift = np.zeros(2)
@@ -109,12 +120,12 @@ class Stabiliser:
             shift = self._damping(t, measured_zmp({foot: readings.foot_wrench[foot] for foot in feet}, feet) - plan.zmp)
         return self._correction(plan.q, plan.v, shift, offsets)
 
-    def _dcm_seen_from_the_feet(self, t: float, q: Array, v: Array, omega: float) -> Array:
+    def divergent_component(self, t: float, q: Array, v: Array) -> Array:
         """ξ of a state (2,), moved and turned along with the feet that stand from where they are to their plan [m]."""
         robot, data = self._motion.robot, self._data
         pin.centerOfMass(robot.model, data, q, v)
         pin.updateFramePlacements(robot.model, data)
-        xi = (data.com[0] + data.vcom[0] / omega)[:2]
+        xi = (data.com[0] + data.vcom[0] / self._omega)[:2]
         feet, limits = self._loads.feet(t), self._loads.limits(t)
         seen, total = np.zeros(2), 0.0
         for foot, planned in feet.items():

@@ -17,7 +17,9 @@ from sot.behaviours.manipulation.guide import (
     placement_of,
 )
 from sot.behaviours.manipulation.hand_shift import shift_of_hands
+from sot.behaviours.manipulation.loss import LossWatch
 from sot.behaviours.manipulation.played import played_motion
+from sot.behaviours.manipulation.pushes import Pushes
 from sot.control.contact import Contact
 from sot.control.schedule import Schedule
 from sot.control.stack import Stack
@@ -124,9 +126,11 @@ class ManipulationSchedule(Schedule):
         self.history: list[tuple[float, ContactSets]] = [(0.0, self.sets)]
         self._t, self._loads = 0.0, dict[str, float]()
         self._tick: Tick | None = None
-        self._unfelt_since: dict[str, float] = {}
+        self._losses = LossWatch(self._contacts, LOST_TIME * self._unit)
         self._owner_changed = False
         self._approaching: list[tuple[PoseGuide, pin.SE3]] = []
+        pushed = [thing for thing in self.things if not demonstration.system.thing(thing).is_free]
+        self._pushes = Pushes(self._contacts, self.things, pushed, self._leg)
         self._steps = self._algorithm()
         groups = simultaneous(plan.events, self._unit)
         self.extra_time = self._unit * (MAX_WAIT * len(groups) + BACKING_OFF_TIME)
@@ -155,7 +159,7 @@ class ManipulationSchedule(Schedule):
             return done
         try:
             if not self.failure:
-                self._check_holding()
+                self._check_things(self._tick)
             next(self._steps)
         except _GivenUpError as error:
             self.failure = str(error)
@@ -257,7 +261,7 @@ class ManipulationSchedule(Schedule):
             guide.lead_by(closing_reference(goal, velocity, self._t, CLOSING_RAMP * unit), self._t, 0.0)
         farthest = max(self.demonstration.targets[event].standoff for event in events) + OVERTRAVEL * self._leg
         while left:
-            for event in [event for event in left if self._load(event) > TOUCH_LOAD * self._weight]:
+            for event in [event for event in left if self._is_felt(self._contacts[event.pair])]:
                 guide = self._mover(event)
                 guide.lead_by(fixed_reference(placement_of(guide(self._t))), self._t, 0.0)
                 left.remove(event)
@@ -298,7 +302,7 @@ class ManipulationSchedule(Schedule):
         for guide, goal in self._approaching:
             guide.lead_by(fixed_reference(goal), self._t, MIN_FACING_TIME * self._unit)
         for pair in self.sets.pairs:
-            if pair.kind == "robot-thing" and pair.second.entity in self._unfelt_since:
+            if pair.kind == "robot-thing" and self._losses.is_unfelt(pair.second.entity):
                 self.mode(self._t, self._contacts[pair].name, "off", 0.0)
                 self.carried = tuple(thing for thing in self.carried if thing != pair.second.entity)
                 point = self.demonstration.surface(pair.first).point
@@ -309,20 +313,20 @@ class ManipulationSchedule(Schedule):
         while True:
             yield
 
-    def _check_holding(self) -> None:
-        """Note since when nothing is felt on a thing that is carried; a hand may rest on what a hinge holds.
+    def _check_things(self, tick: Tick) -> None:
+        """Let go of what runs ahead while it is pushed, and push it again when its path has caught up.
 
         Raises:
-            _GivenUpError: It is lost.
+            _GivenUpError: A thing that was carried is lost.
         """
-        for thing in self.carried:
-            pairs = [pair for pair in self.sets.pairs if pair.kind == "robot-thing" and pair.second.entity == thing]
-            ramping = any(self._contacts[pair].load < 1.0 for pair in pairs)
-            if ramping or not pairs or any(self._loads.get(self._contacts[pair].name, 0.0) > 0.0 for pair in pairs):
-                self._unfelt_since.pop(thing, None)
-            elif self._t - self._unfelt_since.setdefault(thing, self._t) > LOST_TIME * self._unit:
-                held = ", ".join(sorted(pair.first.surface for pair in pairs))
-                raise _GivenUpError(f"{thing} was lost at {self._unfelt_since[thing]:.2f} s: nothing is felt at {held}")
+        if lost := self._losses.loss(self._t, self.carried, self.sets.pairs, self._loads):
+            raise _GivenUpError(lost)
+        ramp = LOAD_RAMP * self._unit
+        for contact in self._pushes.lead(tick, self.sets.pairs, self._is_felt):
+            if contact.mode == "off":
+                self.mode(self._t, contact.name, "fixed", ramp)
+            else:
+                self.mode(self._t + ramp, contact.name, "off", ramp)
 
     def _lead_com(self, sets: ContactSets) -> None:
         """Lead the centre of mass over the middle of the supports, Otani (9)."""
@@ -362,9 +366,9 @@ class ManipulationSchedule(Schedule):
         self.sets = self.demonstration.contacts.sets_after(self._happened, self._tracked)
         self.history.append((self._t, self.sets))
 
-    def _load(self, event: ContactEvent) -> float:
-        """Measured normal force of the contact of an event [N]."""
-        return self._loads.get(self._contacts[event.pair].name, 0.0)
+    def _is_felt(self, contact: Contact) -> bool:
+        """Whether a contact's surfaces touch, by the measured normal force."""
+        return self._loads.get(contact.name, 0.0) > TOUCH_LOAD * self._weight
 
     def _mover(self, event: ContactEvent) -> PoseGuide:
         """Reference of what makes the contact of an event."""

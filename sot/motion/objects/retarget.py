@@ -20,6 +20,7 @@ from sot.motion.objects.demonstration import HandledObjects
 from sot.motion.objects.detection import palm_path
 from sot.motion.objects.events import ROBOT, WORLD, ContactEvent, ContactPlan, SurfaceName
 from sot.motion.objects.pose_path import PosePath, blended
+from sot.motion.objects.pushing import joint_path
 from sot.motion.trajectory import Motion
 from sot.robots.surface import Surface
 from sot.robots.system import System
@@ -186,11 +187,9 @@ class _Retargeting:
         """The path of a thing on a hinge, which turns as far as the human's does."""
         thing, path = self.system.thing(name), self.handled.objects[name]
         data, frame = thing.model.createData(), thing.points[name]
-        turns = [pin.log3(turn @ path.rotation[0].T) for turn in path.rotation[: self.count]]
-        axis = thing.model.joints[1].shortname()[-1].lower()
         position, rotation = np.empty((self.count, 3)), np.empty((self.count, 3, 3))
-        for k, turn in enumerate(turns):
-            pin.framesForwardKinematics(thing.model, data, thing.rest + turn["xyz".index(axis) if axis in "xyz" else 2])
+        for k, coordinate in enumerate(joint_path(thing, path)[: self.count].tolist()):
+            pin.framesForwardKinematics(thing.model, data, np.array([coordinate]))
             position[k], rotation[k] = data.oMf[frame].translation, data.oMf[frame].rotation
         return PosePath.through(self.times, position, rotation, self.motion.rate)
 
