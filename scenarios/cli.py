@@ -16,6 +16,7 @@ from scenarios.bench import benchmark_figures, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.inputs.plant import parse_feet_compliance
+from scenarios.kimoh2013.damping import options as damping_cli
 from scenarios.listing import Kind, list_rows
 from scenarios.live.commands import live_command, stream_command
 from scenarios.otani2017 import options
@@ -177,11 +178,21 @@ def run_command(
     from_plate: options.FromPlate = False,
     seed: options.Seed = None,
     events: options.Events = None,
+    feet_compliance: damping_cli.FeetCompliance = None,
+    case: damping_cli.Case = None,
+    damping_ratio: damping_cli.DampingRatio = None,
+    form: damping_cli.Form = None,
+    identified: damping_cli.IdentifiedFile = None,
+    seeds: damping_cli.Seeds = None,
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/NAME by default.")] = None,
 ) -> int:
     """Run a scenario; record it and report on it."""
     told = stiffness, damping, friction, assumed_mass, assumed_stiffness, without_object, from_plate, seed, events
     handling = options.handling_options(scenario, study, mass, *told)
+    pendulum = feet_compliance, case, damping_ratio, form, identified, seeds
+    swaying = damping_cli.damping_options(scenario, study, *pendulum)
+    if study is not None and handling is None and swaying is None:
+        raise InputError(f"{scenario} takes no {study}: it has no studies to choose from")
     pushes, changed = tuple(parse_push(text) for text in push or ()), parse_mismatch(mismatch)
     chosen = solver or default_solver(scenario)
     request = Replay(
@@ -200,7 +211,7 @@ def run_command(
     )
     folder = out or Path("runs") / Path(scenario).stem
     with progress() as tell:
-        report, show_own = run_scenario(scenario, clip, request, folder, tell, handling)
+        report, show_own = run_scenario(scenario, clip, request, folder, tell, handling or swaying)
     status = FELL if report.get("fell") else DONE
     if handling is not None or scenario in MOTION_SCENARIOS or is_file(scenario):
         status = show_report(report, folder)

@@ -76,6 +76,9 @@ class Handling:
         return replace(known, stiffness=0.0, damping=0.0) if self.unknown and self.study == "door" else known
 
 
+DEFAULT_OPTIONS = Handling(STUDIES[0])
+
+
 def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Retarget a demonstration, run it, record and report.
 
