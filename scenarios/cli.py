@@ -83,6 +83,11 @@ Compliance = Annotated[
         " [N m/rad] and along z [N/m]; rigid by default.",
     ),
 ]
+StateName = Annotated[
+    str,
+    typer.Option("--state", help="What the controller knows: the true state, or one estimated from the sensors."),
+]
+SensorsName = Annotated[str, typer.Option("--sensors", help="ideal, or by data sheet: bmi088, mti630.")]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
 
 
@@ -104,6 +109,8 @@ def replay_command(
     mismatch: MismatchText = "",
     plant: PlantName = "torque",
     feet_compliance: Compliance = None,
+    state: StateName = "true",
+    sensors: SensorsName = "ideal",
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/CLIP by default.")] = None,
     view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
 ) -> int:
@@ -131,6 +138,8 @@ def replay_command(
         up,
         plant,
         soft,
+        state,
+        sensors,
     )
     with progress() as tell:
         report = replay(request, folder, tell)

@@ -10,7 +10,7 @@ from typing import Any
 
 from scenarios import stacks
 from scenarios.inputs import clips, edit_file
-from scenarios.inputs.plant import hardware_of
+from scenarios.inputs.plant import estimator_of, hardware_of
 from scenarios.inputs.stack_file import Composer, Composition, blaming_stack_file, load_stack
 from sim.drivers import PositionController
 from sim.log import RunInfo
@@ -29,6 +29,7 @@ from sot.control.schedule import Schedule
 from sot.control.stack import Stack
 from sot.errors import InputError
 from sot.hardware.compliance import FootCompliance
+from sot.hardware.hardware import Hardware
 from sot.motion import Human, read, recognise
 from sot.motion.feet import contact_file
 from sot.motion.performance import Performance
@@ -69,6 +70,8 @@ class Replay:
         up: the up axis of the clip's file, one of `sot.motion.human.world.UP_AXES`; found in the clip by default.
         plant: one of `scenarios.inputs.plant.PLANTS`: whether joints take torques or have servos that take positions.
         compliance: of the robot's feet; rigid by default.
+        state: one of `scenarios.inputs.plant.STATES`: what the controller is told.
+        sensors: one of `sot.hardware.sensors.SENSOR_PRESETS`.
     """
 
     clip: str
@@ -87,6 +90,17 @@ class Replay:
     up: str | None = None
     plant: str = "torque"
     compliance: FootCompliance | None = None
+    state: str = "true"
+    sensors: str = "ideal"
+
+    def hardware(self, robot: Robot) -> Hardware:
+        """What is asked for beside links and motors of a robot.
+
+        Raises:
+            InputError: that does not exist.
+        """
+        seed = self.mismatch.seed
+        return hardware_of(robot, self.plant, self.compliance, self.state, self.sensors, seed)
 
 
 @dataclass(frozen=True)
@@ -158,7 +172,7 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
     """
     make_solver(request.solver)  # before any work
     robot = Robot.load(request.robot)
-    hardware_of(robot, request.plant, request.compliance)
+    request.hardware(robot)
     if request.plant == "servo":
         if request.stack or request.edits:
             raise InputError("--plant servo: the planned motion is played; --stack and --edit are for --plant torque")
@@ -211,7 +225,8 @@ def run_motion(
     tell("starting (the first time on a machine this compiles, for half a minute)", None)
     _compile_tick(motion)
     with blaming_stack_file(request.stack):
-        done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
+        estimator = estimator_of(robot, world.hardware, request.state)
+        done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration), estimator=estimator)
     info = _info(request, world, planned, done, solver.name)
     remarks = () if schedule is None else tuple(schedule.remarks())
     return Dance(done, info, motion, planned, told, scene, remarks=remarks)
@@ -226,14 +241,15 @@ def run_on_servos(
         InputError: anything in the request that does not fit.
     """
     world = _world(request, motion)
-    done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
+    estimator = estimator_of(motion.robot, world.hardware, request.state)
+    done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration), estimator=estimator)
     return Dance(done, _info(request, world, planned, done, "open loop"), motion, planned)
 
 
 def _world(request: Replay, motion: Motion, scene: Scene | None = None, things: Sequence[Thing] = ()) -> World:
     """The world that a request asks for."""
     robot = motion.robot
-    hardware = hardware_of(robot, request.plant, request.compliance)
+    hardware = request.hardware(robot)
     if request.compliance is not None:
         refuse_soft_feet(request.compliance, motion)
     return World(robot, 1.0 / request.rate, request.mismatch, request.pushes, scene, things, hardware=hardware)
