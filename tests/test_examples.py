@@ -34,8 +34,8 @@ def point(example, name):
     return Points.of(example["robot"], log.q, (name,)).positions[name]
 
 
-def test_all_fourteen_are_there():
-    assert [path.name[:2] for path in EXAMPLES] == [f"{k:02}" for k in range(1, 15)]
+def test_all_fifteen_are_there():
+    assert [path.name[:2] for path in EXAMPLES] == [f"{k:02}" for k in range(1, 16)]
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -201,8 +201,8 @@ def test_packages_say_that_they_carry_types(package):
     assert (FOLDER.parents[1] / package / "py.typed").is_file()
 
 
-def test_14_turns_the_chest_on_soft_feet():
-    example = ran("14_servo.py")
+def test_15_turns_the_chest_on_soft_feet():
+    example = ran("15_servo.py")
     log, yaw = example["done"].log.trimmed(), 7 + example["yaw"]
     assert example["done"].fell_at_s is None
     assert log.q[-1, yaw] == pytest.approx(0.2, abs=0.005)

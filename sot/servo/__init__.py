@@ -1,5 +1,6 @@
 """Controllers of robots whose joints have servos."""
 
-from sot.servo.planned import PlannedTargets
+from sot.servo.integrated_stack import IntegratedStack
+from sot.servo.stabiliser import Stabiliser
 
-__all__ = ["PlannedTargets"]
+__all__ = ["IntegratedStack", "Stabiliser"]

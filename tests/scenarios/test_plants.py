@@ -8,9 +8,11 @@ import pytest
 from scenarios.replay import Dance, Replay, dance, run_on_servos
 from sim.reporting.figures import zmp
 from sot.hardware import FootCompliance
-from sot.servo import PlannedTargets
+from sot.servo import Stabiliser
 
-REQUEST = Replay("groove", duration=5.0, rate=500.0, plant="servo", compliance=FootCompliance(2500.0, 2500.0))
+REQUEST = Replay(
+    "groove", duration=5.0, rate=500.0, plant="servo", compliance=FootCompliance(2500.0, 2500.0), stabiliser="open"
+)
 
 
 def tell(what: str, share: float | None) -> None:
@@ -29,7 +31,7 @@ def zmp_error(danced: Dance) -> float:
 @pytest.mark.slow
 def test_it_rocks_on_rubber_and_hardly_on_rigid_feet(on_rubber):
     motion = on_rubber.motion
-    rigid = run_on_servos(replace(REQUEST, compliance=None), PlannedTargets(motion, 0.002), motion, None, tell)
+    rigid = run_on_servos(replace(REQUEST, compliance=None), Stabiliser(motion, 0.002), motion, None, tell)
     assert on_rubber.run.fell_at_s is None and rigid.run.fell_at_s is None
     assert zmp_error(rigid) < 0.03
     assert 0.04 < zmp_error(on_rubber) < 0.10
@@ -38,7 +40,7 @@ def test_it_rocks_on_rubber_and_hardly_on_rigid_feet(on_rubber):
 @pytest.mark.slow
 def test_figures_100_m_away_and_turned_are_the_same(on_rubber):
     far = on_rubber.motion.placed(60.0, 80.0, np.deg2rad(137.0))
-    there = run_on_servos(REQUEST, PlannedTargets(far, 0.002), far, None, tell)
+    there = run_on_servos(REQUEST, Stabiliser(far, 0.002), far, None, tell)
     assert there.run.fell_at_s is None
     assert zmp_error(there) == pytest.approx(zmp_error(on_rubber), rel=0.05)
 
@@ -46,5 +48,5 @@ def test_figures_100_m_away_and_turned_are_the_same(on_rubber):
 @pytest.mark.slow
 def test_the_rubber_of_hrp2_lets_an_open_loop_fall(on_rubber):
     soft, motion = replace(REQUEST, compliance=FootCompliance(707.0, 502.0)), on_rubber.motion
-    fell_at = run_on_servos(soft, PlannedTargets(motion, 0.002), motion, None, tell).run.fell_at_s
+    fell_at = run_on_servos(soft, Stabiliser(motion, 0.002), motion, None, tell).run.fell_at_s
     assert fell_at is not None and fell_at > 2.0

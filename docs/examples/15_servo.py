@@ -1,5 +1,5 @@
 """A robot whose joints take positions, on soft feet, led by a controller of one's own that feels the floor."""
-# python docs/examples/14_servo.py
+# python docs/examples/15_servo.py
 
 import numpy as np
 
