@@ -15,6 +15,8 @@ from scenarios.hammam2015.key_point_reference import ClipPart
 from scenarios.inputs.scenario_file import load_scenario
 from scenarios.inputs.stack_file import Composition
 from scenarios.kimoh2013 import imitation, planar3r, printed_bounds
+from scenarios.kimoh2013.damping import damping
+from scenarios.kimoh2013.damping.damping import DampingOptions
 from scenarios.otani2017 import otani
 from scenarios.otani2017.otani import Handling
 from scenarios.ramos2011 import ramos
@@ -43,9 +45,10 @@ CLIP_STUDIES: dict[str, ModuleType] = {"hammam": hammam, "dariush": dariush}
 CLIP_SCENARIOS: dict[str, ModuleType] = {"ramos": ramos}
 """Scenarios that dance a clip, their `CLIP` unless another is named: `run(request, out, tell)` returns the report,
 `show(report, console)` prints it."""
-HANDLING_SCENARIOS: dict[str, ModuleType] = {"otani": otani}
-"""Scenarios with things: `run(request, handling, out, tell)` returns the report, `show(report, console)` prints it."""
-SCENARIOS = {**MOTION_SCENARIOS, **CLIP_SCENARIOS, **HANDLING_SCENARIOS, **STUDIES, **CLIP_STUDIES}
+OPTION_SCENARIOS: dict[str, ModuleType] = {"otani": otani, "damping": damping}
+"""Scenarios with options of their own: `run(request, options, out, tell)` returns the report, `show(report, console)`
+prints it."""
+SCENARIOS = {**MOTION_SCENARIOS, **CLIP_SCENARIOS, **OPTION_SCENARIOS, **STUDIES, **CLIP_STUDIES}
 
 Show = Callable[[dict[str, Any], Console], None]
 
@@ -66,7 +69,7 @@ def run_scenario(
     request: Replay,
     out: Path,
     tell: ProgressCallback,
-    handling: Handling | None = None,
+    options: Handling | DampingOptions | None = None,
 ) -> tuple[dict[str, Any], Show | None]:
     """Run a scenario, record and report; the files appear in the folder `out`.
 
@@ -76,7 +79,7 @@ def run_scenario(
         request: The rest of what is asked for.
         out: Folder to write to.
         tell: Told of the progress.
-        handling: What is handled, for a scenario with things.
+        options: Of a scenario that has some of its own.
 
     Returns:
         The report, and what prints the part of it that is the scenario's own, if there is one.
@@ -86,11 +89,11 @@ def run_scenario(
     """
     if name not in SCENARIOS and not is_file(name):
         raise InputError(f"unknown scenario '{name}': choose one of {', '.join(SCENARIOS)}, or give a file (.py)")
-    if name in HANDLING_SCENARIOS:
+    if name in OPTION_SCENARIOS:
         if clip or request.start or request.duration is not None:
-            raise InputError(f"{name} has demonstrations of its own: leave the clip and its part out")
-        scenario = HANDLING_SCENARIOS[name]
-        return scenario.run(request, handling or Handling(otani.STUDIES[0]), out, tell), scenario.show
+            raise InputError(f"{name} has motions of its own: leave the clip and its part out")
+        scenario = OPTION_SCENARIOS[name]
+        return scenario.run(request, options or scenario.DEFAULT_OPTIONS, out, tell), scenario.show
     if name in CLIP_SCENARIOS:
         scenario = CLIP_SCENARIOS[name]
         return scenario.run(replace(request, clip=clip or scenario.CLIP), out, tell), scenario.show
