@@ -178,7 +178,6 @@ def run_command(
     from_plate: options.FromPlate = False,
     seed: options.Seed = None,
     events: options.Events = None,
-    feet_compliance: damping_cli.FeetCompliance = None,
     case: damping_cli.Case = None,
     damping_ratio: damping_cli.DampingRatio = None,
     form: damping_cli.Form = None,
@@ -189,7 +188,7 @@ def run_command(
     """Run a scenario; record it and report on it."""
     told = stiffness, damping, friction, assumed_mass, assumed_stiffness, without_object, from_plate, seed, events
     handling = options.handling_options(scenario, study, mass, *told)
-    pendulum = feet_compliance, case, damping_ratio, form, identified, seeds
+    pendulum = case, damping_ratio, form, identified, seeds
     swaying = damping_cli.damping_options(scenario, study, *pendulum)
     if study is not None and handling is None and swaying is None:
         raise InputError(f"{scenario} takes no {study}: it has no studies to choose from")

@@ -31,7 +31,6 @@ class DampingOptions:
 
     Attributes:
         study: one of `STUDIES`.
-        compliance: of the feet; what suits the robot's weight unless given, or what it was identified with.
         cases: of `CASES`.
         damping_ratio: asked of the controller; 0.3, 0.5 and the paper's 0.72 in turn unless given.
         form: one of `sot.servo.pole_placement.FORMS`.
@@ -41,7 +40,6 @@ class DampingOptions:
     """
 
     study: str
-    compliance: FootCompliance | None = None
     cases: tuple[tuple[str, str], ...] = CASES
     damping_ratio: float | None = None
     form: str = "filtered"
@@ -56,22 +54,26 @@ DEFAULT_OPTIONS = DampingOptions(STUDIES[0])
 def run(request: Replay, options: DampingOptions, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Identify a robot, or push one that was identified; files appear in the folder `out`.
 
+    Feet are as soft as suits the robot's weight, or as they were when it was identified, unless the request says.
+
     Raises:
         InputError: anything that does not fit; nothing is written then.
     """
-    if request != Replay("", request.robot, feet=request.feet, solver=request.solver):
-        raise InputError("damping is a study: besides its own options it takes --robot and --out only")
+    if request != Replay("", request.robot, solver=request.solver, feet=request.feet, compliance=request.compliance):
+        raise InputError("damping is a study: besides its own options it takes --robot, --feet-compliance and --out")
     check_writable(out)
     robot = Robot.load(request.robot)
     study = _identify if options.study == "identify" else _push
-    figures = study(robot, options, out, tell)
+    figures = study(robot, request.compliance, options, out, tell)
     head = {"scenario": f"damping {options.study}", "robot": robot.name, "rate_hz": SAMPLING_RATE}
     report.write_json(head | figures, out / REPORT_FILE)
     return head | figures
 
 
-def _identify(robot: Robot, options: DampingOptions, out: Path, tell: ProgressCallback) -> dict[str, Any]:
-    compliance = options.compliance or usual_compliance(robot)
+def _identify(
+    robot: Robot, soft: FootCompliance | None, options: DampingOptions, out: Path, tell: ProgressCallback
+) -> dict[str, Any]:
+    compliance = soft or usual_compliance(robot)
     results = identify(robot, compliance, options.cases, tell)
     out.mkdir(parents=True, exist_ok=True)
     write_identified(out / PENDULUM_FILE, identified_of(robot, compliance, results))
@@ -80,9 +82,11 @@ def _identify(robot: Robot, options: DampingOptions, out: Path, tell: ProgressCa
     return {"cases": {f"{plane}-{support}": case_figures(result) for (plane, support), result in results.items()}}
 
 
-def _push(robot: Robot, options: DampingOptions, out: Path, tell: ProgressCallback) -> dict[str, Any]:
+def _push(
+    robot: Robot, soft: FootCompliance | None, options: DampingOptions, out: Path, tell: ProgressCallback
+) -> dict[str, Any]:
     identified = _identified(robot, options.identified)
-    compliance = options.compliance or _bush(robot, identified)
+    compliance = soft or _bush(robot, identified)
     ratios = RATIOS if options.damping_ratio is None else (options.damping_ratio,)
     controllers = controllers_of(identified, ratios, options.form)
     frequencies = {}

@@ -101,9 +101,9 @@ def print_identification(figures: Mapping[str, Mapping[str, Any]], console: Cons
 def _polynomials(pendulum: Pendulum) -> tuple[Array, Array]:
     """Numerator and denominator of y / u, the delay by Padé."""
     inverted = np.array([pendulum.leading_inertia, 0.0, -pendulum.weight * pendulum.length])
-    numerator = -np.polymul([pendulum.damping, pendulum.stiffness], inverted) / pendulum.weight
+    numerator: Array = -np.polymul([pendulum.damping, pendulum.stiffness], inverted) / pendulum.weight
     excess = pendulum.stiffness - pendulum.weight * pendulum.length
-    denominator = np.array([pendulum.turning_inertia, pendulum.damping, excess])
+    denominator: Array = np.array([pendulum.turning_inertia, pendulum.damping, excess])
     if pendulum.lag > NEGLIGIBLE_TIME:
         denominator = np.polymul(denominator, [pendulum.lag, 1.0])
     if pendulum.delay > NEGLIGIBLE_TIME:

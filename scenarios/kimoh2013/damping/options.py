@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-from scenarios.inputs.plant import parse_feet_compliance
 from scenarios.kimoh2013.damping.damping import CASES, STUDIES, DampingOptions
 from sot.errors import InputError
 from sot.servo.pole_placement import FORMS
@@ -13,9 +12,6 @@ from sot.servo.pole_placement import FORMS
 NAME = "damping"
 """The scenario that takes these options."""
 
-FeetCompliance = Annotated[
-    str | None, typer.Option("--feet-compliance", help='For damping: "KX,KY" or "KX,KY,KZ", as of `sot replay`.')
-]
 Case = Annotated[
     list[str] | None, typer.Option("--case", help="For damping: xz-double, yz-double, … ; all four by default.")
 ]
@@ -30,7 +26,6 @@ Seeds = Annotated[int | None, typer.Option(help="For damping push: pushes of eac
 def damping_options(
     scenario: str,
     study: str | None,
-    feet_compliance: str | None,
     case: list[str] | None,
     damping_ratio: float | None,
     form: str | None,
@@ -45,7 +40,7 @@ def damping_options(
     of_push = {"--damping-ratio": damping_ratio, "--form": form, "--identified": identified, "--seeds": seeds}
     given = [name for name, value in of_push.items() if value is not None]
     if scenario != NAME:
-        given += [name for name, value in (("--feet-compliance", feet_compliance), ("--case", case)) if value]
+        given += ["--case"] if case else []
         if given:
             raise InputError(f"{scenario} takes no {given[0]}: only {NAME} does")
         return None
@@ -61,7 +56,6 @@ def damping_options(
         raise InputError(f"--seeds {seeds}: give 1 or more")
     return DampingOptions(
         study,
-        parse_feet_compliance(feet_compliance) if feet_compliance is not None else None,
         _cases(case) if case else CASES,
         damping_ratio,
         form or DampingOptions.form,
