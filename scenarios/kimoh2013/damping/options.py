@@ -40,8 +40,7 @@ def damping_options(
     of_push = {"--damping-ratio": damping_ratio, "--form": form, "--identified": identified, "--seeds": seeds}
     given = [name for name, value in of_push.items() if value is not None]
     if scenario != NAME:
-        if case:
-            given.append("--case")
+        given += ["--case"] if case else []
         if given:
             raise InputError(f"{scenario} takes no {given[0]}: only {NAME} does")
         return None
