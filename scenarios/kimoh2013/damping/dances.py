@@ -2,37 +2,97 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.replay import ProgressCallback
+from scenarios.kimoh2013.damping.stance import stance_of
+from scenarios.replay import ProgressCallback, Replay, reference_motion
 from sim.drivers import PositionController
 from sim.loop import run
 from sim.world import World
+from sot.gravity import GRAVITY
 from sot.hardware.compliance import FootCompliance
 from sot.hardware.hardware import Hardware
 from sot.hardware.sensors import Sensors
 from sot.hardware.servo import Servo
 from sot.motion.trajectory import Motion
+from sot.robots.robot import Robot
 from sot.servo.admittance import AdmittanceGains
-from sot.servo.damping import DampingController
+from sot.servo.damping import DampingController, PlaneDesigns, single_support_share
+from sot.servo.identified import Identified
+from sot.servo.load_sharing import LOAD_RAMP_TIME
+from sot.servo.soft_feet import refuse_soft_feet
 from sot.servo.stabiliser import DcmGains, Stabiliser
 
 Array = np.ndarray
 
+DANCE, GAINS = "dance", "gains"
+STUDIES = {
+    DANCE: "planted",
+    GAINS: "auto",
+}
+"""Studies of dances, and whether feet stay or step in them."""
+CLIP = "groove"
 GAIN_SHARES = 0.7, 1.3
 """Factors by which each gain is changed alone."""
 
 Make = Callable[[], PositionController]
 
 
+def dance_figures(
+    request: Replay,
+    study: str,
+    compliance: FootCompliance,
+    identified: Identified | None,
+    ratio: float,
+    tell: ProgressCallback,
+) -> dict[str, Any]:
+    """Let a robot dance on servos and compliant feet, once with each controller of a study.
+
+    Args:
+        request: names clip, part, robot and the rest; `groove` unless it names one.
+        study: one of `STUDIES`.
+        compliance: of the feet.
+        identified: the robot's pendulums; None where it was not identified.
+        ratio: damping ratio asked of the damping controller.
+        tell: told of the progress.
+
+    Raises:
+        InputError: a clip that cannot be danced, feet too soft for it, or a design that is refused.
+    """
+    robot = Robot.load(request.robot)
+    request = replace(request, clip=request.clip or CLIP, feet=STUDIES[study])
+    period = 1.0 / request.rate
+    planes = identified.designs(ratio, period)[0] if identified is not None and study == DANCE else None
+    motion, _ = reference_motion(request, robot, tell)
+    refuse_soft_feet(compliance, motion)
+    if study == GAINS:
+        return controller_figures(motion, compliance, gain_changes(motion, compliance, period), tell)
+    damping = None if planes is None else partial(_damping, planes, motion)
+    return controller_figures(motion, compliance, stabilisers(motion, compliance, period, damping), tell)
+
+
+def _damping(planes: tuple[PlaneDesigns, PlaneDesigns], motion: Motion) -> DampingController:
+    ramp = LOAD_RAMP_TIME * float(np.sqrt(motion.com[0, 2] / GRAVITY))
+    share = single_support_share(motion.phases, ramp)
+    return DampingController(planes, share, stance_of(motion.robot, "double").reach)
+
+
 def stabilisers(
     motion: Motion, compliance: FootCompliance, period: float, damping: Callable[[], DampingController] | None
 ) -> dict[str, Make]:
-    """Controllers of a dance: nothing, sag undone, each feedback alone, and with it."""
+    """Controllers of a dance by name: nothing, sag undone, each feedback alone, and with it.
+
+    Args:
+        motion: the plan.
+        compliance: of the feet.
+        period: control period [s].
+        damping: makes the damping controller; None where the robot was not identified.
+    """
     feedbacks: dict[str, dict[str, Callable[[], Any]]] = {"open": {}, "dcm": {"dcm": DcmGains}}
     if damping is not None:
         feedbacks["damping"] = {"damping": damping}
@@ -63,7 +123,7 @@ def gain_changes(motion: Motion, compliance: FootCompliance, period: float) -> d
     return {name: maker(gains) for name, gains in changed.items()}
 
 
-def dance_figures(
+def controller_figures(
     motion: Motion, compliance: FootCompliance, controllers: Mapping[str, Make], tell: ProgressCallback
 ) -> dict[str, dict[str, Any]]:
     """What became of a motion under each controller.
@@ -90,19 +150,17 @@ def dance_figures(
     return found
 
 
-def print_dances(clips: Mapping[str, Mapping[str, Mapping[str, Any]]], console: Console) -> None:
-    """Print a row a clip and controller."""
+def print_dances(controllers: Mapping[str, Mapping[str, Any]], console: Console) -> None:
+    """Print a row a controller."""
     table = Table(box=None, padding=(0, 2, 0, 0))
-    for words in ("clip", "controller", "how it ended", "ZMP off its plan\nmm", "CoM off at the end\nmm"):
+    for words in ("controller", "how it ended", "ZMP off its plan\nmm", "CoM off at the end\nmm"):
         table.add_column(words, justify="right" if "mm" in words else "left")
-    for clip, controllers in clips.items():
-        for name, found in controllers.items():
-            fell = found["fell_at_s"]
-            table.add_row(
-                clip,
-                name,
-                "upright" if fell is None else f"fell at {fell:.1f} s",
-                f"{1e3 * found['zmp_rms_m']:.1f}",
-                "-" if fell is not None else f"{1e3 * found['com_off_at_end_m']:.0f}",
-            )
+    for name, found in controllers.items():
+        fell = found["fell_at_s"]
+        table.add_row(
+            name,
+            "upright" if fell is None else f"fell at {fell:.1f} s",
+            f"{1e3 * found['zmp_rms_m']:.1f}",
+            "-" if fell is not None else f"{1e3 * found['com_off_at_end_m']:.0f}",
+        )
     console.print(table)
