@@ -15,9 +15,9 @@ from sot.servo.pendulum_fit import FrequencyResponse
 Array = np.ndarray
 
 FORMS = ("filtered", "paper")
-FILTER_TIME = 0.71
-"""Time constant of the filter of the command, in √(l / g): 0.2 s for 0.78 m."""
-DISTURBANCE_RATE = 0.4
+FILTER_TIME = 1.0
+"""Time constant of the filter of the command, in √(l / g): 0.28 s for 0.78 m."""
+DISTURBANCE_RATE = 0.1
 """Standard deviation by which the moment of a disturbance is taken to wander in 1 s, in m g l."""
 ZMP_NOISE = 0.0026
 """Standard deviation of the measured zero-moment point, in l: 2 mm for 0.78 m."""

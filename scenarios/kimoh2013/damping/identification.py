@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from scenarios.kimoh2013.damping.stance import Stance, stance_of
+from scenarios.kimoh2013.damping.stance import stance_of
 from scenarios.kimoh2013.damping.sweep import SAMPLING_RATE, Sweep, sweep
 from sot.errors import InputError
 from sot.hardware.compliance import FootCompliance
@@ -15,6 +15,7 @@ from sot.robots.robot import Robot
 from sot.servo.identified import PLANES, Identified, IdentifiedCase
 from sot.servo.pendulum_fit import fit_errors, fit_pendulum
 from sot.servo.pole_placement import FORMS, design_damping
+from sot.servo.soft_feet import refuse_soft_feet
 from sot.servo.sway_modes import SwayMode, sway_modes
 
 PAPER_RATIO = 0.72
@@ -47,10 +48,12 @@ def identify(
     Raises:
         InputError: bushes that are too soft, or a robot that falls over.
     """
-    stances: dict[str, Stance] = {}
+    stances = {support: stance_of(robot, support) for support in {one for _, one in cases}}
+    for stance in stances.values():
+        refuse_soft_feet(compliance, stance.motion(1.0, 10.0))
     results = {}
     for k, (plane, support) in enumerate(cases):
-        stance = stances.setdefault(support, stance_of(robot, support))
+        stance = stances[support]
         modes = sway_modes(robot, stance.q, list(stance.feet), Servo.of(robot), compliance)
 
         def told(share: float, k: int = k, name: str = f"{plane}, {support} support") -> None:

@@ -20,8 +20,10 @@ Array = np.ndarray
 Planes = tuple[PlaneDesigns, PlaneDesigns]
 
 SENSORS = "bmi088"
-PUSH_AT_S, WATCHED_S = 3.0, 7.0
-"""When the push begins, and how long the sway is watched [s]."""
+PUSH_AT_S = 2.0
+"""When the push begins at the earliest [s]."""
+WATCHED_S = {False: 6.0, True: 3.0}
+"""How long the sway is watched, without and with damping [s]."""
 PUSH_RATIO = {"double": 0.105, "single": 0.0525}
 """Force of a push in weights: 60 and 30 N for the HRP-2-like robot."""
 DURATION_RATIO = 0.355
@@ -32,7 +34,7 @@ SETTLED = 0.005
 """Deviation of the zero-moment point that counts as settled [m]."""
 FITTED_S = 1.5
 """Time of the sway in which its damping ratio is measured [s]."""
-SURVIVED_WATCHED_S = 3.0
+SURVIVED_WATCHED_S = 2.0
 IMPULSE_STEP = 1.25
 """Ratio of neighbouring impulses that are tried; the last ratio is its fourth root."""
 
@@ -106,7 +108,12 @@ def controller_of(stance: Stance, planes: Planes | None, duration: float) -> Sta
 
 
 def pushed(
-    stance: Stance, compliance: FootCompliance, planes: Planes | None, push: Push, watched: float, seed: int
+    stance: Stance,
+    compliance: FootCompliance,
+    planes: Planes | None,
+    push: Push,
+    watched: float,
+    seed: int,
 ) -> Sway:
     """Push a robot and watch it.
 

@@ -81,8 +81,9 @@ def push_figures(
         figures[name], sways[name] = {}, {}
         for one in controllers:
             tell(f"pushing {name}, {one.name}", k / len(frequencies))
+            watched = WATCHED_S[one.planes is not None]
             found = [
-                pushed(stance, compliance, one.planes, usual_push(stance, axis, seed), WATCHED_S, seed)
+                pushed(stance, compliance, one.planes, usual_push(stance, axis, seed), watched, seed)
                 for seed in range(seeds)
             ]
             sways[name][one.name] = found[0]

@@ -23,7 +23,7 @@ REST_S = 2.0
 """Time before the first sine [s]."""
 MIN_RAMP_S = 1.0
 """Shortest time in which a sine comes up [s]; it takes a cycle at least."""
-WINDOW_CYCLES, MIN_WINDOW_S = 2, 2.0
+WINDOW_CYCLES, MIN_WINDOW_S = 1, 2.0
 """Least cycles and time over which a sine is measured [s]; it is measured until …"""
 STEADY, MAX_WINDOWS = 0.02, 8
 """… two windows agree to this share: at first the robot also sways as if it had been pushed."""
