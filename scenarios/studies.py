@@ -41,7 +41,8 @@ MOTION_SCENARIOS: dict[str, ModuleType] = {"sliding": sliding, "imitation": imit
 STUDIES: dict[str, ModuleType] = {"planar3r": planar3r, "bounds": printed_bounds}
 """Scenarios without physics: `study(rate, out, tell)` returns figures, `show(figures, console)` prints them."""
 CLIP_STUDIES: dict[str, ModuleType] = {"hammam": hammam, "dariush": dariush}
-"""Studies of clips, their `CLIPS` unless one is named: `study(rate, out, tell, parts)`, the rest as of STUDIES."""
+"""Studies of clips, their `CLIPS` unless one is named: `study(rate, out, tell, parts)`, the rest as of STUDIES.
+One whose `TAKES_RATE` is false has nothing under physics, and is given no rate."""
 CLIP_SCENARIOS: dict[str, ModuleType] = {"ramos": ramos}
 """Scenarios that dance a clip, their `CLIP` unless another is named: `run(request, out, tell)` returns the report,
 `show(report, console)` prints it."""
@@ -130,12 +131,13 @@ def _run_study(
 ) -> tuple[dict[str, Any], Show]:
     """Run a study; `parts` of clips, if it is of clips."""
     name = request.clip
-    if request != Replay(name, rate=request.rate, feet=request.feet):
-        options = "--clip, --start, --duration, --rate and --out" if parts else "--rate and --out"
-        raise InputError(f"{name} is a study: it takes no options but {options}")
+    takes_rate = getattr(scenario, "TAKES_RATE", True)
+    if request != Replay(name, rate=request.rate if takes_rate else Replay.rate, feet=request.feet):
+        options = [*(["--clip", "--start", "--duration"] if parts else []), *(["--rate"] if takes_rate else [])]
+        raise InputError(f"{name} is a study: it takes no options but {', '.join(options)} and --out")
     check_writable(out)
     out.mkdir(parents=True, exist_ok=True)
-    figures = scenario.study(request.rate, out, tell, *parts)
+    figures = scenario.study(*((request.rate,) if takes_rate else ()), out, tell, *parts)
     report.write_json(figures, out / REPORT_FILE)
     return figures, scenario.show
 

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from scenarios.inputs.clips import find_clip
 from scenarios.inputs.stack_file import Composition
-from scenarios.otani2017 import pictures
+from scenarios.otani2017 import curves, pictures
 from scenarios.otani2017.handling_stack import contacts_of, handling_stack
 from scenarios.otani2017.scene import ObjectOptions, placement_noise, scene_things
 from scenarios.replay import Dance, ProgressCallback, Replay, check_writable, make_solver, run_motion, write_outputs
@@ -95,8 +95,11 @@ def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) 
     make_solver(request.solver)
     danced, schedule, system = perform(request, handling, tell)
     log = danced.run.log.trimmed()
+    label = ", ".join(f"{value:g} {unit}" for value, unit in handling.actual.told(handling.study))
+    drawn = curves.curves_of(log, system, schedule.played_times(), label)
     extra = {
         "objects": object_report(log, system, schedule.demonstration),
+        "legs": curves.leg_figures(drawn, system.robot, schedule.history),
         "manipulation": {
             "failure": schedule.failure or None,
             "waits": [{"events": wait.what, "start_s": wait.start, "end_s": wait.end} for wait in schedule.waits],
@@ -104,9 +107,8 @@ def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) 
         },
     }
     figures = write_outputs(danced, out, tell, report.rounded(extra))
-    label = ", ".join(f"{value:g} {unit}" for value, unit in handling.actual.told(handling.study))
-    curves = pictures.save_curves(out / pictures.CURVES_FILE, log, system, schedule.played_times(), label)
-    pictures.draw(out / pictures.PICTURE_FILE, [curves], f"{handling.clip}, {label}, by {system.robot.label}")
+    curves.save_curves(out / curves.CURVES_FILE, drawn)
+    pictures.draw(out / pictures.PICTURE_FILE, [drawn], f"{handling.clip}, {label}, by {system.robot.label}")
     return figures
 
 
@@ -219,10 +221,26 @@ def show(figures: dict[str, Any], console: Console) -> None:
             _text(one["end_angle_deg"]),
         )
     console.print(table)
+    console.print(_leg_sentence(figures["legs"]), highlight=False, soft_wrap=True)
     for wait in figures["manipulation"]["waits"]:
         console.print(
             f"waited {wait['end_s'] - wait['start_s']:.1f} s: {wait['events']}", highlight=False, soft_wrap=True
         )
+
+
+def _leg_sentence(legs: dict[str, Any]) -> str:
+    """Figures 7 and 8, or Figure 5, of a run."""
+    when = f"from {legs['start_s']:.1f} to {legs['end_s']:.1f} s"
+    if legs["over_one_leg"]:
+        return (
+            f"over one leg, {when}: left hip {_text(legs['left_hip_torque_mean_nm'])} and knee "
+            f"{_text(legs['left_knee_torque_mean_nm'])} N m in the mean, right foot back by up to "
+            f"{_text(legs['right_foot_back_max_m'], 1e3)} mm"
+        )
+    return (
+        f"at the end, {when}: right ankle {_text(legs['right_ankle_torque_mean_nm'])} N m, hands "
+        f"{_text(legs['hand_force_mean_n'])} N in the mean"
+    )
 
 
 def _turned(path: PosePath) -> float:

@@ -54,13 +54,13 @@ DEFAULT_OPTIONS = DampingOptions(STUDIES[0])
 def run(request: Replay, options: DampingOptions, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Identify a robot, or push one that was identified; files appear in the folder `out`.
 
-    Feet are as soft as suits the robot's weight, or as they were when it was identified, unless the request says.
-
     Raises:
         InputError: anything that does not fit; nothing is written then.
     """
-    if request != Replay("", request.robot, solver=request.solver, feet=request.feet, compliance=request.compliance):
-        raise InputError("damping is a study: besides its own options it takes --robot, --feet-compliance and --out")
+    if request != Replay("", request.robot, feet=request.feet, solver=request.solver, compliance=request.compliance):
+        raise InputError(
+            "damping is a study: besides its own options it takes --robot, --feet-compliance and --out only"
+        )
     check_writable(out)
     robot = Robot.load(request.robot)
     study = _identify if options.study == "identify" else _push
@@ -71,9 +71,9 @@ def run(request: Replay, options: DampingOptions, out: Path, tell: ProgressCallb
 
 
 def _identify(
-    robot: Robot, soft: FootCompliance | None, options: DampingOptions, out: Path, tell: ProgressCallback
+    robot: Robot, asked: FootCompliance | None, options: DampingOptions, out: Path, tell: ProgressCallback
 ) -> dict[str, Any]:
-    compliance = soft or usual_compliance(robot)
+    compliance = asked or usual_compliance(robot)
     results = identify(robot, compliance, options.cases, tell)
     out.mkdir(parents=True, exist_ok=True)
     write_identified(out / PENDULUM_FILE, identified_of(robot, compliance, results))
@@ -83,10 +83,10 @@ def _identify(
 
 
 def _push(
-    robot: Robot, soft: FootCompliance | None, options: DampingOptions, out: Path, tell: ProgressCallback
+    robot: Robot, asked: FootCompliance | None, options: DampingOptions, out: Path, tell: ProgressCallback
 ) -> dict[str, Any]:
     identified = _identified(robot, options.identified)
-    compliance = soft or _bush(robot, identified)
+    compliance = asked or _bush(robot, identified)
     ratios = RATIOS if options.damping_ratio is None else (options.damping_ratio,)
     controllers = controllers_of(identified, ratios, options.form)
     frequencies = {}

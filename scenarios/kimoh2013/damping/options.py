@@ -40,7 +40,8 @@ def damping_options(
     of_push = {"--damping-ratio": damping_ratio, "--form": form, "--identified": identified, "--seeds": seeds}
     given = [name for name, value in of_push.items() if value is not None]
     if scenario != NAME:
-        given += ["--case"] if case else []
+        if case:
+            given.append("--case")
         if given:
             raise InputError(f"{scenario} takes no {given[0]}: only {NAME} does")
         return None
