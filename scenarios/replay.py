@@ -176,7 +176,7 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
     robot = Robot.load(request.robot)
     hardware = request.hardware(robot)
     if hardware.servo is not None and not (request.stack or request.edits):
-        motion, planned = _reference_motion(request, robot, tell)
+        motion, planned = reference_motion(request, robot, tell)
         controller = position_controller(request.stabiliser, motion, hardware, 1.0 / request.rate)
         return run_on_servos(request, controller, motion, planned, tell)
     edits = edit_file.read_edits(request.edits) if request.edits else ()
@@ -188,7 +188,7 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
         composition = compose(robot, motion)
         return composition._replace(edits=composition.edits + edits)
 
-    return run_motion(request, compose_edited, *_reference_motion(request, robot, tell), tell)
+    return run_motion(request, compose_edited, *reference_motion(request, robot, tell), tell)
 
 
 def run_motion(
@@ -351,8 +351,12 @@ def _default_stack(robot: Robot, motion: Motion) -> Composition:
     return Composition(stacks.stepping_stack(robot, motion), stacks.stepping_schedule(robot, motion))
 
 
-def _reference_motion(request: Replay, robot: Robot, tell: ProgressCallback) -> tuple[Motion, Plan | None]:
-    """The reference, planned now unless the clip is a motion already."""
+def reference_motion(request: Replay, robot: Robot, tell: ProgressCallback) -> tuple[Motion, Plan | None]:
+    """The reference that a request names, planned now unless the clip is a motion already.
+
+    Raises:
+        InputError: a clip, its part, steps or a motion that cannot be used.
+    """
     if Path(request.clip).suffix != ".npz":
         planned = _plan_of_clip(request, robot, tell)
         return planned.motion, planned

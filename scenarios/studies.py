@@ -91,10 +91,11 @@ def run_scenario(
     if name not in SCENARIOS and not is_file(name):
         raise InputError(f"unknown scenario '{name}': choose one of {', '.join(SCENARIOS)}, or give a file (.py)")
     if name in OPTION_SCENARIOS:
-        if clip or request.start or request.duration is not None:
-            raise InputError(f"{name} has motions of its own: leave the clip and its part out")
         scenario = OPTION_SCENARIOS[name]
-        return scenario.run(request, options or scenario.DEFAULT_OPTIONS, out, tell), scenario.show
+        chosen = options or scenario.DEFAULT_OPTIONS
+        if not chosen.takes_clip and (clip or request.start or request.duration is not None):
+            raise InputError(f"{name} has motions of its own: leave the clip and its part out")
+        return scenario.run(replace(request, clip=clip or ""), chosen, out, tell), scenario.show
     if name in CLIP_SCENARIOS:
         scenario = CLIP_SCENARIOS[name]
         return scenario.run(replace(request, clip=clip or scenario.CLIP), out, tell), scenario.show

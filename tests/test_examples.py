@@ -201,7 +201,7 @@ def test_packages_say_that_they_carry_types(package):
     assert (FOLDER.parents[1] / package / "py.typed").is_file()
 
 
-def test_14_turns_the_chest_on_soft_feet():
+def test_15_turns_the_chest_on_soft_feet():
     example = ran("15_servo.py")
     log, yaw = example["done"].log.trimmed(), 7 + example["yaw"]
     assert example["done"].fell_at_s is None

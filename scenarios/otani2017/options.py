@@ -14,7 +14,9 @@ from sot.errors import InputError
 NAME = "otani"
 """The scenario that takes these options."""
 
-Study = Annotated[str | None, typer.Argument(help="For otani: box or door; for damping: identify or push.")]
+Study = Annotated[
+    str | None, typer.Argument(help="For otani: box or door; for damping: identify, push, dance or gains.")
+]
 Mass = Annotated[float | None, typer.Option(help="For otani box: mass of the box [kg]; 3 by default.")]
 Stiffness = Annotated[float | None, typer.Option(help="For otani door: spring of the hinge [N m/rad]; 0 by default.")]
 Damping = Annotated[float | None, typer.Option(help="For otani door: damping of the hinge [N m s/rad].")]

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from rich.console import Console
@@ -64,6 +64,9 @@ class Handling:
     unknown: bool = False
     seed: int | None = None
     events: Path | None = None
+
+    takes_clip: ClassVar[bool] = False
+    """Demonstrations are its own."""
 
     @property
     def clip(self) -> str:

@@ -10,7 +10,9 @@ from sim.reporting.figures import zmp
 from sot.hardware import FootCompliance
 from sot.servo import Stabiliser
 
-REQUEST = Replay("groove", duration=5.0, rate=500.0, plant="servo", compliance=FootCompliance(2500.0, 2500.0))
+REQUEST = Replay(
+    "groove", duration=5.0, rate=500.0, plant="servo", compliance=FootCompliance(2500.0, 2500.0), stabiliser="open"
+)
 
 
 def tell(what: str, share: float | None) -> None:

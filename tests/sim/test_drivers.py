@@ -14,7 +14,7 @@ from sot.hardware import FootCompliance, JointTargets, Readings, Sensors, Servo
 from sot.hardware.hardware import Hardware
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.servo.stabiliser import Stabiliser
+from sot.servo import Stabiliser
 
 PERIOD = 0.002
 SOFT = FootCompliance(2500.0, 2500.0)

@@ -7,7 +7,8 @@ from typing import Any
 
 from rich.console import Console
 
-from scenarios.kimoh2013.damping.identification import case_figures, identified_of, identify
+from scenarios.kimoh2013.damping import dances
+from scenarios.kimoh2013.damping.identification import PAPER_RATIO, case_figures, identified_of, identify
 from scenarios.kimoh2013.damping.identification_view import draw_bode, draw_root_loci, print_identification
 from scenarios.kimoh2013.damping.push_view import draw_sways, print_pushes
 from scenarios.kimoh2013.damping.pushes import RATIOS, controllers_of, push_figures
@@ -20,7 +21,7 @@ from sot.hardware.compliance import FootCompliance
 from sot.robots.robot import Robot
 from sot.servo.identified import PLANES, SUPPORTS, Identified, identified_robots, read_identified, write_identified
 
-STUDIES = ("identify", "push")
+STUDIES = ("identify", "push", *dances.STUDIES)
 CASES = tuple((plane, support) for support in SUPPORTS for plane in PLANES)
 PENDULUM_FILE, BODE_FILE, LOCUS_FILE, SWAY_FILE = "pendulum.toml", "bode.svg", "root_locus.svg", "pushes.svg"
 
@@ -47,6 +48,11 @@ class DampingOptions:
     seeds: int = 5
     impulses: bool = True
 
+    @property
+    def takes_clip(self) -> bool:
+        """Whether the study is of a clip, or of a robot that stands."""
+        return self.study in dances.STUDIES
+
 
 DEFAULT_OPTIONS = DampingOptions(STUDIES[0])
 
@@ -54,13 +60,15 @@ DEFAULT_OPTIONS = DampingOptions(STUDIES[0])
 def run(request: Replay, options: DampingOptions, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Identify a robot, or push one that was identified; files appear in the folder `out`.
 
+    Feet are as soft as suits the robot's weight, or as they were when it was identified, unless the request says.
+
     Raises:
         InputError: anything that does not fit; nothing is written then.
     """
-    if request != Replay("", request.robot, feet=request.feet, solver=request.solver, compliance=request.compliance):
-        raise InputError(
-            "damping is a study: besides its own options it takes --robot, --feet-compliance and --out only"
-        )
+    if options.takes_clip:
+        return _dance(request, options, out, tell)
+    if request != Replay("", request.robot, solver=request.solver, feet=request.feet, compliance=request.compliance):
+        raise InputError("damping is a study: besides its own options it takes --robot, --feet-compliance and --out")
     check_writable(out)
     robot = Robot.load(request.robot)
     study = _identify if options.study == "identify" else _push
@@ -70,10 +78,24 @@ def run(request: Replay, options: DampingOptions, out: Path, tell: ProgressCallb
     return head | figures
 
 
+def _dance(request: Replay, options: DampingOptions, out: Path, tell: ProgressCallback) -> dict[str, Any]:
+    check_writable(out)
+    robot, identified = Robot.load(request.robot), None
+    if options.identified is not None or robot.name in identified_robots():
+        identified = _identified(robot, options.identified)
+    compliance = request.compliance or (_bush(robot, identified) if identified else usual_compliance(robot))
+    told = options.study, compliance, identified, options.damping_ratio or PAPER_RATIO, tell
+    figures = {"controllers": dances.dance_figures(request, *told)}
+    head = {"scenario": f"damping {options.study}", "robot": robot.name, "clip": request.clip or dances.CLIP}
+    out.mkdir(parents=True, exist_ok=True)
+    report.write_json(head | figures, out / REPORT_FILE)
+    return head | figures
+
+
 def _identify(
-    robot: Robot, asked: FootCompliance | None, options: DampingOptions, out: Path, tell: ProgressCallback
+    robot: Robot, soft: FootCompliance | None, options: DampingOptions, out: Path, tell: ProgressCallback
 ) -> dict[str, Any]:
-    compliance = asked or usual_compliance(robot)
+    compliance = soft or usual_compliance(robot)
     results = identify(robot, compliance, options.cases, tell)
     out.mkdir(parents=True, exist_ok=True)
     write_identified(out / PENDULUM_FILE, identified_of(robot, compliance, results))
@@ -83,15 +105,17 @@ def _identify(
 
 
 def _push(
-    robot: Robot, asked: FootCompliance | None, options: DampingOptions, out: Path, tell: ProgressCallback
+    robot: Robot, soft: FootCompliance | None, options: DampingOptions, out: Path, tell: ProgressCallback
 ) -> dict[str, Any]:
     identified = _identified(robot, options.identified)
-    compliance = asked or _bush(robot, identified)
+    compliance = soft or _bush(robot, identified)
     ratios = RATIOS if options.damping_ratio is None else (options.damping_ratio,)
     controllers = controllers_of(identified, ratios, options.form)
     frequencies = {}
     for plane, support in options.cases:
         if (plane, support) not in identified.cases:
+            if options.cases == CASES:  # nobody named it
+                continue
             raise InputError(f"{robot.label}: {plane}-{support} was not identified")
         frequencies[plane, support] = identified.cases[plane, support].pendulum.natural_frequency / (2.0 * pi)
     told = options.seeds, options.impulses, tell
@@ -122,4 +146,7 @@ def _bush(robot: Robot, identified: Identified) -> FootCompliance:
 
 def show(figures: dict[str, Any], console: Console) -> None:
     """Print the table of the study."""
-    (print_identification if figures["scenario"].endswith("identify") else print_pushes)(figures["cases"], console)
+    if "controllers" in figures:
+        dances.print_dances(figures["controllers"], console)
+    else:
+        (print_identification if figures["scenario"].endswith("identify") else print_pushes)(figures["cases"], console)

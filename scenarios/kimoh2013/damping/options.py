@@ -11,14 +11,26 @@ from sot.servo.pole_placement import FORMS
 
 NAME = "damping"
 """The scenario that takes these options."""
+TAKEN = {
+    "identify": ("--case",),
+    "push": ("--case", "--damping-ratio", "--form", "--identified", "--seeds"),
+    "dance": ("--damping-ratio", "--identified"),
+    "gains": (),
+}
+"""Options of each study."""
 
 Case = Annotated[
     list[str] | None, typer.Option("--case", help="For damping: xz-double, yz-double, … ; all four by default.")
 ]
-DampingRatio = Annotated[float | None, typer.Option(help="For damping push: 0.3, 0.5 and 0.72 in turn by default.")]
+DampingRatio = Annotated[
+    float | None,
+    typer.Option(
+        help="For damping push and dance: asked of the damping controller; 0.3, 0.5 and 0.72 in turn, or 0.72."
+    ),
+]
 Form = Annotated[str | None, typer.Option(help="For damping push: filtered, or paper: Kim & Oh's own.")]
 IdentifiedFile = Annotated[
-    Path | None, typer.Option("--identified", help="For damping push: pendulum.toml of damping identify.")
+    Path | None, typer.Option("--identified", help="For damping push and dance: pendulum.toml of damping identify.")
 ]
 Seeds = Annotated[int | None, typer.Option(help="For damping push: pushes of each kind; 5 by default.")]
 
@@ -37,18 +49,19 @@ def damping_options(
     Raises:
         InputError: an option that this scenario or study does not take, or a value that makes no sense.
     """
-    of_push = {"--damping-ratio": damping_ratio, "--form": form, "--identified": identified, "--seeds": seeds}
-    given = [name for name, value in of_push.items() if value is not None]
+    own = {
+        **{"--case": case or None, "--damping-ratio": damping_ratio, "--form": form},
+        **{"--identified": identified, "--seeds": seeds},
+    }
+    given = [name for name, value in own.items() if value is not None]
     if scenario != NAME:
-        if case:
-            given.append("--case")
         if given:
             raise InputError(f"{scenario} takes no {given[0]}: only {NAME} does")
         return None
     if study not in STUDIES:
         raise InputError(f"{NAME}: say which study, {' or '.join(STUDIES)}, not '{study or ''}'")
-    if study == "identify" and given:
-        raise InputError(f"{NAME} identify takes no {given[0]}")
+    if strange := [name for name in given if name not in TAKEN[study]]:
+        raise InputError(f"{NAME} {study} takes no {strange[0]}")
     if form is not None and form not in FORMS:
         raise InputError(f"--form {form}: choose one of {', '.join(FORMS)}")
     if damping_ratio is not None and not 0.0 < damping_ratio <= 1.0:
