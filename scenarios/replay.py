@@ -10,7 +10,7 @@ from typing import Any
 
 from scenarios import stacks
 from scenarios.inputs import clips, edit_file
-from scenarios.inputs.plant import hardware_of, position_controller
+from scenarios.inputs.plant import estimator_of, hardware_of, position_controller
 from scenarios.inputs.stack_file import Composer, Composition, blaming_stack_file, load_stack
 from sim.drivers import PositionController
 from sim.log import RunInfo
@@ -29,6 +29,7 @@ from sot.control.schedule import Schedule
 from sot.control.stack import Stack
 from sot.errors import InputError
 from sot.hardware.compliance import FootCompliance
+from sot.hardware.hardware import Hardware
 from sot.motion import Human, read, recognise
 from sot.motion.feet import contact_file
 from sot.motion.performance import Performance
@@ -70,6 +71,8 @@ class Replay:
         plant: one of `scenarios.inputs.plant.PLANTS`: whether joints take torques or have servos that take positions.
         compliance: of the robot's feet; rigid by default.
         stabiliser: one of `scenarios.inputs.plant.STABILISERS`, for a robot with servos.
+        state: one of `scenarios.inputs.plant.STATES`: what the controller is told.
+        sensors: one of `sot.hardware.sensors.SENSOR_PRESETS`.
     """
 
     clip: str
@@ -89,6 +92,17 @@ class Replay:
     plant: str = "torque"
     compliance: FootCompliance | None = None
     stabiliser: str = "dcm"
+    state: str = "true"
+    sensors: str = "ideal"
+
+    def hardware(self, robot: Robot) -> Hardware:
+        """What is asked for beside links and motors of a robot.
+
+        Raises:
+            InputError: that does not exist.
+        """
+        seed = self.mismatch.seed
+        return hardware_of(robot, self.plant, self.compliance, self.state, self.sensors, seed)
 
 
 @dataclass(frozen=True)
@@ -160,9 +174,9 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
     """
     make_solver(request.solver)  # before any work
     robot = Robot.load(request.robot)
-    hardware = hardware_of(robot, request.plant, request.compliance)
+    hardware = request.hardware(robot)
     if hardware.servo is not None and not (request.stack or request.edits):
-        motion, planned = _reference_motion(request, robot, tell)
+        motion, planned = reference_motion(request, robot, tell)
         controller = position_controller(request.stabiliser, motion, hardware, 1.0 / request.rate)
         return run_on_servos(request, controller, motion, planned, tell)
     edits = edit_file.read_edits(request.edits) if request.edits else ()
@@ -174,7 +188,7 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
         composition = compose(robot, motion)
         return composition._replace(edits=composition.edits + edits)
 
-    return run_motion(request, compose_edited, *_reference_motion(request, robot, tell), tell)
+    return run_motion(request, compose_edited, *reference_motion(request, robot, tell), tell)
 
 
 def run_motion(
@@ -216,7 +230,8 @@ def run_motion(
         own = IntegratedStack(controller, motion.q[0], motion.v[0])
         runs = position_controller(request.stabiliser, motion, world.hardware, 1.0 / request.rate, own.sample)
     with blaming_stack_file(request.stack):
-        done = run(runs, world, motion, lambda t: tell("replaying", t / motion.duration))
+        estimator = estimator_of(robot, world.hardware, request.state)
+        done = run(runs, world, motion, lambda t: tell("replaying", t / motion.duration), estimator=estimator)
     info = _info(request, world, planned, done, solver.name)
     remarks = () if schedule is None else tuple(schedule.remarks())
     return Dance(done, info, motion, planned, told, scene, remarks=remarks)
@@ -231,14 +246,15 @@ def run_on_servos(
         InputError: anything in the request that does not fit.
     """
     world = _world(request, motion)
-    done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration))
+    estimator = estimator_of(motion.robot, world.hardware, request.state)
+    done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration), estimator=estimator)
     return Dance(done, _info(request, world, planned, done, request.stabiliser), motion, planned)
 
 
 def _world(request: Replay, motion: Motion, scene: Scene | None = None, things: Sequence[Thing] = ()) -> World:
     """The world that a request asks for."""
     robot = motion.robot
-    hardware = hardware_of(robot, request.plant, request.compliance)
+    hardware = request.hardware(robot)
     if request.compliance is not None:
         refuse_soft_feet(request.compliance, motion)
     return World(robot, 1.0 / request.rate, request.mismatch, request.pushes, scene, things, hardware=hardware)
@@ -335,8 +351,12 @@ def _default_stack(robot: Robot, motion: Motion) -> Composition:
     return Composition(stacks.stepping_stack(robot, motion), stacks.stepping_schedule(robot, motion))
 
 
-def _reference_motion(request: Replay, robot: Robot, tell: ProgressCallback) -> tuple[Motion, Plan | None]:
-    """The reference, planned now unless the clip is a motion already."""
+def reference_motion(request: Replay, robot: Robot, tell: ProgressCallback) -> tuple[Motion, Plan | None]:
+    """The reference that a request names, planned now unless the clip is a motion already.
+
+    Raises:
+        InputError: a clip, its part, steps or a motion that cannot be used.
+    """
     if Path(request.clip).suffix != ".npz":
         planned = _plan_of_clip(request, robot, tell)
         return planned.motion, planned

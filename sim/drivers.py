@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 import pinocchio as pin
 
+from sim.estimation.source import EstimatedState, SimulatedState, StateSource
 from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_SLIDING, Fallback, RunLog
 from sim.touch import Touch
 from sim.world import World
@@ -16,9 +17,11 @@ from solvers.rows import Level, Solution, Status
 from sot.control.contact import Contact
 from sot.control.controller import Command, Controller
 from sot.control.schedule import Schedule
+from sot.errors import InputError
+from sot.estimation import LEVEL_GROUND, Estimator, Footing
 from sot.hardware.readings import Readings
 from sot.hardware.servo import JointTargets
-from sot.motion.feet.contacts import phase_indices
+from sot.motion.feet.contacts import Phase, phase_indices
 from sot.motion.trajectory import Motion, Reference
 
 Array = np.ndarray
@@ -53,10 +56,12 @@ class Driver(Protocol):
         period: control period [s].
         schedule: of the controller, if it has one.
         contacts: that the controller relies on, as they are planned now.
+        source: where its state comes from.
     """
 
     period: float
     schedule: Schedule | None
+    source: StateSource
 
     @property
     def contacts(self) -> Sequence[Contact]: ...
@@ -78,13 +83,19 @@ class Driver(Protocol):
         ...
 
 
-def driver_of(controller: Controller | PositionController, world: World, motion: Reference) -> Driver:
-    """What runs a controller in a world along a motion."""
+def driver_of(
+    controller: Controller | PositionController, world: World, motion: Reference, estimator: Estimator | None = None
+) -> Driver:
+    """What runs a controller in a world along a motion, on the state of an estimator if there is one.
+
+    Raises:
+        InputError: there is an estimator, and the stack has contacts other than of soles with the world.
+    """
     if isinstance(controller, Controller):
-        return StackDriver(controller, world)
+        return StackDriver(controller, world, estimator)
     if not isinstance(motion, Motion):
         raise TypeError("a position controller follows a motion whose phases are known")
-    return TargetDriver(controller, world, motion)
+    return TargetDriver(controller, world, motion, estimator)
 
 
 class StackDriver:
@@ -93,11 +104,19 @@ class StackDriver:
     Args:
         controller: of the stack.
         world: that it acts on.
+        estimator: of its state; the controller is told the simulated one unless given.
     """
 
-    def __init__(self, controller: Controller, world: World) -> None:
+    def __init__(self, controller: Controller, world: World, estimator: Estimator | None = None) -> None:
         self.period, self.schedule = controller.tick.period, controller.schedule
         self._controller, self._world = controller, world
+        self._data = world.robot.model.createData()
+        self.source: StateSource = SimulatedState(world)
+        if estimator is not None:
+            others = [c.name for c in controller.stack.contacts if c.point not in world.robot.feet or not c.is_footing]
+            if others:
+                raise InputError(f"a state cannot be estimated with contacts other than of soles: {', '.join(others)}")
+            self.source = EstimatedState(world, estimator, self._footings)
         self._unsolved: list[tuple[float, Level]] = []
 
     @property
@@ -119,33 +138,38 @@ class StackDriver:
             [task.error_unit for _, task in entries],
             [] if all(contact.name in robot.feet for contact in contacts) else [contact.name for contact in contacts],
             self._world.hardware,
+            isinstance(self.source, EstimatedState),
         )
         self._sense(log)
         return log
 
     def __call__(self, k: int, t: float, q: Array, v: Array, log: RunLog) -> Array:
         system = self._controller.system
-        sensed = self._world.measured(q[: system.nq], v[: system.nv])
-        loads = {foot: float(wrench[2]) for foot, wrench in self._wrenches.items()}
+        sensed = self.source(k, t, q[: system.nq], v[: system.nv], log)
+        loads = dict(self.source.loads())
         if log.contact_names:
             loads |= {name: self._touches[name].normal if name in self._touches else 0.0 for name in log.contact_names}
         begin = perf_counter()
-        self._command = self._controller(t, *sensed, loads)
+        self._command, self._q = self._controller(t, *sensed, loads), q[: system.nq]
         log.tick_us[k] = 1e6 * (perf_counter() - begin)
         return self._command.torque
 
+    def _footings(self, t: float) -> dict[str, Footing]:
+        """The feet that are to carry now, and what is under them."""
+        contacts = self._controller.stack.contacts
+        return {c.point: Footing(c.on.placement) for c in contacts if c.mode == "fixed" and c.load > 0.0}
+
     def _sense(self, log: RunLog) -> None:
-        """Measure the loads for the next tick; feet have sensors of their own."""
-        self._wrenches = self._world.foot_wrenches()
+        """Measure the touches for the next tick; feet have sensors of their own."""
         self._touches: dict[str, Touch] = self._world.contact_touches(self.contacts) if log.contact_names else {}
 
     def write(self, k: int, t: float, log: RunLog) -> None:
         self._sense(log)
         command, robot, stack = self._command, self._world.robot, self._controller.stack
         log.torque[k], log.acceleration[k] = command.torque[: robot.na], command.acceleration[: robot.nv]
-        log.zmp_control[k], log.com[k] = command.zmp, self._controller.tick.com
+        log.zmp_control[k], log.com[k] = command.zmp, self._simulated_com()
         for contact in stack.contacts:
-            if contact.point in self._wrenches and contact.is_footing:
+            if contact.point in robot.feet and contact.is_footing:
                 i = robot.feet.index(contact.point)
                 log.foot_mode[k, i], log.foot_ramp[k, i] = _MODES[contact.mode], contact.load
         self._write_solution(k, t, log, command)
@@ -153,6 +177,12 @@ class StackDriver:
             self._write_contacts(k, log)
         if command.unsolved is not None:
             self._unsolved.append((t, command.unsolved))
+
+    def _simulated_com(self) -> Array:
+        """Of the simulated robot; the controller has it if that is the robot that it knows of."""
+        if isinstance(self.source, SimulatedState):
+            return self._controller.tick.com
+        return np.asarray(pin.centerOfMass(self._world.robot.model, self._data, self._q))
 
     def _write_solution(self, k: int, t: float, log: RunLog, command: Command) -> None:
         solution, stack = command.solution, self._controller.stack
@@ -197,22 +227,29 @@ class TargetDriver:
         controller: the controller.
         world: whose robot has servos and sensors.
         motion: that it follows.
+        estimator: of its state; the controller is told the simulated one unless given.
     """
 
     schedule: Schedule | None = None
     contacts: Sequence[Contact] = ()
 
-    def __init__(self, controller: PositionController, world: World, motion: Motion) -> None:
+    def __init__(
+        self, controller: PositionController, world: World, motion: Motion, estimator: Estimator | None = None
+    ) -> None:
         self.period = controller.period
         self._controller, self._world, self._motion = controller, world, motion
         self._data = world.robot.model.createData()
+        self.source: StateSource = SimulatedState(world)
+        if estimator is not None:
+            self.source = EstimatedState(world, estimator, self._footings)
 
     def empty_log(self, ticks: int) -> RunLog:
-        return RunLog.allocate(self._world.system, ticks, hardware=self._world.hardware)
+        estimated = isinstance(self.source, EstimatedState)
+        return RunLog.allocate(self._world.system, ticks, hardware=self._world.hardware, estimated=estimated)
 
     def __call__(self, k: int, t: float, q: Array, v: Array, log: RunLog) -> JointTargets:
         robot = self._world.robot
-        sensed, readings = self._world.measured(q[: robot.nq], v[: robot.nv]), self._world.readings()
+        sensed, readings = self.source(k, t, q[: robot.nq], v[: robot.nv], log), self._world.readings()
         begin = perf_counter()
         self._targets, self._q = self._controller(t, *sensed, readings), q[: robot.nq]
         log.tick_us[k] = 1e6 * (perf_counter() - begin)
@@ -222,11 +259,19 @@ class TargetDriver:
         robot = self._world.robot
         log.torque[k], log.target[k] = self._world.applied_torque(), self._targets.position
         log.com[k] = pin.centerOfMass(robot.model, self._data, self._q)
-        phase = self._motion.phases[int(phase_indices(self._motion.phases, np.array([t]))[0])]
+        phase = self._phase(t)
         for i, foot in enumerate(robot.feet):
             slides, stands = foot in phase.sliding, foot in phase.feet
             log.foot_mode[k, i] = FOOT_SLIDING if slides else FOOT_FIXED if stands else FOOT_OFF
             log.foot_ramp[k, i] = float(slides or stands)
+
+    def _phase(self, t: float) -> Phase:
+        return self._motion.phases[int(phase_indices(self._motion.phases, np.array([t]))[0])]
+
+    def _footings(self, t: float) -> dict[str, Footing]:
+        """The feet that are to stand now, on level ground."""
+        phase = self._phase(t)
+        return {foot: LEVEL_GROUND for foot in phase.feet if foot not in phase.sliding}
 
     def end(self, log: RunLog) -> None:
         pass

@@ -65,6 +65,8 @@ class RunLog:
             start of the tick's last physics step; no columns without sensors.
         sole_deflection: roll, pitch [rad] and height [m] of each sole below a compliant foot, (T, 2, 3); no columns for
             rigid ones.
+        base_estimate, base_velocity_estimate: what an estimator made of the robot's base, as in q and v, (T, 7) and
+            (T, 6); no columns where the controller knew the simulated state.
         foot_mode: planned contact of each foot, `FOOT_OFF`, `FOOT_FIXED` or `FOOT_SLIDING`, (T, 2).
         foot_ramp: share of its largest normal force that each foot may take, 0..1, (T, 2).
         zmp_measured: from the measured contact forces [m], (T, 2); nan without load.
@@ -81,6 +83,7 @@ class RunLog:
         residual: largest violation of what the tick's answer had to preserve, (T,).
         tick_us: time of the whole tick [µs], (T,).
         model_us, assemble_us, solve_us: its parts: robot model, rows, solver [µs], (T,).
+        estimate_us: time of the estimator before the tick [µs], (T,).
         conflicts: times [s] at which level 0 had no solution, with the rows that contradicted each other; not all such
             times.
         invalid: times [s] of ticks in which a state, a task or the solver gave values that cannot be used, and which;
@@ -107,6 +110,8 @@ class RunLog:
     foot_wrench: np.ndarray
     foot_reading: np.ndarray
     sole_deflection: np.ndarray
+    base_estimate: np.ndarray
+    base_velocity_estimate: np.ndarray
     foot_mode: np.ndarray
     foot_ramp: np.ndarray
     zmp_measured: np.ndarray
@@ -125,6 +130,7 @@ class RunLog:
     model_us: np.ndarray
     assemble_us: np.ndarray
     solve_us: np.ndarray
+    estimate_us: np.ndarray
     self_distance: np.ndarray
     conflicts: list[tuple[float, str]] = field(default_factory=list)
     invalid: list[tuple[float, str]] = field(default_factory=list)
@@ -141,6 +147,7 @@ class RunLog:
         level_units: Sequence[str] = (),
         contact_names: Sequence[str] = (),
         hardware: Hardware = TORQUE_DRIVEN,
+        estimated: bool = False,
     ) -> Self:
         """An empty log with room for a number of ticks."""
         system = System.of(robot)
@@ -159,6 +166,8 @@ class RunLog:
             "foot_wrench": (feet, 6),
             "foot_reading": (0 if hardware.sensors is None else feet, 6),
             "sole_deflection": (0 if hardware.compliance is None else feet, 3),
+            "base_estimate": (7 if estimated else 0,),
+            "base_velocity_estimate": (6 if estimated else 0,),
             "foot_ramp": (feet,),
             "zmp_measured": (2,),
             "zmp_control": (2,),

@@ -17,6 +17,7 @@ from sim.drivers import Driver, PositionController, driver_of
 from sim.log import RunLog
 from sim.world import World
 from sot.control.controller import Controller
+from sot.estimation import Estimator
 from sot.hardware.servo import JointTargets
 from sot.motion.trajectory import Reference
 
@@ -69,6 +70,7 @@ def run(
     motion: Reference,
     progress: Callable[[float], object] | None = None,
     companion: Companion | None = None,
+    estimator: Estimator | None = None,
 ) -> Run:
     """Run a controller in a world for as long as a reference lasts, from the reference's first configuration.
 
@@ -82,12 +84,15 @@ def run(
             infinite if a companion ends the run.
         progress: Told the time [s] now and then.
         companion: Goes along with every tick.
+        estimator: Tells the controller its state from the readings of the robot's sensors; it is told the simulated
+            one unless given.
     """
-    driver = driver_of(controller, world, motion)
+    driver = driver_of(controller, world, motion, estimator)
     if abs(world.timestep - driver.period) > 1e-12:
         raise ValueError(f"the world steps by {world.timestep} s, the controller by {driver.period} s")
     start = motion.sample(0.0)
     world.reset(start.q, start.v)
+    driver.source.reset(start.q, start.v)
     longest = _max_duration(driver, motion)
     log = driver.empty_log(round((longest if isfinite(longest) else UNBOUNDED_LOG_S) / world.timestep))
     # The matrices of a tick are far too small to share between threads.

@@ -1,22 +1,26 @@
-"""The plant as one asks for it on a command line: servos or torque motors, rigid or compliant feet."""
+"""The plant as one asks for it on a command line: servos or torque motors, soft feet, sensors, and what is known."""
 
 from collections.abc import Callable
 from math import inf, isfinite
+from typing import Literal
 
 from sim.drivers import PositionController
 from sot.errors import InputError
+from sot.estimation import ContactFilter, Estimator
 from sot.hardware.compliance import FootCompliance
 from sot.hardware.hardware import Hardware
-from sot.hardware.sensors import Sensors
+from sot.hardware.sensors import sensor_preset
 from sot.hardware.servo import Servo
 from sot.motion.trajectory import Motion, MotionSample
 from sot.robots.robot import Robot
 from sot.servo.stabiliser import DcmGains, Stabiliser
 
 PLANTS = ("torque", "servo")
-STABILISERS = ("dcm", "sag", "open")
+STABILISERS = ("dcm", "dcm-adaptive", "sag", "open")
 """What a robot with servos does beside its plan: the divergent component is fed back and what the plan's loads deflect
-is undone, only that, or nothing."""
+is undone; the same for feet whose compliance has to be estimated; the latter alone; nothing."""
+STATES = ("true", "estimated")
+"""What a controller is told: the simulated state, or what an estimator makes of readings."""
 
 
 def parse_feet_compliance(text: str) -> FootCompliance:
@@ -38,17 +42,36 @@ def parse_feet_compliance(text: str) -> FootCompliance:
     return FootCompliance(*stiffnesses)
 
 
-def hardware_of(robot: Robot, plant: str, compliance: FootCompliance | None) -> Hardware:
-    """The hardware of a robot on a plant.
+def hardware_of(
+    robot: Robot,
+    plant: str,
+    compliance: FootCompliance | None,
+    state: str = "true",
+    sensors: str = "ideal",
+    seed: int = 0,
+) -> Hardware:
+    """The hardware of a robot on a plant; with sensors, by the name of a preset, where somebody reads them.
 
     Raises:
-        InputError: no such plant.
+        InputError: no such plant, state or sensors.
     """
     if plant not in PLANTS:
         raise InputError(f"unknown plant '{plant}': choose one of {', '.join(PLANTS)}")
-    if plant == "servo":
-        return Hardware(Servo.of(robot), compliance, Sensors())
-    return Hardware(compliance=compliance)
+    if state not in STATES:
+        raise InputError(f"unknown state '{state}': choose one of {', '.join(STATES)}")
+    named = sensor_preset(sensors, seed)
+    if plant == "torque" and state == "true":
+        if sensors != "ideal":
+            raise InputError(f"--sensors {sensors}: torques of the true state read none; add --state estimated")
+        return Hardware(compliance=compliance)
+    return Hardware(Servo.of(robot) if plant == "servo" else None, compliance, named)
+
+
+def estimator_of(robot: Robot, hardware: Hardware, state: str) -> Estimator | None:
+    """Who tells a controller the state of a robot with that hardware; None where it is told the true one."""
+    if state == "true" or hardware.sensors is None:
+        return None
+    return ContactFilter(robot, hardware.sensors, hardware.compliance)
 
 
 def position_controller(
@@ -65,6 +88,7 @@ def position_controller(
     """
     if name not in STABILISERS:
         raise InputError(f"unknown stabiliser '{name}': choose one of {', '.join(STABILISERS)}")
-    sagging = hardware.compliance if name != "open" else None
-    dcm = DcmGains() if name == "dcm" else None
-    return Stabiliser(motion, period, sagging, hardware.servo, dcm, sample=sample)
+    known: FootCompliance | Literal["estimated"] | None
+    known = "estimated" if name == "dcm-adaptive" else hardware.compliance if name != "open" else None
+    dcm = DcmGains() if name.startswith("dcm") else None
+    return Stabiliser(motion, period, known, hardware.servo, dcm, sample=sample)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from rich.console import Console
@@ -66,6 +66,9 @@ class Handling:
     seed: int | None = None
     events: Path | None = None
 
+    takes_clip: ClassVar[bool] = False
+    """Demonstrations are its own."""
+
     @property
     def clip(self) -> str:
         """Name of the demonstration."""
@@ -75,6 +78,9 @@ class Handling:
         """What the controller takes the things to be like."""
         known = self.believed or self.actual
         return replace(known, stiffness=0.0, damping=0.0) if self.unknown and self.study == "door" else known
+
+
+DEFAULT_OPTIONS = Handling(STUDIES[0])
 
 
 def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from rich.table import Table
 from sim.log import Fallback, RunInfo, RunLog
 from sim.reference import hot_reference_us
 from sim.reporting import figures
+from sim.reporting.estimator import estimate_us, estimator_figures
 from sim.reporting.provenance import command_line, revision
 from sim.reporting.servo import servo_figures
 from sim.reporting.slides import slide_figures, worst_of_slides
@@ -62,6 +63,11 @@ TABLE_ROWS: tuple[tuple[str, str, float, str, str], ...] = (
     ("limits.velocity_max_excess", "beyond a joint's velocity", 100.0, "%", "0"),
     ("limits.torque_max_excess", "beyond a joint's torque", 100.0, "%", "0"),
     ("limits.self_collision_min_m", "least distance between own bodies", 1e3, "mm", "above 0"),
+    ("estimator.position_end_m", "estimated base off the true one at the end", 1e3, "mm", "0"),
+    ("estimator.position_end_share", "… over the way walked", 100.0, "%", "0"),
+    ("estimator.tilt_rms_deg", "estimated tilt off the true one, rms", 1.0, "deg", "0"),
+    ("estimator.velocity_rms_m_s", "estimated velocity off the true one, rms", 1e3, "mm/s", "0"),
+    ("estimator_us.p50", "estimate, median", 1.0, "µs", ""),
     ("pushes.given", "pushes", 1.0, "", ""),
     ("pushes.survived", "pushes survived", 1.0, "", "all"),
     ("pushes.survived_max_ns", "strongest push survived", 1.0, "N s", ""),
@@ -134,6 +140,8 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
         "slides": slid,
         "limits": figures.limits(log, robot) | {"saturated_joints": saturated},
         **figures.effort(log, robot),
+        "estimator": estimator_figures(log, motion),
+        "estimator_us": estimate_us(log),
         "pushes": figures.pushes(info, duration),
         "mismatch": asdict(info.mismatch),
         "plant": _plant(info.hardware),

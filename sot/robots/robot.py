@@ -17,7 +17,7 @@ from sot.robots.pairs import collision_pairs, geometry_of, remark_on_pairs
 from sot.robots.posture import rest_angles
 from sot.robots.reading import models_of, read_model
 from sot.robots.reading.tree import Tree
-from sot.robots.robot_file import FEET, GROUPS, POINTS, RobotFile
+from sot.robots.robot_file import FEET, GROUPS, POINTS, SERVO, RobotFile
 from sot.robots.standing import stand
 from sot.robots.surface import Surface, named_surface
 from sot.toml_file import named_file
@@ -54,6 +54,8 @@ class Robot:
             `acceleration` is for references and braking, `acceleration_hard` bounds a control tick.
         damping, friction, armature: viscous [N m s/rad] and Coulomb [N m] losses and reflected rotor inertia
             [kg m²] (na,); the armature is part of the model's mass matrix too, the losses of nothing.
+        servo: gains of joint servos that the robot file gives, "stiffness" and "damping" (na,) [N m/rad,
+            N m s/rad], nan where it gives none.
         shapes: collision shapes, fixed to the model's joints: the model file's, primitives and hulls in the place of
             meshes; its collision pairs are the ones that count, in physics as well as in control and plans.
         rest_distances: of these pairs at rest (pairs,) [m].
@@ -80,6 +82,7 @@ class Robot:
     damping: np.ndarray = field(repr=False)
     friction: np.ndarray = field(repr=False)
     armature: np.ndarray = field(repr=False)
+    servo: Mapping[str, np.ndarray] = field(repr=False)
     shapes: pin.GeometryModel = field(repr=False)
     rest_distances: np.ndarray = field(repr=False)
     points: Mapping[str, int] = field(repr=False)
@@ -203,6 +206,7 @@ def _load(path: Path) -> Robot:
         model=model,
         joints=names,
         rest=read_only(rest),
+        servo=MappingProxyType({gain: read_only(_by_joint(names, file.servo(gain, names))) for gain in SERVO}),
         shapes=shapes,
         rest_distances=read_only(distances),
         points=MappingProxyType(points),
@@ -213,3 +217,7 @@ def _load(path: Path) -> Robot:
         remarks=tuple(remarks),
         **{name: read_only(values) for name, values in {**limits, **losses, "armature": model.armature[dofs]}.items()},
     )
+
+
+def _by_joint(joints: Sequence[str], given: Mapping[str, float]) -> np.ndarray:
+    return np.array([given.get(joint, np.nan) for joint in joints])

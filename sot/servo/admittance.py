@@ -32,30 +32,30 @@ class FootAdmittance:
     """Offsets of the feet that grow as long as they do not carry what they are to.
 
     A foot turns at −a (M* − M) about both horizontal axes of its frame, and of two that stand, the legs' lengths change
-    by what the feet lack more or less than each other, a_z (F* − F). The rates a K are the gains: K is the stiffness of
-    bush and leg in series. All of it leaks away.
+    by what the feet lack more or less than each other, a_z (F* − F). The gains are the rates a K, with 1 / K the
+    compliance of leg and bush in series: how fast the moment comes about does not depend on how soft they are. All of
+    it leaks away.
 
     Args:
         robot: whose feet.
         length: height l of the centre of mass above the feet [m].
-        stiffness: foot -> K of roll, pitch [N m/rad] and height [N/m], shape (3,).
         gains: see there.
         period: between calls [s].
     """
 
-    def __init__(
-        self, robot: Robot, length: float, stiffness: Mapping[str, Array], gains: AdmittanceGains, period: float
-    ) -> None:
+    def __init__(self, robot: Robot, length: float, gains: AdmittanceGains, period: float) -> None:
         rate = float(np.sqrt(GRAVITY / length))
-        rates = rate * np.array([gains.ankle, gains.ankle, gains.leg])
-        self._steps = {foot: period * rates / stiffness[foot] for foot in robot.feet}
+        self._gains = period * rate * np.array([gains.ankle, gains.ankle, gains.leg])
         self._kept = 1.0 - gains.leak * rate * period
         self.offsets = {foot: FootOffset() for foot in robot.feet}
 
-    def __call__(self, wanted: Mapping[str, FootLoad], measured: Mapping[str, Array]) -> dict[str, FootOffset]:
+    def __call__(
+        self, wanted: Mapping[str, FootLoad], measured: Mapping[str, Array], compliance: Mapping[str, Array]
+    ) -> dict[str, FootOffset]:
         """Offsets after another period.
 
         Args:
+            compliance: foot -> 1 / K of roll, pitch [rad/(N m)] and height [m/N], shape (3,).
             wanted: of the feet that stand.
             measured: foot -> force and moment of sole on foot (6,), in the axes of the foot frame, about its origin.
         """
@@ -66,7 +66,7 @@ class FootAdmittance:
             offset.pitch *= self._kept
             offset.height *= self._kept
             if foot in wanted:
-                moment, steps = wanted[foot].moment - measured[foot][3:], self._steps[foot]
+                moment, steps = wanted[foot].moment - measured[foot][3:], self._gains * compliance[foot]
                 offset.roll -= steps[0] * moment[0]
                 offset.pitch -= steps[1] * moment[1]
                 offset.height -= steps[2] * (lacks[foot] - common)

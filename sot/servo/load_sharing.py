@@ -14,6 +14,8 @@ Array = np.ndarray
 
 COP_INSET_RATIO = 0.1
 """Share of a sole's half width by which centres of pressure keep off its edges."""
+MIN_STANDING_SHARE = 0.08
+"""Least share of the load of a foot that stands for good: one that does not press slips."""
 LOAD_RAMP_TIME = 0.35
 """Time within which a foot gives its load away before it leaves the floor, and takes it after it has come down [s], of
 √(l / g)."""
@@ -49,6 +51,7 @@ class LoadSharing:
         self._ramp = LOAD_RAMP_TIME * float(np.sqrt(motion.com[0, 2] / gravity))
         soles = {foot: robot.sole(foot)[:, :2] for foot in robot.feet}
         self.middles = {foot: 0.5 * (sole.min(axis=0) + sole.max(axis=0)) for foot, sole in soles.items()}
+        self._middles = {foot: np.append(middle, 0.0) for foot, middle in self.middles.items()}
         self._soles = {foot: _without_rim(sole) for foot, sole in soles.items()}
 
     def feet(self, t: float) -> Mapping[str, pin.SE3]:
@@ -67,14 +70,13 @@ class LoadSharing:
     def __call__(self, t: float, zmp: Array, force: Array) -> dict[str, FootLoad]:
         """Loads of the standing feet at a time [s] for a zero-moment point (2,) [m] and a force (3,) [N], world."""
         feet = self.feet(t)
-        middles = {foot: pose.act(np.append(self.middles[foot], 0.0))[:2] for foot, pose in feet.items()}
+        middles = {foot: pose.act(self._middles[foot])[:2] for foot, pose in feet.items()}
         shares = self._shares(t, zmp, middles)
         rest = zmp - sum((shares[foot] * middles[foot] for foot in feet), np.zeros(2))
         loads = {}
         for foot, pose in feet.items():
-            x, y = self._soles[foot].nearest_point(
-                pose.actInv(np.append(middles[foot] + rest, pose.translation[2]))[:2]
-            )
+            off = pose.rotation.T[:2, :2] @ rest  # feet are level, or nearly so
+            x, y = self._soles[foot].nearest_point(self.middles[foot] + off)
             own = shares[foot] * (pose.rotation.T @ force)
             loads[foot] = FootLoad(own, np.array([y * own[2], -x * own[2], x * own[1] - y * own[0]]))
         return loads
@@ -84,7 +86,8 @@ class LoadSharing:
             return dict.fromkeys(middles, 1.0)
         (first, a), (second, b) = middles.items()
         limits = self.limits(t)
-        x = float(np.clip((zmp - a) @ (b - a) / max((b - a) @ (b - a), 1e-9), 0.0, 1.0))
+        along = float((zmp - a) @ (b - a) / max((b - a) @ (b - a), 1e-9))
+        x = min(max(along, MIN_STANDING_SHARE), 1.0 - MIN_STANDING_SHARE)
         if limits[first] + limits[second] < 1.0:  # both come or go: as their ramps are
             x = limits[second] / max(limits[first] + limits[second], 1e-9)
         else:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from sot.hardware.compliance import FootCompliance, bush_position
+from sot.hardware.compliance import bush_position
 from sot.hardware.servo import JointTargets, Servo
 from sot.robots.robot import Robot
 
@@ -101,25 +101,17 @@ def _leg(robot: Robot, frame: int) -> Array:
     return np.array([model.idx_vs[joint] for joint in joints])
 
 
-def foot_stiffness(robot: Robot, servo: Servo, compliance: FootCompliance | None) -> dict[str, Array]:
-    """Stiffness of each foot against the pelvis in roll, pitch [N m/rad] and height [N/m], (3,), at rest.
+def leg_compliance(robot: Robot, servo: Servo) -> dict[str, Array]:
+    """Compliance of each foot against the pelvis in roll, pitch [rad/(N m)] and height [m/N], (3,), at rest.
 
-    The servos of its leg are in series, J kp⁻¹ Jᵀ, and with them the bush.
-
-    Args:
-        robot: whose feet.
-        servo: kp of the joints.
-        compliance: of the bushes; None for rigid soles, or for ones of which nothing is known.
+    The servos of its leg are in series, J kp⁻¹ Jᵀ.
     """
-    data, stiffness = robot.model.createData(), {}
+    data, compliance = robot.model.createData(), {}
     pin.computeJointJacobians(robot.model, data, robot.rest)
     pin.updateFramePlacements(robot.model, data)
-    bush = (
-        np.zeros(3) if compliance is None else 1.0 / np.array([compliance.roll, compliance.pitch, compliance.vertical])
-    )
     for foot in robot.feet:
         frame = robot.point(foot)
         leg = _leg(robot, frame)
         J = pin.getFrameJacobian(robot.model, data, frame, pin.LOCAL)[:, leg][[3, 4, 2]]
-        stiffness[foot] = 1.0 / (J**2 @ (1.0 / servo.stiffness[leg - 6]) + bush)
-    return stiffness
+        compliance[foot] = J**2 @ (1.0 / servo.stiffness[leg - 6])
+    return compliance

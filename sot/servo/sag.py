@@ -3,13 +3,19 @@
 import numpy as np
 
 from sot.hardware.compliance import FootCompliance
+from sot.rotation import cross
 from sot.servo.load_sharing import FootLoad
 from sot.servo.posture_correction import FootOffset
 
 Array = np.ndarray
 
 
-def sag_offset(load: FootLoad, compliance: FootCompliance, bush: Array) -> FootOffset:
+def bush_compliance(compliance: FootCompliance) -> Array:
+    """1 / K of roll, pitch [rad/(N m)] and height [m/N], shape (3,)."""
+    return 1.0 / np.array([compliance.roll, compliance.pitch, compliance.vertical])
+
+
+def sag_offset(load: FootLoad, compliance: Array, bush: Array) -> FootOffset:
     """What a foot is to be turned and lowered by so that its load deflects it back to the plan.
 
     The moment about the bush, M + (o − b) × F, turns the sole by M / K against the foot; as the sole lies flat, the
@@ -18,8 +24,9 @@ def sag_offset(load: FootLoad, compliance: FootCompliance, bush: Array) -> FootO
 
     Args:
         load: planned, about the origin o of the foot frame.
-        compliance: of the bush.
+        compliance: 1 / K, (3,), see `bush_compliance`.
         bush: its middle b (3,) in the foot frame [m].
     """
-    x, y, _ = load.moment - np.cross(bush, load.force)
-    return FootOffset(-x / compliance.roll, -y / compliance.pitch, -load.force[2] / compliance.vertical)
+    x, y, _ = load.moment - cross(bush, load.force)
+    roll, pitch, height = compliance.tolist()
+    return FootOffset(-x * roll, -y * pitch, -load.force[2] * height)

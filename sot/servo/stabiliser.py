@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -13,9 +13,10 @@ from sot.hardware.readings import Readings, measured_zmp
 from sot.hardware.servo import JointTargets, Servo
 from sot.motion.trajectory import Motion, MotionSample
 from sot.servo.admittance import AdmittanceGains, FootAdmittance
+from sot.servo.compliance_estimate import ComplianceEstimate
 from sot.servo.load_sharing import LoadSharing
-from sot.servo.posture_correction import FootOffset, PostureCorrection, foot_stiffness
-from sot.servo.sag import sag_offset
+from sot.servo.posture_correction import FootOffset, PostureCorrection, leg_compliance
+from sot.servo.sag import bush_compliance, sag_offset
 
 Array = np.ndarray
 
@@ -61,7 +62,8 @@ class Stabiliser:
     Args:
         motion: the plan.
         period: control period [s].
-        compliance: of the feet, as far as it is known: what the planned load deflects is undone. None for no sag.
+        compliance: of the feet: what the planned load deflects is undone. "estimated" where it is not known; None for
+            rigid feet.
         servo: of the joints; unless given, the robot's by default.
         dcm: gains of the feedback of the divergent component; None for none.
         damping: the damping controller; None for none.
@@ -73,14 +75,14 @@ class Stabiliser:
         self,
         motion: Motion,
         period: float,
-        compliance: FootCompliance | None = None,
+        compliance: FootCompliance | Literal["estimated"] | None = None,
         servo: Servo | None = None,
         dcm: DcmGains | None = None,
         damping: Damping | None = None,
         sample: Callable[[float], MotionSample] | None = None,
     ) -> None:
         robot = motion.robot
-        self.period, self._motion, self._compliance = period, motion, compliance
+        self.period, self._motion = period, motion
         self._sample = sample or motion.sample
         self._data = robot.model.createData()
         self._loads, self._correction = LoadSharing(motion), PostureCorrection(robot, period)
@@ -88,23 +90,28 @@ class Stabiliser:
         length = float(motion.com[0, 2])
         self._omega = np.sqrt(GRAVITY / length)
         self._damping, self._dcm = damping, dcm
-        stiffness = foot_stiffness(robot, servo or Servo.of(robot), compliance)
-        self._admittance = FootAdmittance(robot, length, stiffness, dcm.feet, period) if dcm else None
+        self._compliance = bush_compliance(compliance) if isinstance(compliance, FootCompliance) else np.zeros(3)
+        self._estimate = ComplianceEstimate(robot, length, self._bushes) if compliance == "estimated" else None
+        self._legs = leg_compliance(robot, servo or Servo.of(robot))
+        self._admittance = FootAdmittance(robot, length, dcm.feet, period) if dcm else None
 
     def __call__(self, t: float, q: Array, v: Array, readings: Readings) -> JointTargets:
         """One tick, see `PositionController`."""
         plan = self._sample(t)
         robot = self._motion.robot
         force = robot.mass * (plan.com_acceleration + np.array([0.0, 0.0, GRAVITY]))
+        measured = any(wrench.any() for wrench in readings.foot_wrench.values())  # nothing is before the first step
+        if self._estimate is not None and measured:
+            self._compliance = self._estimate(readings)
         offsets = {foot: FootOffset() for foot in robot.feet}
-        if self._compliance is not None:
+        if self._compliance.any():
             for foot, load in self._loads(t, plan.zmp, force).items():
                 offsets[foot] = sag_offset(load, self._compliance, self._bushes[foot])
-        measured = any(wrench.any() for wrench in readings.foot_wrench.values())  # nothing is before the first step
         if self._dcm is not None and self._admittance is not None and measured:
             off = self.divergent_component(t, q, v) - (plan.com + plan.com_velocity / self._omega)[:2]
             wanted = self._loads(t, plan.zmp + (1.0 + self._dcm.convergence) * off, force)
-            for foot, offset in self._admittance(wanted, readings.foot_wrench).items():
+            compliance = {foot: own + self._compliance for foot, own in self._legs.items()}
+            for foot, offset in self._admittance(wanted, readings.foot_wrench, compliance).items():
                 own = offsets[foot]
                 offsets[foot] = FootOffset(own.roll + offset.roll, own.pitch + offset.pitch, own.height + offset.height)
         shift = np.zeros(2)

@@ -176,7 +176,7 @@ BAD_ARGUMENTS = {
         ["replay", "groove", "--feet", "planted", "--duration", "0.2", "--feet-compliance", "150,2500"],
         "150 N m/rad in roll cannot hold the robot up on 2 feet, from 0.00 s on: give more than m g l, 2",
     ),
-    "stack on servos": (["replay", "groove", "--plant", "servo", "--edit", "edit.toml"], "edit.toml: cannot be read"),
+    "stabiliser": (["replay", "groove", "--plant", "servo", "--stabiliser", "crutch"], "choose one of dcm, "),
     "suite": (["bench", "--suite", "songs"], "choose one of dance"),
     "folder of the suite": (["bench", "--suite", "dance", "--mocap", "nowhere"], "nowhere: no clips"),
     "scenario": (["run", "flying"], "choose one of sliding"),

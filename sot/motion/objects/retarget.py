@@ -56,6 +56,10 @@ class Target:
         placement = body * self.place
         return pin.SE3(placement.rotation, placement.translation + distance * (body.rotation @ self.normal))
 
+    def gap(self, body: pin.SE3, mover: pin.SE3) -> float:
+        """How far a mover at a placement in the world is off where it touches, along the surface's normal [m]."""
+        return float((body.rotation @ self.normal) @ (mover.translation - self.away(body, 0.0).translation))
+
 
 @dataclass(frozen=True)
 class RobotDemonstration:
@@ -242,10 +246,8 @@ class _Retargeting:
         soon = np.where(self.times < time, minimum_jerk((self.times - time) / self.reaching + 2.0), 0.0)
         kept = []
         for placement, body, share in zip(own, bodies, soon.tolist(), strict=True):
-            normal = body.rotation @ target.normal
-            gap = float(normal @ (placement.translation - target.away(body, 0.0).translation))
-            push = share * max(target.standoff - gap, 0.0)
-            kept.append(pin.SE3(placement.rotation, placement.translation + push * normal))
+            push = share * max(target.standoff - target.gap(body, placement), 0.0)
+            kept.append(pin.SE3(placement.rotation, placement.translation + push * (body.rotation @ target.normal)))
         return kept
 
     def _own_path(self, point: str, name: SurfaceName) -> Iterator[pin.SE3]:

@@ -15,10 +15,10 @@ PERIOD = 0.001
 def settled(gains, wanted, seconds=3.0):
     """What feet on springs carry after some time, and the share of the lack that is gone after each tick."""
     robot = Robot.load("hrp2")
-    admittance = FootAdmittance(robot, 0.8, dict.fromkeys(robot.feet, STIFFNESS), gains, PERIOD)
+    admittance = FootAdmittance(robot, 0.8, gains, PERIOD)
     measured, gone = {foot: np.array([0.0, 0.0, 280.0, 0.0, 0.0, 0.0]) for foot in wanted}, []
     for _ in range(round(seconds / PERIOD)):
-        for foot, offset in admittance(wanted, measured).items():
+        for foot, offset in admittance(wanted, measured, dict.fromkeys(robot.feet, 1.0 / STIFFNESS)).items():
             if foot in wanted:
                 measured[foot][2] = 280.0 - STIFFNESS[2] * offset.height
                 measured[foot][3:5] = -STIFFNESS[0] * offset.roll, -STIFFNESS[1] * offset.pitch

@@ -1,13 +1,13 @@
-"""Corrected postures against forward kinematics, and the stiffness of a foot against a leg that is loaded."""
+"""Corrected postures against forward kinematics, and the compliance of a leg against the work of its springs."""
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
-from sot.hardware.compliance import FootCompliance, bush_position
+from sot.hardware.compliance import bush_position
 from sot.hardware.servo import Servo
 from sot.robots.robot import Robot, shipped_robot_names
-from sot.servo.posture_correction import FootOffset, PostureCorrection, foot_stiffness
+from sot.servo.posture_correction import FootOffset, PostureCorrection, leg_compliance
 
 FEET = ("left_foot", "right_foot")
 
@@ -69,23 +69,20 @@ def test_targets_move_at_the_rate_of_their_positions():
         before = targets.position
 
 
-@pytest.mark.parametrize("compliance", [None, FootCompliance(2500.0, 1800.0, 2e5)])
-def test_a_foot_s_stiffness_is_that_of_its_leg_and_its_bush(robot, compliance):
-    """The work that a load does on springs of legs and bush is its square over twice the stiffness."""
+def test_a_leg_s_compliance_is_the_work_that_its_springs_take(robot):
+    """A load turns each joint by its lever over kp: the work of all springs is its square times half the compliance."""
     servo = Servo.of(robot)
-    stiffness = foot_stiffness(robot, servo, compliance)["right_foot"]
+    compliance = leg_compliance(robot, servo)["right_foot"]
     frame, step, data = robot.point("right_foot"), 1e-6, robot.model.createData()
 
     def place(q):
         pin.framesForwardKinematics(robot.model, data, q)
         return data.oMf[frame].copy()
 
-    start, turned = place(robot.rest), np.zeros((6, robot.na))
+    start, levers = place(robot.rest), np.zeros((6, robot.na))
     for joint in range(robot.na):
         q = robot.rest.copy()
         q[7 + joint] += step
-        turned[:, joint] = pin.log6(start.inverse() * place(q)).vector / step
-    bush = (0.0, 0.0, 0.0) if compliance is None else (compliance.roll, compliance.pitch, compliance.vertical)
+        levers[:, joint] = pin.log6(start.inverse() * place(q)).vector / step
     for k, axis in enumerate((3, 4, 2)):
-        springs = float(np.sum(turned[axis] ** 2 / servo.stiffness)) + (1.0 / bush[k] if bush[k] else 0.0)
-        assert stiffness[k] == pytest.approx(1.0 / springs, rel=1e-4)
+        assert compliance[k] == pytest.approx(float(np.sum(levers[axis] ** 2 / servo.stiffness)), rel=1e-4)

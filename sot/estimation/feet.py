@@ -1,0 +1,126 @@
+"""What a robot's joints and force sensors say of its feet: where the soles are, and what they carry."""
+
+from collections.abc import Mapping
+from math import exp, isfinite
+
+import numpy as np
+import pinocchio as pin
+
+from sot.gravity import GRAVITY
+from sot.hardware.compliance import SOLE_MASS_SHARE, FootCompliance, bush_position
+from sot.hardware.readings import Readings
+from sot.robots.robot import Robot
+
+Array = np.ndarray
+
+
+def leg_length(robot: Robot) -> float:
+    """Height of the hips over the soles at rest [m]."""
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.rest)
+    return float(data.oMf[robot.point("left_hip")].translation[2])
+
+
+class MeasuredFeet:
+    """Soles as seen from the inertial unit, and the robot's base, of each instant's readings.
+
+    Args:
+        robot: whose feet.
+        imu_point: operational point that the inertial unit is at.
+        compliance: of the feet, if they have bushes between ankle and sole.
+
+    Attributes:
+        soles: pose of each sole, in the order of `Robot.feet`, in the unit's frame.
+        shares: what each foot carries, over the robot's weight.
+    """
+
+    def __init__(self, robot: Robot, imu_point: str, compliance: FootCompliance | None = None) -> None:
+        self._robot, self._data = robot, robot.model.createData()
+        self._imu, self._frames = robot.point(imu_point), [robot.point(foot) for foot in robot.feet]
+        self._q, self._v = pin.neutral(robot.model), np.zeros(robot.nv)
+        self._weight = robot.mass * GRAVITY
+        self._sole_weights = [
+            SOLE_MASS_SHARE * GRAVITY * robot.model.inertias[robot.model.frames[frame].parentJoint].mass
+            for frame in self._frames
+        ]
+        self._bushes = None if compliance is None else [Bush(robot, foot, compliance) for foot in robot.feet]
+        self.soles = [pin.SE3.Identity() for _ in robot.feet]
+        self.shares = np.zeros(len(robot.feet))
+
+    def update(self, readings: Readings, passed: float) -> None:
+        """Take in readings, a time [s] after the last ones."""
+        model, data = self._robot.model, self._data
+        self._q[7:], self._v[6:] = readings.joint_position, readings.joint_velocity
+        pin.forwardKinematics(model, data, self._q, self._v)
+        self._imu_in_base = pin.updateFramePlacement(model, data, self._imu)
+        base_in_imu = self._imu_in_base.inverse()
+        for k, (foot, frame) in enumerate(zip(self._robot.feet, self._frames, strict=True)):
+            self.soles[k] = base_in_imu * pin.updateFramePlacement(model, data, frame)
+            if self._bushes is not None:
+                self.soles[k] = self.soles[k] * self._bushes[k].update(readings.foot_wrench[foot], passed)
+
+    def weigh(self, readings: Readings, rotation: Array) -> None:
+        """Find what the feet carry, the unit's frame being turned so (3, 3) in the world."""
+        for k, foot in enumerate(self._robot.feet):
+            up = self.soles[k].rotation.T @ rotation[2]
+            self.shares[k] = (up @ readings.foot_wrench[foot][:3] + self._sole_weights[k]) / self._weight
+
+    @property
+    def loads(self) -> Mapping[str, float]:
+        """Vertical force of the floor on each foot [N]."""
+        return {foot: share * self._weight for foot, share in zip(self._robot.feet, self.shares, strict=True)}
+
+    def base(
+        self, rotation: Array, position: Array, velocity: Array, angular_velocity: Array
+    ) -> tuple[pin.SE3, pin.Motion]:
+        """Pose of the robot's base in the world, and its velocity in its own frame.
+
+        Args:
+            rotation, position: of the inertial unit in the world (3, 3), (3,).
+            velocity: of its origin, world axes (3,) [m/s].
+            angular_velocity: in its frame (3,) [rad/s].
+        """
+        base_in_imu = self._imu_in_base.inverse()
+        unit = pin.Motion(rotation.T @ velocity, angular_velocity)
+        by_joints = pin.getFrameVelocity(self._robot.model, self._data, self._imu, pin.LOCAL)
+        return pin.SE3(rotation, position) * base_in_imu, base_in_imu.actInv(unit - by_joints)
+
+    def unit(self, q: Array, v: Array) -> tuple[pin.SE3, Array]:
+        """Pose of the inertial unit in the world, and the velocity of its origin in world axes, of a state."""
+        model, data = self._robot.model, self._robot.model.createData()
+        pin.forwardKinematics(model, data, q, v)
+        pose = pin.updateFramePlacement(model, data, self._imu)
+        return pose.copy(), pin.getFrameVelocity(model, data, self._imu, pin.LOCAL_WORLD_ALIGNED).linear.copy()
+
+
+class Bush:
+    """How far a sole gives way against its foot, from the force above it: moment = K (δ + τ δ̇).
+
+    Args:
+        robot: the robot.
+        foot: whose bush.
+        compliance: its stiffness, and its damping over that, τ.
+    """
+
+    def __init__(self, robot: Robot, foot: str, compliance: FootCompliance) -> None:
+        self._at = bush_position(robot, foot)
+        stiffness = np.array([compliance.roll, compliance.pitch, compliance.vertical])
+        self._per_load = np.array([1.0 / k if isfinite(k) else 0.0 for k in stiffness])
+        self._relaxation = compliance.relaxation_time(robot)
+        self.deflection = np.zeros(3)
+        """Roll, pitch [rad] and height [m] of the sole."""
+
+    def update(self, wrench: Array, passed: float) -> pin.SE3:
+        """Pose of the sole in the foot's frame as it is without load.
+
+        Args:
+            wrench: of sole on foot (6,), see `Readings.foot_wrench` [N, N m].
+            passed: since the last reading [s].
+        """
+        moment = wrench[3:] - np.cross(self._at, wrench[:3])
+        settled = self._per_load * np.array([moment[0], moment[1], wrench[2]])
+        kept = exp(-passed / self._relaxation) if self._relaxation else 0.0
+        self.deflection = settled + kept * (self.deflection - settled)
+        roll, pitch, height = self.deflection
+        turn = pin.rpy.rpyToMatrix(roll, 0.0, 0.0) @ pin.rpy.rpyToMatrix(0.0, pitch, 0.0)
+        return pin.SE3(turn, self._at + np.array([0.0, 0.0, height]) - turn @ self._at)
