@@ -21,7 +21,7 @@ MAX_LEG_EXTENSION = 0.965
 GAUSS_NEWTON_STEPS, MAX_GAUSS_NEWTON_STEPS = 1, 8
 """Steps a moment, and while the feet are farther off than `MAX_FOOT_ERROR`."""
 MAX_FOOT_ERROR = 0.01
-"""Length of the error of both feet [m, rad] beyond which legs are solved anew, from their posture at the start, too.
+"""Length of the error of both feet [m, rad] beyond which legs are solved for from their posture at the start, too.
 Where the pelvis goes too far, they end up at the ends of their ranges, and do not come back from there alone."""
 
 

@@ -96,7 +96,7 @@ class LiveReference:
         if target[2] > greatest:  # the person may rise on; what the legs hold back has no speed
             target, velocity = target.copy(), velocity.copy()
             target[2], velocity[2] = greatest, min(velocity[2], 0.0)
-        self._governor.step(target, velocity)
+        self._governor.step(target, velocity, greatest)
         if (len(self._knots) - 1) % KNOTS_PER_PLAN == 0:
             self._preview.plan(self._wanted)
         self._preview.advance(PERIOD)
