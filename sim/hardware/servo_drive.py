@@ -42,7 +42,8 @@ class ServoDrive:
 
     def reset(self) -> None:
         """Forget all commands."""
-        self._step = 0
+        self._step = self._age = 0
+        self._targets: JointTargets | None = None
         self._end: Array | None = None
         self.position = self.velocity = np.full(len(self._steps_between), np.nan)
 
@@ -53,13 +54,16 @@ class ServoDrive:
 
     def __call__(self, targets: JointTargets) -> Array:
         """What the motors of `add_servos` are given in the next physics step: kp q_d + kd q̇_d (na,) [N m]."""
+        # A tick's targets are of its first physics step; a servo may take them in a later one.
+        self._age = self._age + 1 if targets is self._targets else 0
+        self._targets = targets
         passed = self._step % self._steps_between
         if self._end is None:
             self._start, self._end, self.velocity = targets.position, targets.position, targets.velocity
         taken = passed == 0
         if taken.any():
             span = self._steps_between * self._timestep
-            ahead = targets.position + span * targets.velocity
+            ahead = targets.position + (self._age * self._timestep + span) * targets.velocity
             self._start = np.where(taken, self._end, self._start)
             self._end = np.where(taken, ahead, self._end)
             self.velocity = np.where(taken, (self._end - self._start) / span, self.velocity)

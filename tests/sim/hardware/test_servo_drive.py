@@ -28,6 +28,18 @@ def test_a_ramp_is_followed_without_lag():
         np.testing.assert_allclose(out, [100.0, 50.0] * drive.position + [3.0, 2.0] * drive.velocity)
 
 
+@pytest.mark.parametrize("steps", [2, 3, 7])
+def test_ticks_of_several_physics_steps_make_no_ripple(steps):
+    """A command that is taken in the middle of a tick knows how old the tick's targets are."""
+    drive, speed = ServoDrive(two_joints(), 0.001), np.array([2.0, -1.0])
+    for k in range(10):
+        targets = JointTargets(0.001 * steps * k * speed, speed)
+        for substep in range(steps):
+            drive(targets)
+            np.testing.assert_allclose(drive.position, 0.001 * (steps * k + substep) * speed, atol=1e-12)
+            np.testing.assert_allclose(drive.velocity, speed, atol=1e-9)
+
+
 def test_commands_are_taken_once_a_period_and_reached_one_period_later():
     """A step that comes between two commands waits for the next one."""
     drive, seen = ServoDrive(two_joints(), 0.001), []
