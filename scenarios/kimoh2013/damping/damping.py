@@ -5,6 +5,7 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.console import Console
 
 from scenarios.kimoh2013.damping import dances
@@ -20,9 +21,12 @@ from sot.errors import InputError
 from sot.hardware.compliance import FootCompliance
 from sot.robots.robot import Robot
 from sot.servo.identified import PLANES, SUPPORTS, Identified, identified_robots, read_identified, write_identified
+from sot.servo.sag import bush_compliance
 
 STUDIES = ("identify", "push", *dances.STUDIES)
 CASES = tuple((plane, support) for support in SUPPORTS for plane in PLANES)
+BUSH_TOLERANCE = 0.1
+"""Difference of their compliances, as a share, up to which feet count as those that a robot was identified on."""
 PENDULUM_FILE, BODE_FILE, LOCUS_FILE, SWAY_FILE = "pendulum.toml", "bode.svg", "root_locus.svg", "pushes.svg"
 
 
@@ -81,9 +85,11 @@ def run(request: Replay, options: DampingOptions, out: Path, tell: ProgressCallb
 def _dance(request: Replay, options: DampingOptions, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     check_writable(out)
     robot, identified = Robot.load(request.robot), None
-    if options.identified is not None or robot.name in identified_robots():
+    if options.study == dances.DANCE and (options.identified is not None or robot.name in identified_robots()):
         identified = _identified(robot, options.identified)
-    compliance = request.compliance or (_bush(robot, identified) if identified else usual_compliance(robot))
+        compliance = _feet(robot, identified, request.compliance)
+    else:
+        compliance = request.compliance or usual_compliance(robot)
     told = options.study, compliance, identified, options.damping_ratio or PAPER_RATIO, tell
     figures = {"controllers": dances.dance_figures(request, *told)}
     head = {"scenario": f"damping {options.study}", "robot": robot.name, "clip": request.clip or dances.CLIP}
@@ -108,7 +114,7 @@ def _push(
     robot: Robot, soft: FootCompliance | None, options: DampingOptions, out: Path, tell: ProgressCallback
 ) -> dict[str, Any]:
     identified = _identified(robot, options.identified)
-    compliance = soft or _bush(robot, identified)
+    compliance = _feet(robot, identified, soft)
     ratios = RATIOS if options.damping_ratio is None else (options.damping_ratio,)
     controllers = controllers_of(identified, ratios, options.form)
     frequencies = {}
@@ -140,8 +146,18 @@ def _identified(robot: Robot, path: Path | None) -> Identified:
     return identified
 
 
-def _bush(robot: Robot, identified: Identified) -> FootCompliance:
-    return FootCompliance(*identified.bush) if identified.bush else usual_compliance(robot)
+def _feet(robot: Robot, identified: Identified, asked: FootCompliance | None) -> FootCompliance:
+    """The feet that were asked for, or those that the robot was identified on."""
+    if not identified.bush:
+        return asked or usual_compliance(robot)
+    known = FootCompliance(*identified.bush)
+    if asked is not None and not np.allclose(bush_compliance(asked), bush_compliance(known), BUSH_TOLERANCE, 0.0):
+        told = ",".join(f"{value:g}" for value in identified.bush)
+        raise InputError(
+            f"--feet-compliance: {robot.label} was identified on feet of {told}, and its pendulums are not those of "
+            f"others: identify it on these, and give its {PENDULUM_FILE} with --identified"
+        )
+    return asked or known
 
 
 def show(figures: dict[str, Any], console: Console) -> None:
