@@ -1,5 +1,6 @@
 """A box carried over one leg, a door pushed open, of several weights and springs, after one human: Otani 2017, IV."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
@@ -25,7 +26,7 @@ from sot.motion import Human, read, recognise
 from sot.motion.feet.stance import Build
 from sot.motion.objects import event_file
 from sot.motion.objects.demonstration import HandledObjects, read_objects
-from sot.motion.objects.events import ContactPlan
+from sot.motion.objects.events import ContactPlan, ContactSets
 from sot.motion.objects.pose_path import PosePath
 from sot.motion.objects.pushing import paced_for_pushing
 from sot.motion.objects.retarget import RobotDemonstration, Scale, retarget_objects
@@ -102,6 +103,7 @@ def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) 
     drawn = curves.curves_of(log, system, schedule.played_times(), label)
     extra = {
         "objects": object_report(log, system, schedule.demonstration),
+        "tick_median_us": tick_medians(log, schedule.history),
         "legs": curves.leg_figures(drawn, system.robot, schedule.history),
         "manipulation": {
             "failure": schedule.failure or None,
@@ -225,10 +227,25 @@ def show(figures: dict[str, Any], console: Console) -> None:
         )
     console.print(table)
     console.print(_leg_sentence(figures["legs"]), highlight=False, soft_wrap=True)
+    held, without = (figures["tick_median_us"][words] for words in ("held", "without"))
+    if held and without:
+        ratio = f"a tick while hands hold something: {held / without:.2f} times one while they do not, in the median"
+        console.print(ratio, highlight=False, soft_wrap=True)
     for wait in figures["manipulation"]["waits"]:
         console.print(
             f"waited {wait['end_s'] - wait['start_s']:.1f} s: {wait['events']}", highlight=False, soft_wrap=True
         )
+
+
+def tick_medians(log: RunLog, history: Sequence[tuple[float, ContactSets]]) -> dict[str, float | None]:
+    """Medians of the time of a tick while hands hold a thing and while none does [µs]; None where that never was."""
+    starts = [start for start, _ in history]
+    holding = np.array([bool(sets.holding) for _, sets in history])
+    held = holding[np.searchsorted(starts, log.time, side="right") - 1]
+    return {
+        words: float(np.median(log.tick_us[rows])) if rows.any() else None
+        for words, rows in (("held", held), ("without", ~held))
+    }
 
 
 def _leg_sentence(legs: dict[str, Any]) -> str:

@@ -64,8 +64,9 @@ class Governor:
             limits.lower, limits.upper, velocity, BRAKING_SHARE * acceleration, acceleration
         )
 
-    def step(self, target: Array, velocity: Array) -> None:
-        """Go on by a period towards a target (nv,) that moves with a velocity (nv,)."""
+    def step(self, target: Array, velocity: Array, greatest_height: float = np.inf) -> None:
+        """Go on by a period towards a target (nv,) that moves with a velocity (nv,), the base below a height [m]."""
+        self._bounds.upper[2] = greatest_height
         rate = self.dy + 0.5 * JERK_TIME * self.ddy  # once the acceleration of now has come to an end
         low, high = self._bounds(self.y + JERK_TIME * rate, rate, self._period)
         wanted = _wanted_accelerations(

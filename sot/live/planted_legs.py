@@ -4,6 +4,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from sot.live.bounded_move import bounded_move
 from sot.live.state import pinocchio_state
 from sot.motion.body.coordinates import to_rotation
 from sot.motion.feet.contacts import Phase
@@ -17,8 +18,11 @@ DAMPING = 1e-4
 """Of the inverse of the legs' Jacobian, for a leg that is nearly straight."""
 MAX_LEG_EXTENSION = 0.965
 """Share of its length to which a leg is stretched at most: a straight one can no longer push, and jerks."""
-MAX_NEWTON_STEP = 0.1
-"""Bound of a joint's correction in one step [rad]."""
+GAUSS_NEWTON_STEPS, MAX_GAUSS_NEWTON_STEPS = 1, 8
+"""Steps a moment, and while the feet are farther off than `MAX_FOOT_ERROR`."""
+MAX_FOOT_ERROR = 0.01
+"""Length of the error of both feet [m, rad] beyond which legs are solved for from their posture at the start, too.
+Where the pelvis goes too far, they end up at the ends of their ranges, and do not come back from there alone."""
 
 
 class PlantedLegs:
@@ -40,7 +44,8 @@ class PlantedLegs:
         self._columns = 6 + self._joints
         self._lower, self._upper = robot.lower[self._joints], robot.upper[self._joints]
         self._velocity, self._acceleration = robot.velocity[self._joints], robot.acceleration[self._joints]
-        self._angles = start[self._columns]
+        self._start = start[self._columns]
+        self._angles = self._start
         pin.framesForwardKinematics(robot.model, self._data, robot.rest)
         place = {point: self._data.oMf[robot.point(point)].translation.copy() for point in robot.points}
         base = self._data.oMi[1]
@@ -60,16 +65,13 @@ class PlantedLegs:
         """Coordinates and derivatives (nv,) with such legs, whose angles follow from those of the last call."""
         model, data, legs = self._model, self._data, self._columns
         y, dy, ddy = y.copy(), dy.copy(), ddy.copy()
+        self._solve(y)
         y[legs] = self._angles
         q, v, a = pinocchio_state(y, dy, ddy)
         v[legs], a[legs] = 0.0, 0.0
-        pin.computeJointJacobians(model, data, q)
-        J = np.vstack([pin.getFrameJacobian(model, data, foot, pin.LOCAL_WORLD_ALIGNED) for foot, _ in self._feet])
+        J = self._jacobian(q)
         own = J[:, legs]
         inverse = np.linalg.solve(own.T @ own + DAMPING * np.eye(len(legs)), own.T)
-        error = np.concatenate([self._error(foot, pose) for foot, pose in self._feet])
-        step = np.clip(-inverse @ error, -MAX_NEWTON_STEP, MAX_NEWTON_STEP)
-        self._angles = np.clip(self._angles + step, self._lower, self._upper)
         v[legs] = np.clip(-inverse @ (J @ v), -self._velocity, self._velocity)
         pin.forwardKinematics(model, data, q, v, a)
         moved = [
@@ -81,6 +83,39 @@ class PlantedLegs:
         y[legs], dy[legs], ddy[legs] = self._angles, v[legs], curve
         return y, dy, ddy
 
-    def _error(self, foot: int, pose: pin.SE3) -> Array:
-        place = pin.updateFramePlacement(self._model, self._data, foot)
-        return np.concatenate([place.translation - pose.translation, pin.log3(place.rotation @ pose.rotation.T)])
+    def _solve(self, y: Array) -> None:
+        """Angles of the legs under a base as in coordinates (nv,), from those of the last call."""
+        angles, error = self._improved(y, self._angles, GAUSS_NEWTON_STEPS)
+        if error > MAX_FOOT_ERROR:
+            tried = [self._improved(y, start, MAX_GAUSS_NEWTON_STEPS) for start in (angles, self._start)]
+            angles, _ = min(tried, key=lambda one: one[1])
+        self._angles = angles
+
+    def _improved(self, y: Array, angles: Array, steps: int) -> tuple[Array, float]:
+        """Angles (k,) after bounded Gauss-Newton steps, and the length of the feet's error."""
+        y, legs, angles = y.copy(), self._columns, angles.copy()
+        for step in range(steps + 1):
+            y[legs] = angles
+            J = self._jacobian(pinocchio_state(y, y, y)[0])[:, legs]
+            e = self._error()
+            if step < steps:
+                bounded_move(angles, J.T @ J + DAMPING * np.eye(len(legs)), J.T @ e, self._lower, self._upper)
+        return angles, float(np.linalg.norm(e))
+
+    def _jacobian(self, q: Array) -> Array:
+        """Jacobian (12, nv) of both feet at a configuration (nq,)."""
+        pin.computeJointJacobians(self._model, self._data, q)
+        return np.vstack(
+            [pin.getFrameJacobian(self._model, self._data, foot, pin.LOCAL_WORLD_ALIGNED) for foot, _ in self._feet]
+        )
+
+    def _error(self) -> Array:
+        """Error (12,) of both feet where Pinocchio's joints are placed [m, rad]."""
+        places = [(pin.updateFramePlacement(self._model, self._data, foot), pose) for foot, pose in self._feet]
+        return np.concatenate(
+            [
+                part
+                for place, pose in places
+                for part in (place.translation - pose.translation, pin.log3(place.rotation @ pose.rotation.T))
+            ]
+        )

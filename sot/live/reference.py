@@ -92,9 +92,11 @@ class LiveReference:
         self._step(target, velocity)
 
     def _step(self, target: Array, velocity: Array) -> None:
-        target = target.copy()
-        target[2] = min(target[2], self._legs.greatest_height(self._governor.y))
-        self._governor.step(target, velocity)
+        greatest = self._legs.greatest_height(self._governor.y)
+        if target[2] > greatest:  # the person may rise on; what the legs hold back has no speed
+            target, velocity = target.copy(), velocity.copy()
+            target[2], velocity[2] = greatest, min(velocity[2], 0.0)
+        self._governor.step(target, velocity, greatest)
         if (len(self._knots) - 1) % KNOTS_PER_PLAN == 0:
             self._preview.plan(self._wanted)
         self._preview.advance(PERIOD)

@@ -14,6 +14,8 @@ Array = np.ndarray
 
 COP_INSET_RATIO = 0.1
 """Share of a sole's half width by which centres of pressure keep off its edges."""
+MIN_STANDING_SHARE = 0.08
+"""Least share of the load of a foot that stands for good: one that does not press slips."""
 LOAD_RAMP_TIME = 0.35
 """Time within which a foot gives its load away before it leaves the floor, and takes it after it has come down [s], of
 √(l / g)."""
@@ -84,7 +86,8 @@ class LoadSharing:
             return dict.fromkeys(middles, 1.0)
         (first, a), (second, b) = middles.items()
         limits = self.limits(t)
-        x = float(np.clip((zmp - a) @ (b - a) / max((b - a) @ (b - a), 1e-9), 0.0, 1.0))
+        along = float((zmp - a) @ (b - a) / max((b - a) @ (b - a), 1e-9))
+        x = min(max(along, MIN_STANDING_SHARE), 1.0 - MIN_STANDING_SHARE)
         if limits[first] + limits[second] < 1.0:  # both come or go: as their ramps are
             x = limits[second] / max(limits[first] + limits[second], 1e-9)
         else:

@@ -16,9 +16,9 @@ Array = np.ndarray
 Results = Mapping[tuple[str, str], CaseResult]
 
 MEASURED_COLOR, FIT_COLOR, NO_LOSS_COLOR, ASKED_COLOR = "#d9762b", "#2b6fd9", "#999", "#2a9d5c"
-GAINS = np.concatenate([[0.0], np.geomspace(1e-4, 1e3, 150)])
+GAINS = np.concatenate([[0.0], np.geomspace(2e-3, 5.0, 200)])
 """Output feedback of the root locus, in 1 / l."""
-SHOWN_RATIO = 6.0
+SHOWN_RATIO = 3.5
 """Part of the complex plane that is drawn, in ω_n."""
 
 
@@ -69,7 +69,7 @@ def draw_root_loci(path: Path, label: str, results: Results) -> None:
             shown = points[(np.abs(points.real) < size) & (np.abs(points.imag) < size)]
             curves.append(_crosses(shown.real, shown.imag, wide, wide, words, color))
         panels.append(Panel(f"{plane}, {support}", "real [1/s]", "imaginary [rad/s]", curves, equal=True))
-    write_panels(path, f"{label}: root loci (Kim & Oh Figure 13)", panels, 2, (520.0, 420.0))
+    write_panels(path, f"{label}: root loci (Kim & Oh Figure 13)", panels, 2, (520.0, 360.0))
 
 
 def print_identification(figures: Mapping[str, Mapping[str, Any]], console: Console) -> None:

@@ -131,8 +131,7 @@ def pushed(
     log = done.log.trimmed()
     axis = int(np.argmax(np.abs(push.force[:2])))
     zmp = log.zmp_measured[:, axis]
-    before = (log.time > push.t - 0.5) & (log.time < push.t)
-    rest = zmp[log.time > log.time[-1] - 0.5].mean() if done.fell_at_s is None else np.nanmean(zmp[before])
+    rest = zmp[log.time > log.time[-1] - 0.5].mean() if done.fell_at_s is None else stance.pivot[axis]
     return Sway(log.time - push.end, (zmp - rest) * np.sign(push.force[axis]), done.fell_at_s)
 
 

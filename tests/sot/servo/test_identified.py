@@ -82,7 +82,9 @@ def test_the_papers_form_is_refused_by_its_margin():
 def test_what_comes_with_the_project_fits_what_was_measured():
     for path in identified_robots().values():
         for one in read_identified(path).cases.values():
-            errors = fit_errors(one.pendulum, one.measured)
+            # On one foot the lifted leg sways by itself at 10 Hz, which no pendulum knows of.
+            below = FrequencyResponse(*(series[one.measured.frequency < 9.0] for series in one.measured))
+            errors = fit_errors(one.pendulum, below)
             assert errors.gain_db < 1.5
             assert errors.phase_deg < 8.0
         read_identified(path).designs(0.72, 0.005)
