@@ -85,7 +85,11 @@ Compliance = Annotated[
 ]
 StateName = Annotated[
     str,
-    typer.Option("--state", help="What the controller knows: the true state, or one estimated from the sensors."),
+    typer.Option(
+        "--state",
+        help="What the controller knows: the true state; one estimated from the sensors; footholds: that, and drift"
+        " corrected by where the plan puts the feet.",
+    ),
 ]
 SensorsName = Annotated[str, typer.Option("--sensors", help="ideal, or by data sheet: bmi088, mti630.")]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]

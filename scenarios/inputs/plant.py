@@ -11,8 +11,9 @@ from sot.hardware.servo import Servo
 from sot.robots.robot import Robot
 
 PLANTS = ("torque", "servo")
-STATES = ("true", "estimated")
-"""What a controller is told: the simulated state, or what an estimator makes of readings."""
+STATES = ("true", "estimated", "footholds")
+"""What a controller is told: the simulated state, or what an estimator makes of readings, or of those and of where the
+plan puts the feet."""
 
 
 def parse_feet_compliance(text: str) -> FootCompliance:
@@ -63,4 +64,4 @@ def estimator_of(robot: Robot, hardware: Hardware, state: str) -> Estimator | No
     """Who tells a controller the state of a robot with that hardware; None where it is told the true one."""
     if state == "true" or hardware.sensors is None:
         return None
-    return ContactFilter(robot, hardware.sensors, hardware.compliance)
+    return ContactFilter(robot, hardware.sensors, hardware.compliance, footholds=state == "footholds")

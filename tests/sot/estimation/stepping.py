@@ -85,10 +85,10 @@ class SteppingMotion:
             velocity,
             pin.Quaternion(unit).coeffs().copy(),
             pin.log3(before.rotation.T @ after.rotation) / (2.0 * step),
-            unit.T @ (acceleration + [0.0, 0.0, GRAVITY]),
+            unit.T @ (acceleration + GRAVITY * np.array((0.0, 0.0, 1.0))),
             wrenches,
         )
 
     def footing(self, t: float) -> Footing:
         """The floor that happens to be under the standing foot."""
-        return Footing(self.sole(t) * pin.SE3.Identity())
+        return Footing(self.sole(t))
