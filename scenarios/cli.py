@@ -14,8 +14,10 @@ from rich.table import Table
 from scenarios import viewer
 from scenarios.bench import benchmark_figures, read_figures
 from scenarios.bench import show as show_bench
+from scenarios.inputs import plant_options
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.inputs.plant import parse_feet_compliance
+from scenarios.kimoh2013.damping import options as damping_cli
 from scenarios.listing import Kind, list_rows
 from scenarios.live.commands import live_command, stream_command
 from scenarios.otani2017 import options
@@ -74,24 +76,6 @@ UpAxis = Annotated[
     str | None,
     typer.Option("--up", help="Up axis of the clip's file: x, y, z, -x, -y or -z; found in the clip by default."),
 ]
-PlantName = Annotated[str, typer.Option("--plant", help="torque: motors take torques; servo: joints take positions.")]
-Compliance = Annotated[
-    str | None,
-    typer.Option(
-        "--feet-compliance",
-        help='Rubber between ankles and soles, "KX,KY" or "KX,KY,KZ": stiffness of a foot about x (roll), y (pitch)'
-        " [N m/rad] and along z [N/m]; rigid by default.",
-    ),
-]
-StateName = Annotated[
-    str,
-    typer.Option(
-        "--state",
-        help="What the controller knows: the true state; one estimated from the sensors; footholds: that, and drift"
-        " corrected by where the plan puts the feet.",
-    ),
-]
-SensorsName = Annotated[str, typer.Option("--sensors", help="ideal, or by data sheet: bmi088, mti630.")]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
 
 
@@ -111,10 +95,11 @@ def replay_command(
     edit: EditFile = None,
     push: Pushes = None,
     mismatch: MismatchText = "",
-    plant: PlantName = "torque",
-    feet_compliance: Compliance = None,
-    state: StateName = "true",
-    sensors: SensorsName = "ideal",
+    plant: plant_options.PlantName = "torque",
+    feet_compliance: plant_options.Compliance = None,
+    stabiliser: plant_options.StabiliserName = "dcm",
+    state: plant_options.StateName = "true",
+    sensors: plant_options.SensorsName = "ideal",
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/CLIP by default.")] = None,
     view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
 ) -> int:
@@ -142,6 +127,7 @@ def replay_command(
         up,
         plant,
         soft,
+        stabiliser,
         state,
         sensors,
     )
@@ -167,6 +153,11 @@ def run_command(
     rate: Rate = 1000.0,
     push: Pushes = None,
     mismatch: MismatchText = "",
+    plant: plant_options.PlantName = "torque",
+    feet_compliance: plant_options.Compliance = None,
+    stabiliser: plant_options.StabiliserName = "dcm",
+    state: plant_options.StateName = "true",
+    sensors: plant_options.SensorsName = "ideal",
     mass: options.Mass = None,
     stiffness: options.Stiffness = None,
     damping: options.Damping = None,
@@ -177,11 +168,20 @@ def run_command(
     from_plate: options.FromPlate = False,
     seed: options.Seed = None,
     events: options.Events = None,
+    case: damping_cli.Case = None,
+    damping_ratio: damping_cli.DampingRatio = None,
+    form: damping_cli.Form = None,
+    identified: damping_cli.IdentifiedFile = None,
+    seeds: damping_cli.Seeds = None,
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/NAME by default.")] = None,
 ) -> int:
     """Run a scenario; record it and report on it."""
     told = stiffness, damping, friction, assumed_mass, assumed_stiffness, without_object, from_plate, seed, events
     handling = options.handling_options(scenario, study, mass, *told)
+    pendulum = case, damping_ratio, form, identified, seeds
+    swaying = damping_cli.damping_options(scenario, study, *pendulum)
+    if study is not None and handling is None and swaying is None:
+        raise InputError(f"{scenario} takes no {study}: it has no studies to choose from")
     pushes, changed = tuple(parse_push(text) for text in push or ()), parse_mismatch(mismatch)
     chosen = solver or default_solver(scenario)
     request = Replay(
@@ -194,10 +194,15 @@ def run_command(
         rate=rate,
         pushes=pushes,
         mismatch=changed,
+        plant=plant,
+        compliance=parse_feet_compliance(feet_compliance) if feet_compliance is not None else None,
+        stabiliser=stabiliser,
+        state=state,
+        sensors=sensors,
     )
     folder = out or Path("runs") / Path(scenario).stem
     with progress() as tell:
-        report, show_own = run_scenario(scenario, clip, request, folder, tell, handling)
+        report, show_own = run_scenario(scenario, clip, request, folder, tell, handling or swaying)
     status = FELL if report.get("fell") else DONE
     if handling is not None or scenario in MOTION_SCENARIOS or is_file(scenario):
         status = show_report(report, folder)

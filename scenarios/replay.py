@@ -10,7 +10,7 @@ from typing import Any
 
 from scenarios import stacks
 from scenarios.inputs import clips, edit_file
-from scenarios.inputs.plant import estimator_of, hardware_of
+from scenarios.inputs.plant import estimator_of, hardware_of, position_controller
 from scenarios.inputs.stack_file import Composer, Composition, blaming_stack_file, load_stack
 from sim.drivers import PositionController
 from sim.log import RunInfo
@@ -38,7 +38,7 @@ from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.robots.system import System
 from sot.robots.things.thing import Thing
-from sot.servo.planned import PlannedTargets
+from sot.servo.integrated_stack import IntegratedStack
 from sot.servo.soft_feet import refuse_soft_feet
 from sot.whole_file import atomic_write
 from tasks.editing import edit
@@ -70,6 +70,7 @@ class Replay:
         up: the up axis of the clip's file, one of `sot.motion.human.world.UP_AXES`; found in the clip by default.
         plant: one of `scenarios.inputs.plant.PLANTS`: whether joints take torques or have servos that take positions.
         compliance: of the robot's feet; rigid by default.
+        stabiliser: one of `scenarios.inputs.plant.STABILISERS`, for a robot with servos.
         state: one of `scenarios.inputs.plant.STATES`: what the controller is told.
         sensors: one of `sot.hardware.sensors.SENSOR_PRESETS`.
     """
@@ -90,6 +91,7 @@ class Replay:
     up: str | None = None
     plant: str = "torque"
     compliance: FootCompliance | None = None
+    stabiliser: str = "dcm"
     state: str = "true"
     sensors: str = "ideal"
 
@@ -172,12 +174,11 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
     """
     make_solver(request.solver)  # before any work
     robot = Robot.load(request.robot)
-    request.hardware(robot)
-    if request.plant == "servo":
-        if request.stack or request.edits:
-            raise InputError("--plant servo: the planned motion is played; --stack and --edit are for --plant torque")
-        motion, planned = _reference_motion(request, robot, tell)
-        return run_on_servos(request, PlannedTargets(motion, 1.0 / request.rate), motion, planned, tell)
+    hardware = request.hardware(robot)
+    if hardware.servo is not None and not (request.stack or request.edits):
+        motion, planned = reference_motion(request, robot, tell)
+        controller = position_controller(request.stabiliser, motion, hardware, 1.0 / request.rate)
+        return run_on_servos(request, controller, motion, planned, tell)
     edits = edit_file.read_edits(request.edits) if request.edits else ()
     for one in edits:
         one.check(robot)
@@ -187,7 +188,7 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
         composition = compose(robot, motion)
         return composition._replace(edits=composition.edits + edits)
 
-    return run_motion(request, compose_edited, *_reference_motion(request, robot, tell), tell)
+    return run_motion(request, compose_edited, *reference_motion(request, robot, tell), tell)
 
 
 def run_motion(
@@ -201,7 +202,7 @@ def run_motion(
     system: System | None = None,
     things: Sequence[Thing] = (),
 ) -> Dance:
-    """Run a stack on a planned motion under physics.
+    """Run a stack on a planned motion under physics; where joints have servos, its accelerations are integrated.
 
     Args:
         request: what was asked for.
@@ -224,9 +225,13 @@ def run_motion(
         world = _world(request, motion, scene, things)
     tell("starting (the first time on a machine this compiles, for half a minute)", None)
     _compile_tick(motion)
+    runs: Controller | PositionController = controller
+    if world.hardware.servo is not None:
+        own = IntegratedStack(controller, motion.q[0], motion.v[0])
+        runs = position_controller(request.stabiliser, motion, world.hardware, 1.0 / request.rate, own.sample)
     with blaming_stack_file(request.stack):
         estimator = estimator_of(robot, world.hardware, request.state)
-        done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration), estimator=estimator)
+        done = run(runs, world, motion, lambda t: tell("replaying", t / motion.duration), estimator=estimator)
     info = _info(request, world, planned, done, solver.name)
     remarks = () if schedule is None else tuple(schedule.remarks())
     return Dance(done, info, motion, planned, told, scene, remarks=remarks)
@@ -243,7 +248,7 @@ def run_on_servos(
     world = _world(request, motion)
     estimator = estimator_of(motion.robot, world.hardware, request.state)
     done = run(controller, world, motion, lambda t: tell("replaying", t / motion.duration), estimator=estimator)
-    return Dance(done, _info(request, world, planned, done, "open loop"), motion, planned)
+    return Dance(done, _info(request, world, planned, done, request.stabiliser), motion, planned)
 
 
 def _world(request: Replay, motion: Motion, scene: Scene | None = None, things: Sequence[Thing] = ()) -> World:
@@ -346,8 +351,12 @@ def _default_stack(robot: Robot, motion: Motion) -> Composition:
     return Composition(stacks.stepping_stack(robot, motion), stacks.stepping_schedule(robot, motion))
 
 
-def _reference_motion(request: Replay, robot: Robot, tell: ProgressCallback) -> tuple[Motion, Plan | None]:
-    """The reference, planned now unless the clip is a motion already."""
+def reference_motion(request: Replay, robot: Robot, tell: ProgressCallback) -> tuple[Motion, Plan | None]:
+    """The reference that a request names, planned now unless the clip is a motion already.
+
+    Raises:
+        InputError: a clip, its part, steps or a motion that cannot be used.
+    """
     if Path(request.clip).suffix != ".npz":
         planned = _plan_of_clip(request, robot, tell)
         return planned.motion, planned

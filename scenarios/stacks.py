@@ -43,9 +43,15 @@ def planted_stack(robot: Robot, motion: Motion, on: Mapping[str, Surface] | None
     )
 
 
-def stepping_stack(robot: Robot, motion: Motion) -> Stack:
-    """Stack for feet that stand and swing by `stepping_schedule`; a swinging foot comes next to balance."""
-    stack = planted_stack(robot, motion)
+def stepping_stack(robot: Robot, motion: Motion, on: Mapping[str, Surface] | None = None) -> Stack:
+    """Stack for feet that stand and swing by `stepping_schedule`; a swinging foot comes next to balance.
+
+    Args:
+        robot: Who steps.
+        motion: What it does.
+        on: Foot -> surface of the world under it; the floor unless given.
+    """
+    stack = planted_stack(robot, motion, on)
     for foot in robot.feet:
         stack.add(SwingFoot(robot, foot, motion), level="feet", before="waist")
     return stack

@@ -15,6 +15,8 @@ from scenarios.hammam2015.key_point_reference import ClipPart
 from scenarios.inputs.scenario_file import load_scenario
 from scenarios.inputs.stack_file import Composition
 from scenarios.kimoh2013 import imitation, planar3r, printed_bounds
+from scenarios.kimoh2013.damping import damping
+from scenarios.kimoh2013.damping.damping import DampingOptions
 from scenarios.otani2017 import otani
 from scenarios.otani2017.otani import Handling
 from scenarios.ramos2011 import ramos
@@ -39,13 +41,15 @@ MOTION_SCENARIOS: dict[str, ModuleType] = {"sliding": sliding, "imitation": imit
 STUDIES: dict[str, ModuleType] = {"planar3r": planar3r, "bounds": printed_bounds}
 """Scenarios without physics: `study(rate, out, tell)` returns figures, `show(figures, console)` prints them."""
 CLIP_STUDIES: dict[str, ModuleType] = {"hammam": hammam, "dariush": dariush}
-"""Studies of clips, their `CLIPS` unless one is named: `study(rate, out, tell, parts)`, the rest as of STUDIES."""
+"""Studies of clips, their `CLIPS` unless one is named: `study(rate, out, tell, parts)`, the rest as of STUDIES.
+One whose `TAKES_RATE` is false has nothing under physics, and is given no rate."""
 CLIP_SCENARIOS: dict[str, ModuleType] = {"ramos": ramos}
 """Scenarios that dance a clip, their `CLIP` unless another is named: `run(request, out, tell)` returns the report,
 `show(report, console)` prints it."""
-HANDLING_SCENARIOS: dict[str, ModuleType] = {"otani": otani}
-"""Scenarios with things: `run(request, handling, out, tell)` returns the report, `show(report, console)` prints it."""
-SCENARIOS = {**MOTION_SCENARIOS, **CLIP_SCENARIOS, **HANDLING_SCENARIOS, **STUDIES, **CLIP_STUDIES}
+OPTION_SCENARIOS: dict[str, ModuleType] = {"otani": otani, "damping": damping}
+"""Scenarios with options of their own: `run(request, options, out, tell)` returns the report, `show(report, console)`
+prints it."""
+SCENARIOS = {**MOTION_SCENARIOS, **CLIP_SCENARIOS, **OPTION_SCENARIOS, **STUDIES, **CLIP_STUDIES}
 
 Show = Callable[[dict[str, Any], Console], None]
 
@@ -66,7 +70,7 @@ def run_scenario(
     request: Replay,
     out: Path,
     tell: ProgressCallback,
-    handling: Handling | None = None,
+    options: Handling | DampingOptions | None = None,
 ) -> tuple[dict[str, Any], Show | None]:
     """Run a scenario, record and report; the files appear in the folder `out`.
 
@@ -76,7 +80,7 @@ def run_scenario(
         request: The rest of what is asked for.
         out: Folder to write to.
         tell: Told of the progress.
-        handling: What is handled, for a scenario with things.
+        options: Of a scenario that has some of its own.
 
     Returns:
         The report, and what prints the part of it that is the scenario's own, if there is one.
@@ -86,11 +90,12 @@ def run_scenario(
     """
     if name not in SCENARIOS and not is_file(name):
         raise InputError(f"unknown scenario '{name}': choose one of {', '.join(SCENARIOS)}, or give a file (.py)")
-    if name in HANDLING_SCENARIOS:
-        if clip or request.start or request.duration is not None:
-            raise InputError(f"{name} has demonstrations of its own: leave the clip and its part out")
-        scenario = HANDLING_SCENARIOS[name]
-        return scenario.run(request, handling or Handling(otani.STUDIES[0]), out, tell), scenario.show
+    if name in OPTION_SCENARIOS:
+        scenario = OPTION_SCENARIOS[name]
+        chosen = options or scenario.DEFAULT_OPTIONS
+        if not chosen.takes_clip and (clip or request.start or request.duration is not None):
+            raise InputError(f"{name} has motions of its own: leave the clip and its part out")
+        return scenario.run(replace(request, clip=clip or ""), chosen, out, tell), scenario.show
     if name in CLIP_SCENARIOS:
         scenario = CLIP_SCENARIOS[name]
         return scenario.run(replace(request, clip=clip or scenario.CLIP), out, tell), scenario.show
@@ -127,12 +132,13 @@ def _run_study(
 ) -> tuple[dict[str, Any], Show]:
     """Run a study; `parts` of clips, if it is of clips."""
     name = request.clip
-    if request != Replay(name, rate=request.rate, feet=request.feet):
-        options = "--clip, --start, --duration, --rate and --out" if parts else "--rate and --out"
-        raise InputError(f"{name} is a study: it takes no options but {options}")
+    takes_rate = getattr(scenario, "TAKES_RATE", True)
+    if request != Replay(name, rate=request.rate if takes_rate else Replay.rate, feet=request.feet):
+        options = [*(["--clip", "--start", "--duration"] if parts else []), *(["--rate"] if takes_rate else [])]
+        raise InputError(f"{name} is a study: it takes no options but {', '.join(options)} and --out")
     check_writable(out)
     out.mkdir(parents=True, exist_ok=True)
-    figures = scenario.study(request.rate, out, tell, *parts)
+    figures = scenario.study(*((request.rate,) if takes_rate else ()), out, tell, *parts)
     report.write_json(figures, out / REPORT_FILE)
     return figures, scenario.show
 

@@ -11,6 +11,7 @@ from sot.robots.robot import Robot
 VALUE_RANGES = {
     "mass": (0.1, 10.0),
     "damping": (0.0, 100.0),
+    "gear_friction": (0.0, 0.5),
     "delay": (0.0, 0.1),
     "noise": (0.0, 10.0),
     "friction": (0.01, 0.7),
@@ -26,6 +27,7 @@ class Mismatch:
     Attributes:
         mass: factor on every mass and inertia.
         damping: factor on every joint's viscous damping.
+        gear_friction: Coulomb friction of every joint beside its model's, over its torque limit.
         delay: from a torque's command to its effect [s], to the nearest physics step.
         noise: standard deviation of what is added to every measured angular velocity, of joints and base, at each
             reading anew [rad/s].
@@ -38,6 +40,7 @@ class Mismatch:
 
     mass: float = 1.0
     damping: float = 1.0
+    gear_friction: float = 0.0
     delay: float = 0.0
     noise: float = 0.0
     friction: float = 0.7
@@ -49,7 +52,7 @@ class Mismatch:
                 raise InputError(f"mismatch {name}={getattr(self, name):g}: must be between {low:g} and {high:g}")
 
     def apply(self, model: mujoco.MjModel, robot: Robot) -> None:
-        """Change masses and dampings of a compiled model; bushes of feet are no joints of the robot."""
+        """Change masses and losses of a compiled model; bushes of feet are no joints of the robot."""
         if self.mass != 1.0:
             model.body_mass *= self.mass
             model.body_inertia *= self.mass
@@ -58,6 +61,8 @@ class Mismatch:
         for k in range(model.nv):
             if model.joint(model.dof_jntid[k]).name not in bushes:
                 model.dof_damping[k] *= self.damping
+        for name, effort in zip(robot.joints, robot.effort, strict=True):
+            model.dof_frictionloss[model.joint(name).dofadr[0]] += self.gear_friction * effort
 
 
 NO_MISMATCH = Mismatch()

@@ -155,6 +155,8 @@ class World:
             acting = self._delayed.popleft() if len(self._delayed) > self._delay_steps else self._delayed[0]
             self._motors[:] = self._servos(acting) if isinstance(acting, JointTargets) and self._servos else acting
             self._apply_pushes()
+            if self._sensors is not None:
+                self._sensors.step_begins()
             mujoco.mj_step(self.model, self.data)
 
     def applied_torque(self) -> np.ndarray:

@@ -55,10 +55,10 @@ def _viable_accelerations(q: Array, v: Array, period: float, limits: Array, soft
     out = np.empty((3, len(q)))
     for k in range(len(q)):
         high = min(
-            max(_max_viable_acceleration(upper[k] - q[k], v[k], period, velocity[k], brake[k], soft), -hard[k]), hard[k]
+            max(max_viable_acceleration(upper[k] - q[k], v[k], period, velocity[k], brake[k], soft), -hard[k]), hard[k]
         )
         low = -min(
-            max(_max_viable_acceleration(q[k] - lower[k], -v[k], period, velocity[k], brake[k], soft), -hard[k]),
+            max(max_viable_acceleration(q[k] - lower[k], -v[k], period, velocity[k], brake[k], soft), -hard[k]),
             hard[k],
         )
         out[0, k], out[1, k] = min(low, high), high
@@ -67,7 +67,7 @@ def _viable_accelerations(q: Array, v: Array, period: float, limits: Array, soft
 
 
 @compiled
-def _max_viable_acceleration(
+def max_viable_acceleration(
     distance: float, v: float, period: float, velocity: float, brake: float, soft: float
 ) -> float:
     """Largest acceleration towards an end of the range that is a distance away, moving towards it with v."""

@@ -9,7 +9,7 @@ from solvers.compiled import compiled
 from solvers.rows import Rows
 from sot.behaviours.displacement import Displacement
 from sot.control.task import Task
-from sot.control.tick import Tick, TickContact
+from sot.control.tick import Tick, TickContact, momentum_excess_per_weight
 from sot.gravity import GRAVITY
 from sot.polygon import WHOLE_FLOOR, Polygon, nearest_point
 
@@ -21,7 +21,6 @@ BalanceReference = Callable[[float], tuple[Array, Array, Array, Array]]
 CATCHING_MARGIN = 0.009
 """Increase of the support margin while one foot makes a step of recovery [m]: on its very edge, the other foot has no
 friction left to turn with."""
-NO_EXCESS = np.zeros(2)
 SUPPORT_UPDATE_INTERVAL = 0.01
 """Interval at which the support polygon is computed anew [s]; at once if the load ramp of a contact changes."""
 
@@ -84,17 +83,20 @@ class Balance(Task):
         self._update_support(tick)
         plan, state = self.reference(tick.t), (tick.com, tick.com_velocity, tick.com_drift)
         polygon, of = self._polygon, self._axes
-        turning = NO_EXCESS if self._momentum is None else tick.momentum_excess_per_weight(self._momentum(tick.t))
+        momentum = tick.momentum
+        planned_turn = momentum[3:] if self._momentum is None else self._momentum(tick.t)
         catching = any(c.mode == "off" and c.path is not None and _is_foot(tick, c) for c in tick.contacts)
         if catching:
             polygon = polygon.inset(CATCHING_MARGIN)
         error, wanted, z = _wanted_acceleration_and_zmp(
-            *plan, *state, *self._displacement, turning, self.k, self.kp, polygon.normals, polygon.offsets
+            *(*plan, *state, *self._displacement, momentum, planned_turn, tick.mass * GRAVITY),
+            *(self.k, self.kp, polygon.normals, polygon.offsets),
         )
         self.error, J = error[of], tick.com_jacobian
         if catching:
             J, wanted = _zmp_rows(tick, z, wanted)
-        return self.make_rows(J[of], wanted[of], wanted[of])
+        wanted = wanted[of]
+        return self.make_rows(J[of], wanted, wanted)
 
     def _update_support(self, tick: Tick) -> None:
         """Compute support polygon and displacement anew if due: standing feet creep by little."""
@@ -168,7 +170,9 @@ def _wanted_acceleration_and_zmp(
     com_drift: Array,
     shift: Array,
     tilt: Array,
-    turning: Array,
+    momentum: Array,
+    planned_turn: Array,
+    weight: float,
     k: float,
     kp: float,
     normals: Array,
@@ -176,28 +180,30 @@ def _wanted_acceleration_and_zmp(
 ) -> tuple[Array, Array, Array]:
     """Error c − com of the plan moved along with the feet (3,), wanted acceleration less its drift (3,), and commanded
     zero-moment point, with what the excess angular momentum takes (2,)."""
-    c, velocity, acceleration, z = c.copy(), velocity.copy(), acceleration.copy(), z.copy()
-    z += shift + _times(tilt, z)
-    c[:2] += shift + _times(tilt, c)
-    velocity[:2] += _times(tilt, velocity)
-    acceleration[:2] += _times(tilt, acceleration)
-    error, rate, wanted = c - com, velocity - com_velocity, acceleration - com_drift
     omega = np.sqrt(GRAVITY / max(com[2], 0.1))
-    # The deviation from the plan, and the zero-moment point's lag that leads the divergent component back.
-    lag = -(1.0 + k / omega) * (error[:2] + rate[:2] / omega)
-    turned = (omega + k) * turning
-    pivot = c[:2] - acceleration[:2] * c[2] / (GRAVITY + acceleration[2])
-    lag = _feasible_lag(lag, turned, z, pivot, normals, offsets)
+    error, wanted = np.empty(3), np.empty(3)
+    lag, centre, pivot = np.empty(2), np.empty(2), np.empty(2)
+    turned = (omega + k) * momentum_excess_per_weight(momentum, planned_turn, weight)
+    for i in range(2):
+        place, forward = shift[i] + _tilted(tilt, c, i), _tilted(tilt, acceleration, i)
+        centre[i] = shift[i] + _tilted(tilt, z, i)
+        pivot[i] = place - forward * c[2] / (GRAVITY + acceleration[2])
+        error[i], wanted[i] = place - com[i], forward - com_drift[i]
+        # The deviation from the plan, and the zero-moment point's lag that leads the divergent component back.
+        lag[i] = -(1.0 + k / omega) * (error[i] + (_tilted(tilt, velocity, i) - com_velocity[i]) / omega)
+    lag = _feasible_lag(lag, turned, centre, pivot, normals, offsets)
     for i in range(2):
         wanted[i] -= omega**2 * (error[i] + lag[i])
-    wanted[2] += kp * error[2] + 2.0 * np.sqrt(kp) * rate[2]
-    return error, wanted, nearest_point(normals, offsets, z + lag + turned)
+    error[2] = c[2] - com[2]
+    wanted[2] = acceleration[2] - com_drift[2] + kp * error[2] + 2.0 * np.sqrt(kp) * (velocity[2] - com_velocity[2])
+    return error, wanted, nearest_point(normals, offsets, centre + lag + turned)
 
 
 @compiled
-def _times(tilt: Array, x: Array) -> Array:
-    """Product of a matrix (2, 2) and the first two entries of a vector."""
-    return np.array((tilt[0, 0] * x[0] + tilt[0, 1] * x[1], tilt[1, 0] * x[0] + tilt[1, 1] * x[1]))
+def _tilted(tilt: Array, x: Array, i: int) -> float:
+    """Entry i of x, of which the first two are turned by a tilt (2, 2)."""
+    entry: float = x[i] + tilt[i, 0] * x[0] + tilt[i, 1] * x[1]
+    return entry
 
 
 @compiled

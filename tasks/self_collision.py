@@ -1,16 +1,13 @@
 """Parts of the robot that keep away from one another and from things."""
 
-from collections.abc import Sequence
-
 import numpy as np
-import pinocchio as pin
 
 from solvers.compiled import compiled
 from solvers.rows import Rows
-from sot.acceleration_bounds import AccelerationBounds
+from sot.acceleration_bounds import max_viable_acceleration
 from sot.control.task import Task
 from sot.control.tick import Tick
-from sot.proximity import Proximity
+from sot.proximity import DistanceMotion, Proximity
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
 from sot.robots.system import System
@@ -68,27 +65,24 @@ class SelfCollision(Task):
         super().__init__("SelfCollision", "m/s²", "m", weight)
         self._system = system = System.of(robot)
         self._acceleration = system.robot.acceleration
-        self._proximity, self._data_ahead = Proximity(system), system.model.createData()
+        self._proximity = Proximity(system)
         min_distance = MIN_DISTANCE_LEGS * leg_length(system.robot) if min_distance is None else min_distance
         self.min_distances = np.minimum(min_distance, REST_DISTANCE_SHARE * self._proximity.rest_distances)
         self._among: list[object] | None = None  # contacts and carried things for which the next is worked out
         self._alone = np.zeros(len(self.min_distances), dtype=bool)
         self.pairs = self._proximity.pairs
-        self._watched: list[int] = []
+        # What is carried, and the trunk before a thing, is moved by joints that are not between the two shapes as well.
+        self._carried_by_others = np.arange(len(self.pairs)) >= self._proximity.own_pairs
+        self._watched = np.zeros(0, dtype=int)
+        self._watched_labels: list[str] = []
         self._last_look = -np.inf
         self._unwatched_until = np.full(len(self.pairs), -np.inf)  # times until which pairs may be left alone
         self._allocate_rows(0, system.nv)
 
-    def distances_and_rates(self, tick: Tick, pairs: Sequence[int]) -> tuple[Array, Array, Array, Array]:
-        """Distances d of n pairs (n,), their rates (n,), J (n, nv) and J̇ v (n,)."""
-        model, proximity = self._system.model, self._proximity
-        q, v = tick.q[: model.nq], tick.v[: model.nv]
-        distances, J = proximity.distances_and_jacobian(tick.data, pairs)
-        rates = J @ v
-        # What the rates become after a period without acceleration: they depend on how the shapes are curved.
-        pin.computeJointJacobians(model, self._data_ahead, pin.integrate(model, q, tick.period * v))
-        _, ahead = proximity.distances_and_jacobian(self._data_ahead, pairs)
-        return distances, rates, J, (ahead @ v - rates) / tick.period
+    def motion(self, tick: Tick, pairs: Array) -> DistanceMotion:
+        """How the distances of pairs of some indices (n,) move."""
+        self._proximity.move_to(tick.data)
+        return self._proximity.motion(pairs, tick.v[: self._system.nv], tick.period)
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``d̈ >= d̈_min`` of the pairs that are near and approach; `error` is how much too near each of
@@ -98,26 +92,20 @@ class SelfCollision(Task):
         """
         if not 0.0 < tick.t - self._last_look < LOOK_PERIOD - TIME_TOLERANCE:
             self._watched, self._last_look = self._pairs_to_watch(tick), tick.t
+            self._watched_labels = [" and ".join(self.pairs[k]) for k in self._watched.tolist()]
         near, count = self._watched, len(self._watched)
         if count > len(self._unbounded_below):
             self._allocate_rows(count, self._system.nv)
-        if not near:
+        if not count:
             self.error, self.labels = _NO_ERROR, ()
             return self.make_rows(self._zero_rows, self._unbounded_below, self._unbounded_above)
         A, lower = self._zero_rows.copy(), self._unbounded_below.copy()
-        distances, rates, J, drift = self.distances_and_rates(tick, near)
-        # What the joints give at the accelerations that are relied upon.
-        achievable = np.abs(J[:, 6 : 6 + len(self._acceleration)]) @ self._acceleration
-        # What is carried, and the trunk before a thing, is moved by joints that are not between the two shapes.
-        achievable[np.array(near) >= self._proximity.own_pairs] += RELIED_DECELERATION
-        kept = self.min_distances[near]
-        brakes = _braking_decelerations(distances - kept, rates, tick.period, achievable)
-        unlimited = self._unbounded_above[:count]
-        bounds = AccelerationBounds(kept, unlimited, unlimited, brakes, unlimited)
-        wanted = bounds(distances, rates, tick.period)[0] - drift
-        A[:count], lower[:count] = J, np.minimum(wanted, achievable)
-        self.error = np.maximum(kept - distances, 0.0)
-        self.labels = [" and ".join(self.pairs[k]) for k in near]
+        distances, rates, A[:count], drifts = self.motion(tick, near)
+        self.error = _write_lower_bounds(
+            *(distances, rates, A, drifts, near, self.min_distances, self._carried_by_others),
+            *(self._acceleration, tick.period, lower),
+        )
+        self.labels = self._watched_labels
         return self.make_rows(A, lower, self._unbounded_above)
 
     def _allocate_rows(self, pairs: int, nv: int) -> None:
@@ -130,23 +118,25 @@ class SelfCollision(Task):
         for same in (self._zero_rows, self._unbounded_below, self._unbounded_above):
             same.flags.writeable = False
 
-    def _pairs_to_watch(self, tick: Tick) -> list[int]:
+    def _pairs_to_watch(self, tick: Tick) -> Array:
         """Pairs whose approach may have to be braked before the next look."""
         if tick.t < self._last_look:
             self._unwatched_until[:] = -np.inf  # another run
         proximity, v, period, kept = self._proximity, tick.v[: self._system.nv], tick.period, self.min_distances
+        proximity.move_to(tick.data)
         within = _watch_distances(
             proximity.rate_bounds(v), period, kept, self._unwatched_until - TIME_TOLERANCE, tick.t
         )
         if self._system.things:
             within[self._left_alone(tick)] = -np.inf
-        near = proximity.pairs_within(tick.data, tick.q, within)
-        if not near:
+        near = proximity.pairs_within(within)
+        if not len(near):
             return near
-        distances, J = proximity.latest_distances_and_jacobian(tick.data, near)
-        looks = _skippable_looks(distances, J @ v, period, kept[near])
+        _, rates = proximity.jacobian_and_rates(near, v)
+        looks = _skippable_looks(proximity.latest_distances[near], rates, period, kept[near])
         self._unwatched_until[near] = tick.t + LOOK_PERIOD * looks
-        return [k for k, later in zip(near, looks.tolist(), strict=True) if not later]
+        watched: Array = near[looks == 0.0]
+        return watched
 
     def _left_alone(self, tick: Tick) -> Array:
         """Whether each pair is one that a contact is to bring together, or without the robot and what it carries."""
@@ -160,19 +150,45 @@ class SelfCollision(Task):
 
 
 @compiled
-def _braking_decelerations(gaps: Array, rates: Array, period: float, achievable: Array) -> Array:
-    """Decelerations [m/s²] that stop pairs within the gaps that they have left.
+def _write_lower_bounds(
+    distances: Array,
+    rates: Array,
+    J: Array,
+    drifts: Array,
+    pairs: Array,
+    kept: Array,
+    carried_by_others: Array,
+    acceleration: Array,
+    period: float,
+    lower: Array,
+) -> Array:
+    """Write the least J v̇ [m/s²] of pairs (n,); returns how much too near each of them is [m].
 
-    They are RELIED_DECELERATION at least, and no more than the joints can give. To lead a pair that is too fast for
-    RELIED_DECELERATION back to where that would do takes an arm's whole torque for some ticks.
+    Pairs brake at RELIED_DECELERATION at least, and no more than the joints can give. To lead a pair that is too fast
+    for RELIED_DECELERATION back to where that would do takes an arm's whole torque for some ticks.
+
+    Args:
+        distances, rates, J, drifts: Of these pairs, see `DistanceMotion`.
+        pairs: Their indices (n,).
+        kept, carried_by_others: Distances that are kept [m], and whether joints that are not between the two shapes
+            move one of them, of all pairs.
+        acceleration: What is relied upon of the joints (na,) [rad/s²].
+        period: The tick's [s].
+        lower: What is written (n,).
     """
-    brakes = np.minimum(RELIED_DECELERATION, achievable)
-    for k in range(len(gaps)):
-        speed = -rates[k]
-        left = 2.0 * gaps[k] - period * speed
+    missing = np.empty(len(pairs))
+    for n in range(len(pairs)):
+        gap, speed = distances[n] - kept[pairs[n]], -rates[n]
+        # What the joints give at the accelerations that are relied upon.
+        achievable = RELIED_DECELERATION if carried_by_others[pairs[n]] else 0.0
+        for i in range(len(acceleration)):
+            achievable += abs(J[n, 6 + i]) * acceleration[i]
+        brake, left = min(RELIED_DECELERATION, achievable), 2.0 * gap - period * speed
         if speed > 0.0 and left > 0.0:
-            brakes[k] = min(max(RELIED_DECELERATION, speed**2 / left), achievable[k])
-    return brakes
+            brake = min(max(RELIED_DECELERATION, speed**2 / left), achievable)
+        wanted = -max_viable_acceleration(gap, speed, period, np.inf, brake, 0.0) - drifts[n]
+        lower[n], missing[n] = min(wanted, achievable), max(-gap, 0.0)
+    return missing
 
 
 @compiled

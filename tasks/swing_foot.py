@@ -51,7 +51,7 @@ class SwingFoot(FreePoint):
         """Acceleration rows in all axes while the foot swings, none while it stands."""
         contact = next((contact for contact in tick.contacts if contact.point == self.point), None)
         if contact is None:
-            return self.no_rows()
+            return self.no_rows(tick)
         self._reference = contact.path or self._lowered_path
         return super().rows(tick)
 

@@ -18,7 +18,10 @@ FOLDER = Path(__file__).parents[1] / "docs" / "examples"
 EXAMPLES = sorted(FOLDER.glob("[01]*.py"))
 LONGEST = 25  # lines, without blanks and comments
 PACKAGES = {"solvers", "sot", "tasks", "sim", "scenarios"}
-PUBLIC = {"solvers", "sot.control", "sot.motion", "sot.robots", "tasks", "sim", "scenarios", "scenarios.stacks"}
+PUBLIC = {
+    *("solvers", "sot.control", "sot.hardware", "sot.motion", "sot.robots", "tasks", "sim", "scenarios"),
+    "scenarios.stacks",
+}
 
 
 def ran(name):
@@ -31,8 +34,8 @@ def point(example, name):
     return Points.of(example["robot"], log.q, (name,)).positions[name]
 
 
-def test_all_thirteen_are_there():
-    assert [path.name[:2] for path in EXAMPLES] == [f"{k:02}" for k in range(1, 14)]
+def test_all_fifteen_are_there():
+    assert [path.name[:2] for path in EXAMPLES] == [f"{k:02}" for k in range(1, 16)]
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -180,6 +183,27 @@ def test_13_carries_a_bag_and_bears_a_pull():
     assert tick.mass == pytest.approx(example["robot"].mass + 8.0)
 
 
+@pytest.mark.slow
+def test_14_walks_up_a_slope_and_down_again():
+    example = ran("14_slope_walk.py")
+    done, motion, robot = example["done"], example["motion"], example["robot"]
+    log = done.log.trimmed()
+    assert done.fell_at_s is None and log.time[-1] > motion.duration - 0.01
+    way, rise = log.com[:, 0] - log.com[0, 0], log.com[:, 2] - log.com[0, 2]
+    assert way.max() > 0.98 and rise.max() > 0.98 * np.tan(np.deg2rad(10.0)) and abs(way[-1]) < 0.05
+    assert np.abs(log.com - motion.com[: len(log.com)]).max() < 0.01
+    assert np.abs(np.diff(log.torque, axis=0)).max() < 28.0
+    assert all(np.ptp(point(example, foot)[:, 0]) > 0.98 for foot in robot.feet)
+
+
 @pytest.mark.parametrize("package", sorted(PACKAGES))
 def test_packages_say_that_they_carry_types(package):
     assert (FOLDER.parents[1] / package / "py.typed").is_file()
+
+
+def test_15_turns_the_chest_on_soft_feet():
+    example = ran("15_servo.py")
+    log, yaw = example["done"].log.trimmed(), 7 + example["yaw"]
+    assert example["done"].fell_at_s is None
+    assert log.q[-1, yaw] == pytest.approx(0.2, abs=0.005)
+    assert np.abs(log.sole_deflection).max() > 1e-4

@@ -57,7 +57,9 @@ options = tasks.PoseLandmarkerOptions(mp.tasks.BaseOptions(sys.argv[1]), running
 camera, began, sequence = cv2.VideoCapture(0), time.monotonic(), 0
 with tasks.PoseLandmarker.create_from_options(options) as landmarker:
     while camera.isOpened():
-        read, picture = camera.read()
+        has_picture, picture = camera.read()
+        if not has_picture:
+            break
         stamp = time.monotonic() - began
         image = mp.Image(mp.ImageFormat.SRGB, cv2.cvtColor(picture, cv2.COLOR_BGR2RGB))
         people = landmarker.detect_for_video(image, int(1000 * stamp)).pose_world_landmarks

@@ -11,7 +11,7 @@ import rclpy
 from rclpy.node import Node
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
-from tf2_ros import Buffer, TransformListener
+from tf2_ros import Buffer, TransformException, TransformListener
 
 TO, FRAME_RATE, WORLD = ("127.0.0.1", 14044), 50.0, "world"
 CHAINS = [
@@ -38,7 +38,11 @@ class Bridge(Node):
         self.create_timer(1.0, lambda: self.stream.sendto(b'{"sot":1,"type":"subscribe"}', TO))
 
     def send(self):
-        found = [self.buffer.lookup_transform(WORLD, name, Time()).transform for name in NAMES]
+        self.publish_targets()
+        try:
+            found = [self.buffer.lookup_transform(WORLD, name, Time()).transform for name in NAMES]
+        except TransformException:
+            return  # nobody is tracked yet
         frame = {
             "sot": 1,
             "type": "frame",
@@ -51,11 +55,16 @@ class Bridge(Node):
         }
         self.stream.sendto(json.dumps(frame).encode(), TO)
         self.sequence += 1
-        try:
-            told = json.loads(self.stream.recv(65507))
-            self.publisher.publish(JointState(name=told["joints"], position=told["positions"]))
-        except (BlockingIOError, KeyError):
-            pass
+
+    def publish_targets(self):
+        """Targets come twice as often as frames go: publish all that wait, or they would grow old."""
+        while True:
+            try:
+                told = json.loads(self.stream.recv(65507))
+            except BlockingIOError:
+                return
+            if told.get("type") == "targets":
+                self.publisher.publish(JointState(name=told["joints"], position=told["positions"]))
 
 
 rclpy.init()

@@ -16,8 +16,7 @@ TOPIC = b"pose"
 TO = ("127.0.0.1", 14044)
 
 subscriber = zmq.Context().socket(zmq.SUB)
-subscriber.setsockopt(zmq.CONFLATE, 0)
-subscriber.setsockopt(zmq.RCVHWM, 2)  # the newest poses; what waits longer is of no use
+subscriber.setsockopt(zmq.RCVHWM, 2)  # a pose that had to wait longer is of no use
 subscriber.setsockopt(zmq.SUBSCRIBE, TOPIC)
 subscriber.connect(sys.argv[1])
 stream = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)

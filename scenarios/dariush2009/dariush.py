@@ -18,17 +18,19 @@ from scenarios.dariush2009.experiments import (
 from scenarios.dariush2009.pictures import draw_blending, draw_distances, draw_limits, draw_priorities
 from scenarios.dariush2009.tables import print_tables
 from scenarios.hammam2015.hammam import CLIPS, ROBOT
-from scenarios.hammam2015.key_point_reference import ClipPart, key_point_reference
+from scenarios.hammam2015.key_point_reference import RATE, ClipPart, key_point_reference
 from scenarios.replay import ProgressCallback
 from sot.robots.robot import Robot
 from tasks.resolved.virtual_limits import virtual_limits
 
+TAKES_RATE = False
+"""Nothing runs under physics: `study` is not given a rate."""
 
-def study(rate: float, out: Path, tell: ProgressCallback, parts: Sequence[ClipPart] = CLIPS) -> dict[str, Any]:
+
+def study(out: Path, tell: ProgressCallback, parts: Sequence[ClipPart] = CLIPS) -> dict[str, Any]:
     """Run every experiment on every clip, all of it kinematic at the paper's 100 Hz.
 
     Args:
-        rate: Not used: nothing runs under physics.
         out: Folder for the pictures.
         tell: Told of the progress.
         parts: Of clips, six unless given.
@@ -65,7 +67,7 @@ def study(rate: float, out: Path, tell: ProgressCallback, parts: Sequence[ClipPa
             draw_distances(out / "distances.svg", collisions, part.label)
     narrowed = (lower > robot.lower + 1e-9) | (upper < robot.upper - 1e-9)
     names = [name for name, one in zip(robot.joints, narrowed, strict=True) if one]
-    return {"scenario": "dariush", "rate_hz": rate, "virtual_limits": names, **figures}
+    return {"scenario": "dariush", "rate_hz": RATE, "virtual_limits": names, **figures}
 
 
 def show(figures: dict[str, Any], console: Console) -> None:

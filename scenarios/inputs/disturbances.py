@@ -25,12 +25,12 @@ def parse_push(text: str) -> Push:
 
 
 def parse_mismatch(text: str) -> Mismatch:
-    """A mismatch from any of "mass=1.1 damping=2 delay=0.002 noise=0.05 friction=0.5 seed=1".
+    """A mismatch from any of "mass=1.1 damping=2 gear_friction=0.02 delay=0.002 noise=0.05 friction=0.5 seed=1".
 
     Raises:
         InputError: anything else.
     """
-    numbers: ParserByName = dict.fromkeys(("mass", "damping", "delay", "noise", "friction"), float)
+    numbers: ParserByName = dict.fromkeys(("mass", "damping", "gear_friction", "delay", "noise", "friction"), float)
     return Mismatch(**_parse_assignments("--mismatch", text, {**numbers, "seed": int}))
 
 

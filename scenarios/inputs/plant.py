@@ -1,16 +1,24 @@
 """The plant as one asks for it on a command line: servos or torque motors, soft feet, sensors, and what is known."""
 
+from collections.abc import Callable
 from math import inf, isfinite
+from typing import Literal
 
+from sim.drivers import PositionController
 from sot.errors import InputError
 from sot.estimation import ContactFilter, Estimator
 from sot.hardware.compliance import FootCompliance
 from sot.hardware.hardware import Hardware
 from sot.hardware.sensors import sensor_preset
 from sot.hardware.servo import Servo
+from sot.motion.trajectory import Motion, MotionSample
 from sot.robots.robot import Robot
+from sot.servo.stabiliser import DcmGains, Stabiliser
 
 PLANTS = ("torque", "servo")
+STABILISERS = ("dcm", "dcm-adaptive", "sag", "open")
+"""What a robot with servos does beside its plan: the divergent component is fed back and what the plan's loads deflect
+is undone; the same for feet whose compliance has to be estimated; the latter alone; nothing."""
 STATES = ("true", "estimated", "footholds")
 """What a controller is told: the simulated state, or what an estimator makes of readings, or of those and of where the
 plan puts the feet."""
@@ -65,3 +73,23 @@ def estimator_of(robot: Robot, hardware: Hardware, state: str) -> Estimator | No
     if state == "true" or hardware.sensors is None:
         return None
     return ContactFilter(robot, hardware.sensors, hardware.compliance, footholds=state == "footholds")
+
+
+def position_controller(
+    name: str,
+    motion: Motion,
+    hardware: Hardware,
+    period: float,
+    sample: Callable[[float], MotionSample] | None = None,
+) -> PositionController:
+    """The controller of a robot with servos, by the name of what stabilises it; for `sample` see `Stabiliser`.
+
+    Raises:
+        InputError: no such name.
+    """
+    if name not in STABILISERS:
+        raise InputError(f"unknown stabiliser '{name}': choose one of {', '.join(STABILISERS)}")
+    known: FootCompliance | Literal["estimated"] | None
+    known = "estimated" if name == "dcm-adaptive" else hardware.compliance if name != "open" else None
+    dcm = DcmGains() if name.startswith("dcm") else None
+    return Stabiliser(motion, period, known, hardware.servo, dcm, sample=sample)

@@ -9,7 +9,7 @@ from rich.table import Table
 from scenarios import viewer
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.live.session import LiveRequest, live
-from scenarios.live.streaming import stream_clip
+from scenarios.live.streaming import stream_clips
 from scenarios.live.view import LiveView
 from scenarios.showing import progress, show_report
 from scenarios.terminal import DONE, output
@@ -72,15 +72,22 @@ def live_command(
 
 
 def stream_command(
-    clip: Annotated[str, typer.Argument(help="A file (.bvh, .amc) or a name of `sot list clips`.")],
+    clips: Annotated[
+        list[str], typer.Argument(metavar="CLIP...", help="Files (.bvh, .amc) or names of `sot list clips`, in turn.")
+    ],
     to: Annotated[str, typer.Option("--to", help="Where to: udp://, vmc:// or rokoko:// with HOST:PORT.")],
     rate: Annotated[float, typer.Option(help="Frames per second.", min=1.0, max=240.0)] = 50.0,
-    start: Annotated[float, typer.Option(help="Where in the clip to start [s].", min=0.0)] = 0.0,
-    duration: Annotated[float | None, typer.Option(help="How much of it to send [s]; to its end by default.")] = None,
+    start: Annotated[float, typer.Option(help="Where in each clip to start [s].", min=0.0)] = 0.0,
+    duration: Annotated[
+        float | None, typer.Option(help="How much of each clip to send [s]; to its end by default.")
+    ] = None,
+    loop: Annotated[
+        float | None, typer.Option(help="Begin again and again, for so long [s]; the seams are blended.", min=0.1)
+    ] = None,
     token: Annotated[str, typer.Option(help="What the receiver wants frames of udp:// to carry.")] = "",
 ) -> int:
-    """Play a clip as a live source would send it."""
-    sent = stream_clip(clip, StreamAddress.parse(to), rate, start, duration, token)
+    """Play clips as a live source would send them."""
+    sent = stream_clips(clips, StreamAddress.parse(to), rate, start, duration, loop, token)
     output.print(f"{sent} frames sent to {to}", soft_wrap=True)
     return DONE
 

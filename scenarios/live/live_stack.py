@@ -1,15 +1,17 @@
 """The stack for a reference without a future, on planted feet."""
 
 import numpy as np
+import pinocchio as pin
 
 from sot.control.contact import Contact
 from sot.control.stack import Stack
+from sot.gravity import GRAVITY
 from sot.motion.trajectory import Reference
 from sot.robots.robot import Robot
 from tasks import Balance, JointBounds, LeastForces, OperationalPoint, Posture, SelfCollision, TorqueBounds
 
-HEIGHT_STIFFNESS = 16.0
-"""Stiffness of the centre of mass' height [1/s²]: one that is followed at once makes the robot bounce."""
+HEIGHT_STIFFNESS_PER_OMEGA_SQUARED = 1.32
+"""Stiffness of the centre of mass' height in g / height: one that is followed at once makes the robot bounce."""
 SOLE_MARGIN_SHARE = 0.055
 """Distance in lengths of a sole by which the soles that the controller counts on are smaller on all sides."""
 UPPER_BODY_GROUPS = ("chest", "head", "arms")
@@ -23,6 +25,7 @@ def live_stack(robot: Robot, reference: Reference) -> Stack:
     and arms, since the legs' rows would pull the pelvis; and the height is followed softly. Soles are a little smaller
     than they are: a motion that nobody foresaw takes the zero-moment point to their edge now and then.
     """
+    height = float(pin.centerOfMass(robot.model, robot.model.createData(), robot.rest)[2])
     upper_body = [robot.joints[joint] for group in UPPER_BODY_GROUPS for joint in robot.groups[group]]
     return Stack(
         contacts=[
@@ -36,7 +39,7 @@ def live_stack(robot: Robot, reference: Reference) -> Stack:
                     reference.balance,
                     reference.feet,
                     reference.angular_momentum,
-                    kp=HEIGHT_STIFFNESS,
+                    kp=HEIGHT_STIFFNESS_PER_OMEGA_SQUARED * GRAVITY / height,
                 ),
             ],
             "posture": [

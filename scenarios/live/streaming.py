@@ -1,26 +1,34 @@
-"""A clip played as a live source would send it."""
+"""Clips played as a live source would send them."""
 
+from collections.abc import Sequence
 from time import perf_counter, sleep
 
 import numpy as np
 
 from scenarios.inputs import clips
 from sot.errors import InputError
-from sot.live.clip_source import ClipSource
+from sot.live.clip_source import ClipSource, resampled
+from sot.live.seams import joined, repeated
 from sot.live.streams.address import Sender, StreamAddress, clip_for
 from sot.motion import read
 from sot.motion.human.capture import Capture
 
 
-def stream_clip(
-    clip: str, address: StreamAddress, rate: float, start: float = 0.0, duration: float | None = None, token: str = ""
+def stream_clips(
+    names: Sequence[str],
+    address: StreamAddress,
+    rate: float,
+    start: float = 0.0,
+    duration: float | None = None,
+    loop: float | None = None,
+    token: str = "",
 ) -> int:
-    """Send a clip in real time; the number of frames sent.
+    """Send clips one after the other in real time; the number of frames sent. See `performance` for the arguments.
 
     Raises:
-        InputError: no such clip, nothing of it lies there, an unknown skeleton, or the receiver wants another token.
+        InputError: as of `performance`; a skeleton that the protocol cannot name, or the receiver wants another token.
     """
-    capture = clip_for(address, part_of(read(clips.find_clip(clip)), start, duration))
+    capture = clip_for(address, performance(names, rate, start, duration, loop))
     source, sender = ClipSource(capture, rate), Sender(address, token)
     sent, began = 0, perf_counter()
     try:
@@ -33,6 +41,19 @@ def stream_clip(
     finally:
         sender.close()
     return sent
+
+
+def performance(
+    names: Sequence[str], rate: float, start: float = 0.0, duration: float | None = None, loop: float | None = None
+) -> Capture:
+    """Clips one after the other at a rate [Hz], of each `duration` from `start` on, looped for `loop` [s].
+
+    Raises:
+        InputError: no such clip, nothing of it lies there, or no seam between them is possible.
+    """
+    parts = [resampled(part_of(read(clips.find_clip(name)), start, duration), rate) for name in names]
+    capture = joined(parts)
+    return capture if loop is None else repeated(capture, loop)
 
 
 def part_of(capture: Capture, start: float, duration: float | None) -> Capture:

@@ -14,7 +14,9 @@ from sot.errors import InputError
 NAME = "otani"
 """The scenario that takes these options."""
 
-Study = Annotated[str | None, typer.Argument(help="For otani: box or door.")]
+Study = Annotated[
+    str | None, typer.Argument(help="For otani: box or door; for damping: identify, push, dance or gains.")
+]
 Mass = Annotated[float | None, typer.Option(help="For otani box: mass of the box [kg]; 3 by default.")]
 Stiffness = Annotated[float | None, typer.Option(help="For otani door: spring of the hinge [N m/rad]; 0 by default.")]
 Damping = Annotated[float | None, typer.Option(help="For otani door: damping of the hinge [N m s/rad].")]
@@ -60,8 +62,8 @@ def handling_options(
     }
     named = [name for name, value in given.items() if value is not None]
     if scenario != NAME:
-        if study is not None or named:
-            raise InputError(f"{scenario} takes no {study or named[0]}: only {NAME} does")
+        if named:
+            raise InputError(f"{scenario} takes no {named[0]}: only {NAME} does")
         return None
     if study not in STUDIES:
         raise InputError(f"{NAME}: say what is handled, {' or '.join(STUDIES)}, not '{study or ''}'")

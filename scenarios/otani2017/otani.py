@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from rich.console import Console
@@ -11,10 +11,11 @@ from rich.table import Table
 
 from scenarios.inputs.clips import find_clip
 from scenarios.inputs.stack_file import Composition
-from scenarios.otani2017 import pictures
+from scenarios.otani2017 import curves, pictures
 from scenarios.otani2017.handling_stack import contacts_of, handling_stack
 from scenarios.otani2017.scene import ObjectOptions, placement_noise, scene_things
 from scenarios.replay import Dance, ProgressCallback, Replay, check_writable, make_solver, run_motion, write_outputs
+from sim.log import RunLog
 from sim.recording.things import HandledThings
 from sim.reporting import report
 from sim.reporting.objects import object_figures
@@ -26,7 +27,8 @@ from sot.motion.objects import event_file
 from sot.motion.objects.demonstration import HandledObjects, read_objects
 from sot.motion.objects.events import ContactPlan
 from sot.motion.objects.pose_path import PosePath
-from sot.motion.objects.retarget import Scale, retarget_objects
+from sot.motion.objects.pushing import paced_for_pushing
+from sot.motion.objects.retarget import RobotDemonstration, Scale, retarget_objects
 from sot.motion.plan import imitation
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
@@ -63,6 +65,9 @@ class Handling:
     seed: int | None = None
     events: Path | None = None
 
+    takes_clip: ClassVar[bool] = False
+    """Demonstrations are its own."""
+
     @property
     def clip(self) -> str:
         """Name of the demonstration."""
@@ -72,6 +77,9 @@ class Handling:
         """What the controller takes the things to be like."""
         known = self.believed or self.actual
         return replace(known, stiffness=0.0, damping=0.0) if self.unknown and self.study == "door" else known
+
+
+DEFAULT_OPTIONS = Handling(STUDIES[0])
 
 
 def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) -> dict[str, Any]:
@@ -90,8 +98,32 @@ def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) 
     make_solver(request.solver)
     danced, schedule, system = perform(request, handling, tell)
     log = danced.run.log.trimmed()
+    label = ", ".join(f"{value:g} {unit}" for value, unit in handling.actual.told(handling.study))
+    drawn = curves.curves_of(log, system, schedule.played_times(), label)
+    extra = {
+        "objects": object_report(log, system, schedule.demonstration),
+        "legs": curves.leg_figures(drawn, system.robot, schedule.history),
+        "manipulation": {
+            "failure": schedule.failure or None,
+            "waits": [{"events": wait.what, "start_s": wait.start, "end_s": wait.end} for wait in schedule.waits],
+            "sets": [{"t_s": t, "sets": str(sets)} for t, sets in schedule.history],
+        },
+    }
+    figures = write_outputs(danced, out, tell, report.rounded(extra))
+    curves.save_curves(out / curves.CURVES_FILE, drawn)
+    pictures.draw(out / pictures.PICTURE_FILE, [drawn], f"{handling.clip}, {label}, by {system.robot.label}")
+    return figures
+
+
+def object_report(log: RunLog, system: System, demonstration: RobotDemonstration) -> dict[str, dict[str, Any]]:
+    """Figures of the things, see `object_figures`, with how far they are off their aim, or should have turned.
+
+    Args:
+        log: Rows of the run.
+        system: The robot and the things as they are simulated.
+        demonstration: What was to be done.
+    """
     objects = object_figures(log, system)
-    demonstration = schedule.demonstration
     for name, path in demonstration.things.items():
         aim = path.track.position[-1]
         if system.thing(name).is_free:
@@ -100,19 +132,7 @@ def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) 
             objects[name]["end_error_m"] = float(np.linalg.norm(np.array(objects[name]["end_m"]) - aim))
         else:
             objects[name]["wanted_angle_deg"] = _turned(path)
-    extra = {
-        "objects": objects,
-        "manipulation": {
-            "failure": schedule.failure or None,
-            "waits": [{"events": wait.what, "start_s": wait.start, "end_s": wait.end} for wait in schedule.waits],
-            "sets": [{"t_s": t, "sets": str(sets)} for t, sets in schedule.history],
-        },
-    }
-    figures = write_outputs(danced, out, tell, report.rounded(extra))
-    label = ", ".join(f"{value:g} {unit}" for value, unit in handling.actual.told(handling.study))
-    curves = pictures.save_curves(out / pictures.CURVES_FILE, log, system, schedule.played_times(), label)
-    pictures.draw(out / pictures.PICTURE_FILE, [curves], f"{handling.clip}, {label}, by {system.robot.label}")
-    return figures
+    return objects
 
 
 def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tuple[Dance, ManipulationSchedule, System]:
@@ -136,6 +156,9 @@ def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tupl
     actual = scene_things(handled, scale, handling.actual, offsets)
     believed = scene_things(handled, scale, handling.known(), share=UNKNOWN_SHARE if handling.unknown else 1.0)
     system = System(robot, believed)
+    # A controller that knows no object cannot know how fast it may be pushed.
+    paced = paced_for_pushing(human, handled, contacts, () if handling.unknown else believed)
+    human, handled, contacts = paced.human, paced.handled, paced.contacts
     demonstration = retarget_objects(
         human, handled, contacts, imitation(human, robot, request.rate), system, hands_for(robot, handling.study)
     )
@@ -152,7 +175,8 @@ def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tupl
     handled_things = HandledThings(simulated, schedule.history, schedule.played_times())
     played = schedule.played()
     danced.run.log.zmp_planned[: len(played.zmp)] = played.zmp  # the run knew the motion only as it is without waits
-    return replace(danced, motion=played, handled=handled_things), schedule, simulated
+    remarks = (*paced.remarks, *danced.remarks)
+    return replace(danced, motion=played, handled=handled_things, remarks=remarks), schedule, simulated
 
 
 def read_demonstration(handling: Handling) -> tuple[Human, HandledObjects, ContactPlan]:
@@ -200,10 +224,26 @@ def show(figures: dict[str, Any], console: Console) -> None:
             _text(one["end_angle_deg"]),
         )
     console.print(table)
+    console.print(_leg_sentence(figures["legs"]), highlight=False, soft_wrap=True)
     for wait in figures["manipulation"]["waits"]:
         console.print(
             f"waited {wait['end_s'] - wait['start_s']:.1f} s: {wait['events']}", highlight=False, soft_wrap=True
         )
+
+
+def _leg_sentence(legs: dict[str, Any]) -> str:
+    """Figures 7 and 8, or Figure 5, of a run."""
+    when = f"from {legs['start_s']:.1f} to {legs['end_s']:.1f} s"
+    if legs["over_one_leg"]:
+        return (
+            f"over one leg, {when}: left hip {_text(legs['left_hip_torque_mean_nm'])} and knee "
+            f"{_text(legs['left_knee_torque_mean_nm'])} N m in the mean, right foot back by up to "
+            f"{_text(legs['right_foot_back_max_m'], 1e3)} mm"
+        )
+    return (
+        f"at the end, {when}: right ankle {_text(legs['right_ankle_torque_mean_nm'])} N m, hands "
+        f"{_text(legs['hand_force_mean_n'])} N in the mean"
+    )
 
 
 def _turned(path: PosePath) -> float:

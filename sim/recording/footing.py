@@ -3,8 +3,8 @@
 import numpy as np
 import rerun as rr
 
+from sim.hardware.sole_frames import sole_frames
 from sim.log import RunLog
-from sim.recording.bodies import point_poses
 from sim.recording.columns import COLORS, Columns
 from sim.recording.panels import FOOT_MODE_NAMES, measured_and_planned_dcm
 from sim.support import planned_support
@@ -52,7 +52,7 @@ def _send_support(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarra
 def _send_soles(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray) -> None:
     """Send the outline of each sole in the colour of its planned contact."""
     robot = motion.robot
-    positions, rotations = point_poses(robot, robot.feet, log.q[rows])
+    positions, rotations = sole_frames(robot, log.q[rows], log.sole_deflection[rows])
     shades = np.array([COLORS[mode] for mode in FOOT_MODE_NAMES], dtype=np.uint8)
     for index, foot in enumerate(robot.feet):
         corners = positions[index][:, None] + _closed_outline(robot.sole(foot)) @ rotations[index].swapaxes(1, 2)

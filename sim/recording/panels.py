@@ -1,4 +1,4 @@
-"""The plots of a run, in tabs: balance, joints, tasks, ticks."""
+"""The plots of a run, in tabs: balance, servos, joints, tasks, ticks."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,6 +14,7 @@ from sot.gravity import GRAVITY
 from sot.motion.performance import Performance
 from sot.motion.plan import PLAN_RATE
 from sot.motion.trajectory import Motion
+from sot.robots.robot import GROUPS, Robot
 
 FRAME_RATE = 60.0  # Hz, of the 3D view and of what is only looked at; other curves keep the control rate
 MM_PER_M = 1e3
@@ -46,6 +47,7 @@ def run_tabs(log: RunLog, motion: Motion, plan: Performance | None) -> list[Tab]
         _balance_tab(log, motion),
         _center_of_mass_tab(log, motion),
         *_estimate_tabs(log),
+        *servo_tabs(log, motion.robot),
         *task_level_tabs(log),
         *slowed,
         *joints,
@@ -138,6 +140,23 @@ def _estimate_tabs(log: RunLog) -> list[Tab]:
     return [
         Tab("Estimate", (*pairs, Plot("Estimated attitude minus true one [deg]", ("estimate", "attitude"), (turn,))))
     ]
+
+
+def servo_tabs(log: RunLog, robot: Robot) -> list[Tab]:
+    """A tab of what servos and soles did; no tab for torque motors on rigid soles."""
+    plots = []
+    if log.target.shape[1]:
+        off = np.rad2deg(np.abs(log.q[:, 7:] - log.target))
+        errors = np.column_stack([off[:, list(robot.groups[group])].max(axis=1, initial=0.0) for group in GROUPS])
+        curves = Curves("servo_error", log.time, errors, GROUPS)
+        plots.append(Plot("Greatest angle off its servo's target [deg]", ("servo", "error"), (curves,)))
+    if log.sole_deflection.shape[1]:
+        names = [f"{foot}, {axis}" for foot in robot.feet for axis in ("roll", "pitch")]
+        turns = np.rad2deg(log.sole_deflection[:, :, :2]).reshape(log.ticks, -1)
+        plots.append(Plot("Turn of the soles [deg]", ("servo", "turn"), (Curves("turn", log.time, turns, names),)))
+        sink = Curves("sink", log.time, MM_PER_M * log.sole_deflection[:, :, 2], robot.feet)
+        plots.append(Plot("Height of the soles under the feet [mm]", ("servo", "height"), (sink,)))
+    return [Tab("Servos", tuple(plots))] if plots else []
 
 
 def _speed_tab(plan: Performance) -> Tab:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from sim.hardware.sole_frames import sole_frames
 from sim.log import FOOT_FIXED, FOOT_OFF, RunInfo, RunLog, constant_stretches, nearest_frames
 from sim.support import planned_support
 from solvers.rows import Status
@@ -159,14 +160,14 @@ def zmp(log: RunLog, motion: Motion) -> Figures:
 def contacts(log: RunLog, robot: Robot) -> Figures:
     """Switches of contact modes, the largest change of a torque from one tick to the next around them [N m], and how
     far feet that should stand slipped or tilted."""
-    feet = Points.of(robot, log.q, robot.feet)
+    positions, rotations = sole_frames(robot, log.q, log.sole_deflection)
     slips, tilts = [0.0], [0.0]
-    for index, foot in enumerate(robot.feet):
-        mode, position = log.foot_mode[:, index], feet.positions[foot]
+    for index in range(len(robot.feet)):
+        mode, position = log.foot_mode[:, index], positions[index]
         for state, rows in constant_stretches(mode):
             if state == FOOT_FIXED:
                 slips.append(float(np.linalg.norm(position[rows, :2] - position[rows.start, :2], axis=1).max()))
-        upward = feet.rotations[foot][mode != FOOT_OFF][:, :, 2]
+        upward = rotations[index][mode != FOOT_OFF][:, :, 2]
         tilts.extend(np.arctan2(np.linalg.norm(upward[:, :2], axis=1), upward[:, 2]).tolist())
     switches = np.diff(log.foot_mode, axis=0) != 0
     steps, around = np.abs(np.diff(log.torque, axis=0)), round(SWITCH_WINDOW_S / log.period) if log.ticks > 1 else 0

@@ -15,7 +15,9 @@ from sim.reference import hot_reference_us
 from sim.reporting import figures
 from sim.reporting.estimator import estimate_us, estimator_figures
 from sim.reporting.provenance import command_line, revision
+from sim.reporting.servo import servo_figures
 from sim.reporting.slides import slide_figures, worst_of_slides
+from sot.hardware.hardware import Hardware
 from sot.motion.performance import Performance
 from sot.motion.trajectory import Motion
 from sot.proximity import overlap_remarks
@@ -46,6 +48,7 @@ TABLE_ROWS: tuple[tuple[str, str, float, str, str], ...] = (
     ("steps.made", "… made within 15 cm", 1.0, "", "all"),
     ("steps.path_ratio", "way through the room, robot over human", 1.0, "", "1"),
     ("zmp.inside", "ticks with the ZMP inside the support", 100.0, "%", "100"),
+    ("zmp.rms_to_planned_m", "ZMP off its plan", 1e3, "mm", "0"),
     ("zmp.min_margin_m", "ZMP to the support's edge, least", 1e3, "mm", "10 or more"),
     ("contacts.torque_step_max_nm", "torque step at a switch, greatest", 1.0, "N m", "0"),
     ("contacts.slip_max_m", "slip of a standing foot, greatest", 1e3, "mm", "0"),
@@ -68,6 +71,10 @@ TABLE_ROWS: tuple[tuple[str, str, float, str, str], ...] = (
     ("pushes.given", "pushes", 1.0, "", ""),
     ("pushes.survived", "pushes survived", 1.0, "", "all"),
     ("pushes.survived_max_ns", "strongest push survived", 1.0, "N s", ""),
+    ("servo.error_rms_rad", "joint angles off the servos' targets", 180.0 / math.pi, "deg", "0"),
+    ("servo.error_max_rad", "… greatest", 180.0 / math.pi, "deg", "0"),
+    ("servo.sole_deflection_max_rad", "turn of a sole under its ankle, greatest", 180.0 / math.pi, "deg", ""),
+    ("servo.sensed_zmp_rms_m", "ZMP of the force sensors off the floor's", 1e3, "mm", "0"),
     ("torque_saturated", "ticks with a torque at its limit", 100.0, "%", ""),
     ("power_w", "mechanical power, mean", 1.0, "W", ""),
     ("solver.infeasible_ticks", "ticks whose hard level had to give way", 1.0, "", "0"),
@@ -137,8 +144,19 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
         "estimator_us": estimate_us(log),
         "pushes": figures.pushes(info, duration),
         "mismatch": asdict(info.mismatch),
+        "plant": _plant(info.hardware),
+        "servo": servo_figures(log, info, robot),
     }
     return {key: rounded(value) for key, value in report.items()}
+
+
+def _plant(hardware: Hardware) -> dict[str, Any]:
+    """What drives the joints, and how the feet give way."""
+    soft = hardware.compliance
+    return {
+        "joints": "torque" if hardware.servo is None else "servo",
+        "feet_compliance": None if soft is None else [soft.roll, soft.pitch, soft.vertical],
+    }
 
 
 def _grouped_fallbacks(log: RunLog) -> list[dict[str, Any]]:

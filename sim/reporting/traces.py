@@ -135,7 +135,7 @@ def bucket_extremes(values: np.ndarray, size: int) -> np.ndarray:
 
     A peak of a single tick stays a peak.
     """
-    if size == 1 or not len(values):
+    if size == 1 or not values.size:
         return values
     short = -len(values) % size
     cells = np.concatenate([values, np.repeat(values[-1:], short, axis=0)]).reshape(-1, size, *values.shape[1:])

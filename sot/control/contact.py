@@ -1,11 +1,16 @@
 """A contact between two surfaces: the forces that they exert on each other and the motion that it excludes."""
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from solvers.compiled import compiled
 from sot.control.pose import AXES, AXIS_NAMES, PoseReference
+from sot.control.quantities.contact_rows import (
+    closing_acceleration,
+    vertex_wrench_map,
+    write_held_pyramids,
+    write_wrench_map_and_motion_columns,
+)
 from sot.control.quantities.frames import FrameState
 from sot.control.tick import Mode, Tick
 from sot.errors import InputError
@@ -30,6 +35,7 @@ PYRAMID_SIDES = 8
 """Number of sides of a friction pyramid: with four it has 71 % of the cone's friction on an axis, with eight 92 %."""
 FULL_FRICTION_SPEED = 0.002
 """Speed [m/s] of a sliding vertex from which on it meets the whole friction."""
+_NO_ACCELERATION = np.zeros(6)
 
 
 class Contact:
@@ -190,7 +196,7 @@ class Contact:
             return self._sliding_wrench_map(tick)
         if self.form == "unilateral":
             return np.hstack([np.eye(6), np.zeros((6, len(self.vertices)))])
-        return _vertex_wrench_map(self.motion(tick).rotation, self._corners)
+        return vertex_wrench_map(self.motion(tick).rotation, self._corners)
 
     def normal_map(self) -> Array:
         """Map from φ to the normal force, shape (k,)."""
@@ -250,15 +256,50 @@ class Contact:
 
         Velocity damping alone would keep a foot in the tilt in which it has landed.
         """
-        motion = self.motion(tick)
-        axes = tick.surface_axes(self.on)
-        place = motion.position, motion.rotation, motion.velocity
-        wanted: Array = _closing_acceleration(*place, axes.translation, axes.rotation, self.stiffness, self.damping)
-        if self.arrival_acceleration is not None:
-            wanted += (1.0 - self.load) ** ARRIVAL_ACCELERATION_FADE_POWER * (self.arrival_acceleration - wanted)
-            if self.load >= 1.0:
-                self.arrival_acceleration = None
+        at, axes = self.motion(tick), tick.surface_axes(self.on)
+        wanted: Array = closing_acceleration(
+            *(at.position, at.rotation, at.velocity, axes.translation, axes.rotation, self.stiffness, self.damping),
+            *self._arrival_to_fade(),
+        )
         return wanted
+
+    def _arrival_to_fade(self) -> tuple[Array, float]:
+        """The acceleration that the surfaces arrived with, shape (6,), and what share of it is left."""
+        if self.arrival_acceleration is None:
+            return _NO_ACCELERATION, 0.0
+        arrival, left = self.arrival_acceleration, (1.0 - self.load) ** ARRIVAL_ACCELERATION_FADE_POWER
+        if self.load >= 1.0:
+            self.arrival_acceleration = None
+        return arrival, left
+
+    def write_rows(self, tick: Tick, wanted: Array, place: Array, map: Array, motion: Array, scale: float) -> bool:
+        """Write what the contact asks for at a tick.
+
+        Args:
+            tick: The state.
+            wanted: `acceleration` less the drift of `motion`, shape (6,).
+            place: The first surface's origin, shape (3,).
+            map: `wrench_map`, shape (6, k).
+            motion: ``scale Jᵀ G`` of that map, shape (nv, k).
+            scale: Factor of these columns.
+
+        Returns:
+            Whether the wrench map is finite.
+        """
+        at, axes = self.motion(tick), tick.surface_axes(self.on)
+        arrival, left = self._arrival_to_fade()
+        valid: bool
+        if self.mode == "fixed" and self.form == "pyramid":
+            # In one compiled call, since this is what nearly all ticks are made of.
+            held: tuple[Any, ...] = at.position, at.rotation, at.velocity, at.jacobian, at.drift
+            gains = self.stiffness, self.damping, arrival, left
+            valid = write_held_pyramids(
+                *(*held, axes.translation, axes.rotation, *gains, self._corners, scale, wanted, place, map, motion)
+            )
+            return valid
+        wanted[:], place[:] = self.acceleration(tick) - at.drift, at.position
+        valid = write_wrench_map_and_motion_columns(at.jacobian, self.wrench_map(tick), scale, map, motion)
+        return valid
 
     def _sliding_wrench_map(self, tick: Tick) -> Array:
         """Map from the normal forces, with the friction that goes with them, to the wrench at the point, (6, nc)."""
@@ -277,46 +318,3 @@ class Contact:
         mu = self.friction * np.cos(turn / 2.0)  # inscribed: its edges lie in the cone, and nothing is beyond
         sides = [(np.cos(k * turn), np.sin(k * turn), -mu) for k in range(PYRAMID_SIDES)]
         return np.kron(np.eye(len(self.vertices)), np.array([*sides, (0.0, 0.0, 1.0)]))
-
-
-@compiled
-def _closing_acceleration(
-    position: Array,
-    rotation: Array,
-    velocity: Array,
-    origin: Array,
-    axes: Array,
-    stiffness: float,
-    damping: float,
-) -> Array:
-    """Acceleration that brings a surface, its z axis into its body, onto the plane of others, whose z is its normal."""
-    wanted = -damping * velocity
-    x, y, z = axes[0, 2], axes[1, 2], axes[2, 2]
-    gap = x * (position[0] - origin[0]) + y * (position[1] - origin[1]) + z * (position[2] - origin[2])
-    wanted[0] -= stiffness * gap * x
-    wanted[1] -= stiffness * gap * y
-    wanted[2] -= stiffness * gap * z
-    # The other's normal seen from one's own: n × e_z is the rotation that brings the surface flat.
-    a, b, c = rotation[0, 2], rotation[1, 2], rotation[2, 2]
-    wanted[3] += stiffness * (b * z - c * y)
-    wanted[4] += stiffness * (c * x - a * z)
-    wanted[5] += stiffness * (a * y - b * x)
-    return wanted
-
-
-@compiled
-def _vertex_wrench_map(rotation: Array, vertices: Array) -> Array:
-    """Map from forces at the vertices, point's axes, to the wrench at the point, world axes: shape (6, 3 n)."""
-    out = np.empty((6, 3 * len(vertices)))
-    for k in range(len(vertices)):
-        x, y, z = vertices[k]
-        for i in range(3):
-            a, b, c = rotation[i, 0], rotation[i, 1], rotation[i, 2]
-            out[i, 3 * k], out[i, 3 * k + 1], out[i, 3 * k + 2] = a, b, c
-            # The rows of R [p]×.
-            out[3 + i, 3 * k], out[3 + i, 3 * k + 1], out[3 + i, 3 * k + 2] = (
-                b * z - c * y,
-                c * x - a * z,
-                a * y - b * x,
-            )
-    return out

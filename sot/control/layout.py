@@ -25,16 +25,6 @@ _NO_VARIABLE_START_AND_UNIT = 0, 0.0
 """First index and unit (none) of a kind of variable that the form does not have: torques in the condensed one."""
 
 
-@compiled
-def _is_finite(A: Array) -> bool:
-    """Whether all values of a matrix are."""
-    total = 0.0  # nan as soon as one is not
-    for i in range(A.shape[0]):
-        for k in range(A.shape[1]):
-            total += 0.0 * A[i, k]
-    return total == 0.0
-
-
 class Layout:
     """The levels of ticks with the same contacts, tasks and numbers of rows.
 
@@ -127,8 +117,8 @@ class Layout:
             else:
                 equality.A, offset = form.torque_rows(own)
                 equality.scale, wanted = weight, wanted - offset
-            equality.b, valid = _scaled_wish(equality.A, wanted, weight, own.selects is not None)
-            if not valid:
+            equality.b = wanted if weight == 1.0 else weight * wanted
+            if not _are_finite(equality.A, wanted, own.selects is not None):
                 raise self._invalid(task, own)
         for k, unit, task, bounds in self._inequalities:
             own = rows[k]
@@ -185,7 +175,7 @@ class ContactRows:
         self, contact: Contact, form: Form, own: slice, map: Array, place: Array, builder: "_LevelBuilder"
     ) -> None:
         self._contact, self._units, self._map, self._place = contact, form.units, map, place
-        self._axes = list(contact.held_axes)
+        self._axes, self._wanted = list(contact.held_axes), np.empty(6)
         self._turns_axes = len(self._axes) < 6 and not (
             contact.is_footing and np.array_equal(contact.on.placement.rotation, np.eye(3))
         )
@@ -214,18 +204,16 @@ class ContactRows:
     def write(self, tick: Tick) -> None:
         """Write its rows at a tick."""
         contact, held = self._contact, self._held
-        frame = contact.motion(tick)
-        held.A, held.b = frame.jacobian, contact.acceleration(tick) - frame.drift
+        valid = contact.write_rows(tick, self._wanted, self._place, self._map, self._on_motion, -self._units.force)
+        held.A, held.b = contact.motion(tick).jacobian, self._wanted
         if self._turns_axes:
             axes = np.kron(np.eye(2), tick.surface_axes(contact.on).rotation.T)
             held.A, held.b = axes @ held.A, axes @ held.b
         if len(self._axes) < 6:
             held.A, held.b = held.A[self._axes], held.b[self._axes]
-        self._place[:] = frame.position
         if self._friction is None:
             return
-        G = contact.wrench_map(tick)
-        if not _write_wrench_map_and_motion_columns(frame.jacobian, G, -self._units.force, self._map, self._on_motion):
+        if not valid:
             raise InvalidRowsError(f"contact '{contact.name}': its path holds a value that is not finite")
         if self._pressure is not None:
             self._pressure.A = contact.force_equalities(tick)
@@ -274,14 +262,16 @@ class _InequalityRows:
 
 
 @compiled
-def _scaled_wish(A: Array, wanted: Array, weight: float, constant: bool) -> tuple[Array, bool]:
-    """What rows ``A x = wanted`` want, times their weight, and whether all is finite; A not looked at if constant."""
-    out = np.empty(len(wanted))
-    total = 0.0
+def _are_finite(A: Array, wanted: Array, constant: bool) -> bool:
+    """Whether all of what rows ``A x = wanted`` want is, and all of A, which is not looked at if it is constant."""
+    total = 0.0  # nan as soon as a value is not finite
     for k in range(len(wanted)):
-        out[k] = weight * wanted[k]
         total += 0.0 * wanted[k]
-    return out, total == 0.0 and (constant or _is_finite(A))
+    if not constant:
+        for i in range(A.shape[0]):
+            for k in range(A.shape[1]):
+                total += 0.0 * A[i, k]
+    return total == 0.0
 
 
 @compiled
@@ -307,22 +297,6 @@ def _write_bounds(
         to_lower[k], to_upper[k] = bound_scale * (lower[k] - offset[k]), bound_scale * (upper[k] - offset[k])
         valid &= to_lower[k] == to_lower[k] and to_upper[k] == to_upper[k]
     return valid
-
-
-@compiled
-def _write_wrench_map_and_motion_columns(
-    jacobian: Array, G: Array, scale: float, to_map: Array, to_motion: Array
-) -> bool:
-    """Write the wrench map G to `to_map`, and ``scale Jᵀ G`` to `to_motion`; returns whether G is finite."""
-    to_map[:] = G
-    finite = _is_finite(G)
-    for i in range(to_motion.shape[0]):
-        for j in range(to_motion.shape[1]):
-            total = 0.0
-            for k in range(6):
-                total += jacobian[k, i] * G[k, j]
-            to_motion[i, j] = scale * total
-    return finite
 
 
 class _LevelBuilder:

@@ -76,6 +76,7 @@ class Tick:
         finite: Whether all of the state is; nothing else here means anything if not.
         com, com_velocity, com_drift: Centre of mass of the robot and what it carries, Otani (33), its velocity, and
             J̇ v, shape (3,).
+        momentum: Of these about it, linear over angular, world axes, shape (6,) [N s, N m s].
     """
 
     def __init__(self, robot: Robot | System, period: float = 0.001) -> None:
@@ -95,7 +96,7 @@ class Tick:
         self._coulomb_speeds = coulomb_speeds(self.robot)
         self._J, self.mass = data.J, self.robot.mass
         self.h, self.com_jacobian = np.empty(system.nv), np.empty((3, system.nv))
-        self.com_velocity, self.com_drift = np.empty(3), np.empty(3)
+        self.com_velocity, self.com_drift, self.momentum = np.empty(3), np.empty(3), np.empty(6)
         self._points: dict[str, tuple[FrameState, Array, int]] = {}
         self._frames: dict[str, FrameState] = {}
         self._relative_frames: dict[tuple[Surface, Surface], FrameState] = {}
@@ -157,7 +158,7 @@ class Tick:
             self._carrying.update(self.mass - self._carrying.thing_mass)
         self.finite = write_bias_and_com(
             *(self._forces, self._base, self._A_g, self.mass, v, robot.damping, robot.friction, self._coulomb_speeds),
-            *(self.h, self.com_jacobian, self.com_velocity, self.com_drift),
+            *(self.h, self.com_jacobian, self.com_velocity, self.com_drift, self.momentum),
         )
         if self._carrying is not None:
             self.com_drift[:] = self._carrying.rate[:3] / self.mass
@@ -280,14 +281,9 @@ class Tick:
         """
         return contact_named(self.contacts, name)
 
-    @property
-    def momentum(self) -> Array:
-        """Momentum about the CoM, linear over angular, world axes, shape (6,) [N s, N m s]."""
-        return self._A_g @ self.v
-
     def momentum_excess_per_weight(self, planned: Array) -> Array:
         """(ΔL_y, −ΔL_x) / (m g), with ΔL the angular momentum beyond a planned one (3,): shape (2,) [m s]."""
-        excess: Array = _momentum_excess_per_weight(self.momentum, planned, self.mass * GRAVITY)
+        excess: Array = momentum_excess_per_weight(self.momentum, planned, self.mass * GRAVITY)
         return excess
 
     def centroidal(self) -> tuple[Array, Array, Array]:
@@ -342,5 +338,6 @@ def contact_named(contacts: Iterable[NamedContact], name: str) -> NamedContact:
 
 
 @compiled
-def _momentum_excess_per_weight(momentum: Array, planned: Array, weight: float) -> Array:
+def momentum_excess_per_weight(momentum: Array, planned: Array, weight: float) -> Array:
+    """`Tick.momentum_excess_per_weight` of a momentum (6,), for compiled code; `weight` is the robot's [N]."""
     return np.array(((momentum[4] - planned[1]) / weight, (planned[0] - momentum[3]) / weight))

@@ -60,6 +60,18 @@ def bush_position(robot: Robot, foot: str) -> np.ndarray:
     return at
 
 
+def sole_in_foot(bush: np.ndarray, deflection: np.ndarray) -> pin.SE3:
+    """Where the foot frame goes that is fixed to the sole, seen from the foot.
+
+    Args:
+        bush: its middle in the foot frame (3,) [m].
+        deflection: roll, pitch [rad] and height [m] by which the sole is off (3,); pitch turns after roll.
+    """
+    roll, pitch, height = deflection.tolist()
+    turn = pin.utils.rotate("x", roll) @ pin.utils.rotate("y", pitch)
+    return pin.SE3(turn, bush - turn @ bush + np.array([0.0, 0.0, height]))
+
+
 def pendulum_length(robot: Robot) -> float:
     """Height of the centre of mass above the bushes at rest [m]."""
     com = pin.centerOfMass(robot.model, robot.model.createData(), robot.rest)

@@ -3,13 +3,16 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+import pinocchio as pin
 
 from sot.robots.robot import Robot
 
 Array = np.ndarray
 
+SUPPORT_STIFFNESS_RATIO = 50.0
+"""Stiffness of the servos that hold the robot up, of legs and chest, over m g l: 20,000 N m/rad for 58 kg."""
 FULL_TORQUE_ERROR = 0.0125
-"""Error [rad] at which a servo gives all of its motor's torque: 20,000 N m/rad for 250 N m."""
+"""Error [rad] at which any other servo gives all of its motor's torque: 8,000 N m/rad for 100 N m."""
 ROTOR_INERTIA_RATIO = 2e-4
 """Reflected rotor inertia over the torque limit [s²] of geared motors whose model gives none."""
 LEG_COMMAND_RATE, UPPER_COMMAND_RATE = 200.0, 100.0
@@ -48,13 +51,25 @@ class Servo:
 
     @staticmethod
     def of(robot: Robot) -> "Servo":
-        """The servos of a robot: full torque at `FULL_TORQUE_ERROR`, and the rotor alone critically damped."""
-        stiffness = robot.effort / FULL_TORQUE_ERROR
+        """The servos of a robot: the gains of its file, else stiff enough for its weight, or for the motor above the
+        chest, and the rotor alone critically damped."""
+        stiffness, damping = robot.effort / FULL_TORQUE_ERROR, robot.servo["damping"]
+        stiffness[[*robot.groups["legs"], *robot.groups["chest"]]] = SUPPORT_STIFFNESS_RATIO * _toppling_moment(robot)
+        stiffness = np.where(np.isnan(robot.servo["stiffness"]), stiffness, robot.servo["stiffness"])
         rotor = np.where(robot.armature > 0.0, robot.armature, ROTOR_INERTIA_RATIO * robot.effort)
         period = np.full(robot.na, 1.0 / UPPER_COMMAND_RATE)
         period[list(robot.groups["legs"])] = 1.0 / LEG_COMMAND_RATE
-        return Servo(stiffness, 2.0 * np.sqrt(stiffness * rotor), period)
+        return Servo(stiffness, np.where(np.isnan(damping), 2.0 * np.sqrt(stiffness * rotor), damping), period)
 
     def scaled(self, stiffness: float) -> "Servo":
         """Servos whose stiffness is a factor larger, their rotors damped as well as before."""
         return Servo(stiffness * self.stiffness, np.sqrt(stiffness) * self.damping, self.period)
+
+
+def _toppling_moment(robot: Robot) -> float:
+    """m g l: what gravity has on the robot for each radian that it leans about its ankles [N m/rad]."""
+    data = robot.model.createData()
+    com = pin.centerOfMass(robot.model, data, robot.rest)
+    pin.updateFramePlacements(robot.model, data)
+    ankle = data.oMf[robot.point("left_ankle")].translation
+    return robot.mass * float(np.linalg.norm(robot.model.gravity.linear)) * float(com[2] - ankle[2])

@@ -7,6 +7,7 @@ from sot.motion.human.readers import read
 from sot.motion.human.skeleton import recognise
 from sot.motion.plan import Plan, plan
 from sot.motion.trajectory import Motion, MotionSample, Track
+from sot.motion.walk import walk
 
 __all__ = [
     "SEGMENTS",
@@ -20,4 +21,5 @@ __all__ = [
     "plan",
     "read",
     "recognise",
+    "walk",
 ]

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from sot.control.pose import Pose
 from sot.errors import InputError
@@ -163,6 +164,23 @@ class Motion:
             zmp=np.tile(com[:2], (count, 1)),
             momentum=nothing,
             phases=phases,
+        )
+
+    def placed(self, x: float, y: float, yaw: float) -> "Motion":
+        """The same motion elsewhere on the floor: turned about the origin by an angle [rad], then shifted [m]."""
+        place = pin.SE3(pin.utils.rotate("z", yaw), np.array([x, y, 0.0]))
+        turn, q = place.rotation, self.q.copy()
+        q[:, :3] = q[:, :3] @ turn.T + place.translation
+        q[:, 3:7] = (Rotation.from_matrix(turn) * Rotation.from_quat(q[:, 3:7])).as_quat()
+        vectors = ("com_velocity", "com_acceleration", "momentum")
+        phases = [replace(one, feet={foot: place * at for foot, at in one.feet.items()}) for one in self.phases]
+        return replace(
+            self,
+            q=q,
+            com=self.com @ turn.T + place.translation,
+            zmp=self.zmp @ turn[:2, :2].T + place.translation[:2],
+            phases=tuple(phases),
+            **{name: getattr(self, name) @ turn.T for name in vectors},
         )
 
     @property

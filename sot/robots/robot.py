@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
@@ -11,14 +11,15 @@ import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
+from sot.read_only import read_only
 from sot.robots.limits import joint_limits, remark_on_groups, with_limits
 from sot.robots.pairs import collision_pairs, geometry_of, remark_on_pairs
 from sot.robots.posture import rest_angles
 from sot.robots.reading import models_of, read_model
 from sot.robots.reading.tree import Tree
-from sot.robots.robot_file import FEET, GROUPS, POINTS, RobotFile
+from sot.robots.robot_file import FEET, GROUPS, POINTS, SERVO, RobotFile
 from sot.robots.standing import stand
-from sot.robots.surface import Surface
+from sot.robots.surface import Surface, named_surface
 from sot.toml_file import named_file
 
 __all__ = ["FEET", "GROUPS", "HANDS", "MODELS", "POINTS", "Robot", "robot_names", "shipped_robot_names"]
@@ -53,6 +54,8 @@ class Robot:
             `acceleration` is for references and braking, `acceleration_hard` bounds a control tick.
         damping, friction, armature: viscous [N m s/rad] and Coulomb [N m] losses and reflected rotor inertia
             [kg m²] (na,); the armature is part of the model's mass matrix too, the losses of nothing.
+        servo: gains of joint servos that the robot file gives, "stiffness" and "damping" (na,) [N m/rad,
+            N m s/rad], nan where it gives none.
         shapes: collision shapes, fixed to the model's joints: the model file's, primitives and hulls in the place of
             meshes; its collision pairs are the ones that count, in physics as well as in control and plans.
         rest_distances: of these pairs at rest (pairs,) [m].
@@ -79,6 +82,7 @@ class Robot:
     damping: np.ndarray = field(repr=False)
     friction: np.ndarray = field(repr=False)
     armature: np.ndarray = field(repr=False)
+    servo: Mapping[str, np.ndarray] = field(repr=False)
     shapes: pin.GeometryModel = field(repr=False)
     rest_distances: np.ndarray = field(repr=False)
     points: Mapping[str, int] = field(repr=False)
@@ -104,19 +108,19 @@ class Robot:
         """The robot alone for MuJoCo, a new one each time: joints in Pinocchio's order, points as sites, no motors."""
         return self.tree.spec()
 
-    @property
+    @cached_property
     def nq(self) -> int:
         return self.model.nq
 
-    @property
+    @cached_property
     def nv(self) -> int:
         return self.model.nv
 
-    @property
+    @cached_property
     def na(self) -> int:
         return self.model.nv - 6
 
-    @property
+    @cached_property
     def mass(self) -> float:
         """Total mass [kg]."""
         return pin.computeTotalMass(self.model)
@@ -150,10 +154,7 @@ class Robot:
         Raises:
             InputError: the robot has no such surface.
         """
-        try:
-            return self.surfaces[name]
-        except KeyError:
-            raise InputError(f"{self.name} has no surface '{name}': choose one of {', '.join(self.surfaces)}") from None
+        return named_surface(self.surfaces, name, f"{self.name} has")
 
     def joint_numbers(self, joints: str | Sequence[str]) -> np.ndarray:
         """Numbers (n,) of the joints of a group, or of some that are named.
@@ -204,20 +205,19 @@ def _load(path: Path) -> Robot:
         path=model_path,
         model=model,
         joints=names,
-        rest=_frozen(rest),
+        rest=read_only(rest),
+        servo=MappingProxyType({gain: read_only(_by_joint(names, file.servo(gain, names))) for gain in SERVO}),
         shapes=shapes,
-        rest_distances=_frozen(distances),
+        rest_distances=read_only(distances),
         points=MappingProxyType(points),
-        soles=MappingProxyType({foot: _frozen(corners) for foot, corners in standing.soles.items()}),
+        soles=MappingProxyType({foot: read_only(corners) for foot, corners in standing.soles.items()}),
         surfaces=MappingProxyType(surfaces),
         groups=MappingProxyType(groups),
         tree=replace(standing.tree, pairs=named),
         remarks=tuple(remarks),
-        **{name: _frozen(values) for name, values in {**limits, **losses, "armature": model.armature[dofs]}.items()},
+        **{name: read_only(values) for name, values in {**limits, **losses, "armature": model.armature[dofs]}.items()},
     )
 
 
-def _frozen(array: np.ndarray) -> np.ndarray:
-    array = np.array(array, dtype=float)
-    array.setflags(write=False)
-    return array
+def _by_joint(joints: Sequence[str], given: Mapping[str, float]) -> np.ndarray:
+    return np.array([given.get(joint, np.nan) for joint in joints])

@@ -21,13 +21,28 @@ POINTS = (
 GROUPS = ("left_leg", "right_leg", "chest", "head", "left_arm", "right_arm")
 LIMITS = ("lower", "upper", "velocity", "acceleration", "acceleration_hard", "effort")
 DYNAMICS = ("armature", "damping", "friction")
+SERVO = ("stiffness", "damping")
 KEYS = {
-    "": ("label", "listed", "model", "package", "locked", "rest", "points", "soles", "surfaces", "groups", "limits"),
+    "": (
+        "label",
+        "listed",
+        "model",
+        "package",
+        "locked",
+        "rest",
+        "points",
+        "soles",
+        "surfaces",
+        "groups",
+        "limits",
+        "servo",
+    ),
     "listed": ("joints", "mass", "height"),
     "package": ("name", "version", "sha256", "source", "licence"),
     "soles": FEET,
     "groups": GROUPS,
     "limits": (*LIMITS, *DYNAMICS),
+    "servo": SERVO,
 }
 
 
@@ -105,15 +120,26 @@ class RobotFile:
 
     def limit(self, name: str, joints: Sequence[str]) -> dict[str, float]:
         """What the file says of a limit: joint -> number, from one number for all or a table by joint."""
-        limits = self.content.get("limits", {})
-        if not isinstance(limits, dict):
-            raise self.error("'limits' must be a table")
-        given = limits.get(name, {})
+        return self._number_by_joint("limits", name, joints)
+
+    def servo(self, name: str, joints: Sequence[str]) -> dict[str, float]:
+        """What the file says of a gain of the joints' servos, likewise; it is positive."""
+        gains = self._number_by_joint("servo", name, joints)
+        for joint, gain in gains.items():
+            if not gain > 0.0:
+                raise self.error(f"'servo.{name}' of joint '{joint}' is {gain:g}: it must be positive")
+        return gains
+
+    def _number_by_joint(self, table: str, name: str, joints: Sequence[str]) -> dict[str, float]:
+        entries = self.content.get(table, {})
+        if not isinstance(entries, dict):
+            raise self.error(f"'{table}' must be a table")
+        given = entries.get(name, {})
         if is_number(given):
             return dict.fromkeys(joints, float(given))
         if not isinstance(given, dict):
-            raise self.error(f"'limits.{name}' must be a number for all joints or a table by joint, not {given}")
-        return self.by_joint(f"limits.{name}", joints, given)
+            raise self.error(f"'{table}.{name}' must be a number for all joints or a table by joint, not {given}")
+        return self.by_joint(f"{table}.{name}", joints, given)
 
     def groups(self, joints: Sequence[str]) -> dict[str, tuple[int, ...]]:
         """Group -> numbers of its joints; no joint is in two groups."""

@@ -1,6 +1,6 @@
 """Surfaces: flat patches of robots, of things and of the world around them, which contacts pair."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -103,3 +103,15 @@ class Surface:
 
 FLOOR = Surface("floor", np.zeros((0, 3)))
 """The floor at z = 0, of any size; what a sole may rely on is a matter of the sole's friction."""
+
+
+def named_surface(surfaces: Mapping[str, Surface], name: str, there_is: str) -> Surface:
+    """The surface of a name among others.
+
+    Raises:
+        InputError: There is none; the message begins with `there_is`.
+    """
+    try:
+        return surfaces[name]
+    except KeyError:
+        raise InputError(f"{there_is} no surface '{name}': choose one of {', '.join(surfaces)}") from None

@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from sot.errors import InputError
 from sot.robots.robot import Robot
-from sot.robots.surface import FLOOR, Surface
+from sot.robots.surface import FLOOR, Surface, named_surface
 from sot.robots.things.thing import Thing
 
 Array = np.ndarray
@@ -109,10 +109,7 @@ class System:
         Raises:
             InputError: There is no such surface.
         """
-        try:
-            return self.surfaces[name]
-        except KeyError:
-            raise InputError(f"there is no surface '{name}': choose one of {', '.join(self.surfaces)}") from None
+        return named_surface(self.surfaces, name, "there is")
 
     def body_of(self, surface: Surface) -> int | str:
         """What a surface is of: the joint that moves it, or the name of a thing that does not move; or the floor."""

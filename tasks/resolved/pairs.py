@@ -64,42 +64,30 @@ class NearestPairs:
         self, robot: Robot, count: int, reach: float, braking_time: float = 0.0, obstacles: Sequence[Obstacle] = ()
     ) -> None:
         self._count, self._reach, self._braking_time = count, reach, braking_time
-        self._own, self._environment = Proximity(robot), None
+        self._proximities = [Proximity(robot)]
         if obstacles:
-            self._environment = Proximity(_among_obstacles(robot, obstacles))
-        self._ahead = robot.model.createData()
+            self._proximities.append(Proximity(_among_obstacles(robot, obstacles)))
 
     def __call__(self, tick: Tick) -> Distances:
         """At a tick's configuration."""
-        within = self._reach + self._braking_time * self._own.rate_bounds(tick.v)
-        near = self._own.pairs_within(tick.data, tick.q, within)
-        values, jacobian = self._own.latest_distances_and_jacobian(tick.data, near)
-        found = [(self._own, k) for k in near]
-        if self._environment is not None:
-            there = self._environment
-            others, other_jacobian = there.distances_and_jacobian(tick.data, range(len(there.pairs)))
-            values, jacobian = np.append(values, others), np.vstack([jacobian, other_jacobian])
-            found += [(there, k) for k in range(len(others))]
-        gaps = values + self._braking_time * np.minimum(jacobian @ tick.v, 0.0)
+        names: list[tuple[str, str]] = []
+        parts = []
+        for number, proximity in enumerate(self._proximities):
+            proximity.move_to(tick.data)
+            near = proximity.pairs_within(self._reach + self._braking_time * proximity.rate_bounds(tick.v))
+            names += [proximity.pairs[k] for k in near.tolist()]
+            jacobian, rates = proximity.jacobian_and_rates(near, tick.v)
+            parts.append((np.full(len(near), number), near, proximity.latest_distances[near], jacobian, rates))
+        owners, pairs, values, jacobian, rates = (np.concatenate(each) for each in zip(*parts, strict=True))
+        gaps = values + self._braking_time * np.minimum(rates, 0.0)
         nearest = np.argsort(gaps)[: self._count]
         nearest = nearest[gaps[nearest] < self._reach]
-        values, jacobian = values[nearest], jacobian[nearest]
-        chosen = [found[k] for k in nearest.tolist()]
-        names = [proximity.pairs[k] for proximity, k in chosen]
-        return Distances(names, values, jacobian, self._drift(tick, chosen, values, jacobian))
-
-    def _drift(self, tick: Tick, chosen: Sequence[tuple[Proximity, int]], values: Array, jacobian: Array) -> Array:
-        drift = np.zeros(len(values))
-        near = np.flatnonzero(values < CURVED_DISTANCE).tolist()
-        if not near:
-            return drift
-        model = tick.robot.model
-        pin.computeJointJacobians(model, self._ahead, pin.integrate(model, tick.q, tick.period * tick.v))
-        for proximity in {chosen[k][0] for k in near}:
-            rows = [k for k in near if chosen[k][0] is proximity]
-            _, ahead = proximity.distances_and_jacobian(self._ahead, [chosen[k][1] for k in rows])
-            drift[rows] = (ahead - jacobian[rows]) @ tick.v / tick.period
-        return drift
+        drifts = np.zeros(len(values))
+        for number, proximity in enumerate(self._proximities):
+            curved = nearest[(owners[nearest] == number) & (values[nearest] < CURVED_DISTANCE)]
+            if len(curved):
+                drifts[curved] = proximity.drifts(pairs[curved], rates[curved], tick.v, tick.period)
+        return Distances([names[k] for k in nearest.tolist()], values[nearest], jacobian[nearest], drifts[nearest])
 
 
 def _among_obstacles(robot: Robot, obstacles: Sequence[Obstacle]) -> Robot:

@@ -23,6 +23,20 @@ def test_mass_and_damping_are_scaled_in_the_world_only(robot):
     assert plain.model.dof_damping[6:].all()
 
 
+def test_gear_friction_holds_a_joint_against_less_than_its_share_of_the_limit(robot):
+    plain, rough = World(robot), World(robot, mismatch=Mismatch(gear_friction=0.1))
+    wrist = robot.joints.index("RARM6")
+    added = rough.model.dof_frictionloss - plain.model.dof_frictionloss
+    np.testing.assert_allclose(added, [*np.zeros(6), *(0.1 * robot.effort)])
+    for share, moves in ((0.09, False), (0.2, True)):
+        rough.reset(robot.rest)
+        torque = np.zeros(robot.na)
+        torque[wrist] = share * robot.effort[wrist]
+        for _ in range(50):
+            rough.step(torque)
+        assert (abs(rough.state()[1][6 + wrist]) > 0.5) == moves
+
+
 @pytest.mark.parametrize("rate", [1000.0, 200.0])
 def test_torque_acts_after_the_delay(robot, rate):
     world = World(robot, 1.0 / rate, Mismatch(delay=0.002))

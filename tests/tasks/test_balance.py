@@ -24,7 +24,7 @@ def robot(request):
 
 def pendulum(t, com, velocity):
     """What the task asks of a tick, for a point mass in the air: its acceleration is the unknown itself."""
-    tick = SimpleNamespace(t=t, com=com, com_velocity=velocity, contacts=())
+    tick = SimpleNamespace(t=t, com=com, com_velocity=velocity, contacts=(), momentum=np.zeros(6), mass=1.0)
     tick.com_jacobian, tick.com_drift = np.eye(3), np.zeros(3)
     return tick
 

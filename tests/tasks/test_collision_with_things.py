@@ -38,25 +38,27 @@ def test_pairs_are_the_robots_own_and_those_with_things(system):
 
 
 def test_what_is_near_is_found_wherever_it_moved(system):
-    proximity, tick = Proximity(system), Tick(system)
+    proximity, everything, tick = Proximity(system), Proximity(system), Tick(system)
     within = np.full(len(proximity.pairs), 0.1)
     for seed in range(6):
         tick.update(0.0, *near_state(system, seed))
-        found = proximity.pairs_within(tick.data, tick.q, within)
-        every, _ = Proximity(system).distances_and_jacobian(tick.data, range(len(within)))
-        assert found == np.flatnonzero(every < 0.1).tolist()
+        for each in (proximity, everything):
+            each.move_to(tick.data)
+        found = proximity.pairs_within(within)
+        every = everything.measure(np.arange(len(within)))
+        assert found.tolist() == np.flatnonzero(every < 0.1).tolist()
 
 
 def test_jacobians_are_derivatives(system):
     task, tick, (q, v), step = SelfCollision(system), Tick(system), near_state(system, 2), 1e-6
-    pairs = [k for k, names in enumerate(task.pairs) if any("/" in name for name in names)]
+    pairs = np.array([k for k, names in enumerate(task.pairs) if any("/" in name for name in names)])
     tick.update(0.0, q, v)
-    distances, rates, *_ = task.distances_and_rates(tick, pairs)
+    distances, rates, *_ = task.motion(tick, pairs)
     apart = distances > 0.01  # overlapping boxes have no smooth distance
     ends = []
     for sign in (1.0, -1.0):
         tick.update(0.0, pin.integrate(system.model, q, sign * step * v), v)
-        ends.append(task.distances_and_rates(tick, pairs)[0])
+        ends.append(task.motion(tick, pairs)[0])
     by_differences = (ends[0] - ends[1]) / (2.0 * step)
     assert apart.sum() > 20
     np.testing.assert_allclose(rates[apart], by_differences[apart], atol=1e-3)

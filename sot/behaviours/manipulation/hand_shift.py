@@ -29,7 +29,8 @@ def shift_of_hands(
         return np.zeros(2)
     forces, points = np.empty((len(hands), 3)), np.empty((len(hands), 3))
     for k, contact in enumerate(hands):
-        forces[k] = loads.get(contact.name, 0.0) * tick.surface_axes(contact.on).rotation[:, 2]
+        # A hand that only bumps into something is not what the robot is to lean against.
+        forces[k] = contact.load * loads.get(contact.name, 0.0) * tick.surface_axes(contact.on).rotation[:, 2]
         points[k] = tick.frame(contact.point).position
     middle = np.mean([tick.frame(contact.point).position for contact in feet], axis=0)
     return com_shift_of_hands(forces, points, middle, tick.mass)

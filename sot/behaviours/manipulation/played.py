@@ -1,6 +1,7 @@
 """A motion as a clock that pauses has played it: what a run is compared with afterwards."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,15 @@ from sot.motion.objects.events import ContactSets
 from sot.motion.trajectory import Motion
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Waiting:
+    """A time in which the demonstration stood still: which events it waited for, in words, from when to when [s]."""
+
+    what: str
+    start: float
+    end: float
 
 
 def played_motion(

@@ -1,7 +1,6 @@
 """Otani's Algorithm 1 as a schedule: contacts are made and broken when the robot is ready, and tracking waits."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
@@ -17,7 +16,9 @@ from sot.behaviours.manipulation.guide import (
     placement_of,
 )
 from sot.behaviours.manipulation.hand_shift import shift_of_hands
-from sot.behaviours.manipulation.played import played_motion
+from sot.behaviours.manipulation.loss import LossWatch
+from sot.behaviours.manipulation.played import Waiting, played_motion
+from sot.behaviours.manipulation.pushes import Pushes
 from sot.control.contact import Contact
 from sot.control.schedule import Schedule
 from sot.control.stack import Stack
@@ -40,6 +41,9 @@ MIN_FACING_TIME = 1.6  # √(leg/g)
 CLOSING_SPEED = 0.0125  # leg lengths per √(leg/g): 3 cm/s
 CLOSING_RAMP = 0.8  # √(leg/g)
 OVERTRAVEL = 0.08  # leg lengths beyond the expected surface at which an approach is given up
+CLOSING_PATIENCE = (
+    2.0  # times as long as an approach takes, after which it is given up: what else is asked holds it off
+)
 TOUCH_LOAD = 3.5e-3  # weights: 2 N
 LOAD_RAMP, HOLDING_TIME = 1.6, 1.6  # √(leg/g), of a contact that is made, and of one that is broken
 COM_TIME = 3.2  # √(leg/g): the least time of a move of the centre of mass
@@ -51,15 +55,6 @@ GUIDE_FADE = 3.2  # √(leg/g), in which a free link is back on its path
 SHIFT_TIME = 0.6  # √(leg/g), low-pass of what the hands' forces shift the centre of mass by
 LOST_TIME = 0.4  # √(leg/g) without any force on all that hold a thing: it is lost
 BACKING_OFF_TIME = 6.0  # √(leg/g), after a failure, until the run ends
-
-
-@dataclass(frozen=True, slots=True)
-class Waiting:
-    """A time in which the demonstration stood still: which events it waited for, in words, from when to when [s]."""
-
-    what: str
-    start: float
-    end: float
 
 
 class _GivenUpError(Exception):
@@ -124,9 +119,11 @@ class ManipulationSchedule(Schedule):
         self.history: list[tuple[float, ContactSets]] = [(0.0, self.sets)]
         self._t, self._loads = 0.0, dict[str, float]()
         self._tick: Tick | None = None
-        self._unfelt_since: dict[str, float] = {}
+        self._losses = LossWatch(self._contacts, LOST_TIME * self._unit)
         self._owner_changed = False
         self._approaching: list[tuple[PoseGuide, pin.SE3]] = []
+        pushed = [thing for thing in self.things if not demonstration.system.thing(thing).is_free]
+        self._pushes = Pushes(self._contacts, self.things, pushed, self._leg)
         self._steps = self._algorithm()
         groups = simultaneous(plan.events, self._unit)
         self.extra_time = self._unit * (MAX_WAIT * len(groups) + BACKING_OFF_TIME)
@@ -155,7 +152,7 @@ class ManipulationSchedule(Schedule):
             return done
         try:
             if not self.failure:
-                self._check_holding()
+                self._check_things(self._tick)
             next(self._steps)
         except _GivenUpError as error:
             self.failure = str(error)
@@ -231,7 +228,7 @@ class ManipulationSchedule(Schedule):
         if kind == "robot-thing":
             yield from self._withdraw(events)
         for event in events if kind != "thing-world" else ():
-            point = self._point(event)
+            point = self._point(event.pair)
             if kind == "robot-world":
                 self.guides[point].start_at(self._measured(point))
             path = self.demonstration.links[point]
@@ -257,11 +254,12 @@ class ManipulationSchedule(Schedule):
             guide.lead_by(closing_reference(goal, velocity, self._t, CLOSING_RAMP * unit), self._t, 0.0)
         farthest = max(self.demonstration.targets[event].standoff for event in events) + OVERTRAVEL * self._leg
         while left:
-            for event in [event for event in left if self._load(event) > TOUCH_LOAD * self._weight]:
+            for event in [event for event in left if self._is_felt(self._contacts[event.pair])]:
                 guide = self._mover(event)
                 guide.lead_by(fixed_reference(placement_of(guide(self._t))), self._t, 0.0)
                 left.remove(event)
-            if left and self._t - begun > farthest / speed + CLOSING_RAMP * unit:
+            late = self._t - begun > CLOSING_PATIENCE * (farthest / speed + CLOSING_RAMP * unit)
+            if left and (late or self._gap(left[0]) < -OVERTRAVEL * self._leg):
                 raise _GivenUpError(f"{left[0]}: no touch within {self._t - begun:.1f} s of closing in")
             yield
         self._approaching = []
@@ -273,8 +271,7 @@ class ManipulationSchedule(Schedule):
         self.things[thing].lead_by(self.clock.pose(self.demonstration.things[thing]), t, GUIDE_FADE * self._unit)
         for pair in after.pairs:
             if pair.kind == "robot-thing" and pair.second.entity == thing:
-                point = self.demonstration.surface(pair.first).point
-                assert point is not None
+                point = self._point(pair)
                 grip = placement.inverse() * self._measured(point)
                 self.guides[point].lead_by(attached_reference(self.things[thing], grip), t, LOAD_RAMP * self._unit)
         if self.demonstration.system.thing(thing).is_free and thing not in self.carried:
@@ -298,31 +295,30 @@ class ManipulationSchedule(Schedule):
         for guide, goal in self._approaching:
             guide.lead_by(fixed_reference(goal), self._t, MIN_FACING_TIME * self._unit)
         for pair in self.sets.pairs:
-            if pair.kind == "robot-thing" and pair.second.entity in self._unfelt_since:
+            if pair.kind == "robot-thing" and self._losses.is_unfelt(pair.second.entity):
                 self.mode(self._t, self._contacts[pair].name, "off", 0.0)
                 self.carried = tuple(thing for thing in self.carried if thing != pair.second.entity)
-                point = self.demonstration.surface(pair.first).point
-                assert point is not None
+                point = self._point(pair)
                 self.guides[point].lead_by(fixed_reference(self._measured(point)), self._t, 0.0)
         yield from self._for(BACKING_OFF_TIME * self._unit)
         self.finished = True
         while True:
             yield
 
-    def _check_holding(self) -> None:
-        """Note since when nothing is felt on a thing that is carried; a hand may rest on what a hinge holds.
+    def _check_things(self, tick: Tick) -> None:
+        """Let go of what runs ahead while it is pushed, and push it again when its path has caught up.
 
         Raises:
-            _GivenUpError: It is lost.
+            _GivenUpError: A thing that was carried is lost.
         """
-        for thing in self.carried:
-            pairs = [pair for pair in self.sets.pairs if pair.kind == "robot-thing" and pair.second.entity == thing]
-            ramping = any(self._contacts[pair].load < 1.0 for pair in pairs)
-            if ramping or not pairs or any(self._loads.get(self._contacts[pair].name, 0.0) > 0.0 for pair in pairs):
-                self._unfelt_since.pop(thing, None)
-            elif self._t - self._unfelt_since.setdefault(thing, self._t) > LOST_TIME * self._unit:
-                held = ", ".join(sorted(pair.first.surface for pair in pairs))
-                raise _GivenUpError(f"{thing} was lost at {self._unfelt_since[thing]:.2f} s: nothing is felt at {held}")
+        if lost := self._losses.loss(self._t, self.carried, self.sets.pairs, self._loads):
+            raise _GivenUpError(lost)
+        ramp = LOAD_RAMP * self._unit
+        for contact in self._pushes.lead(tick, self.sets.pairs, self._is_felt):
+            if contact.mode == "off":
+                self.mode(self._t, contact.name, "fixed", ramp)
+            else:
+                self.mode(self._t + ramp, contact.name, "off", ramp)
 
     def _lead_com(self, sets: ContactSets) -> None:
         """Lead the centre of mass over the middle of the supports, Otani (9)."""
@@ -362,18 +358,22 @@ class ManipulationSchedule(Schedule):
         self.sets = self.demonstration.contacts.sets_after(self._happened, self._tracked)
         self.history.append((self._t, self.sets))
 
-    def _load(self, event: ContactEvent) -> float:
-        """Measured normal force of the contact of an event [N]."""
-        return self._loads.get(self._contacts[event.pair].name, 0.0)
+    def _gap(self, event: ContactEvent) -> float:
+        """Distance of what makes a contact from where it should touch [m]; negative beyond."""
+        target = self.demonstration.targets[event]
+        return target.gap(self._body(target), self._measured(target.mover))
+
+    def _is_felt(self, contact: Contact) -> bool:
+        """Whether a contact's surfaces touch, by the measured normal force."""
+        return self._loads.get(contact.name, 0.0) > TOUCH_LOAD * self._weight
 
     def _mover(self, event: ContactEvent) -> PoseGuide:
         """Reference of what makes the contact of an event."""
-        name = self.demonstration.surface(event.pair.first).point
-        assert name is not None
+        name = self._point(event.pair)
         return self.guides[name] if name in self.guides else self.things[name]
 
-    def _point(self, event: ContactEvent) -> str:
-        name = self.demonstration.surface(event.pair.first).point
+    def _point(self, pair: SurfacePair) -> str:
+        name = self.demonstration.surface(pair.first).point
         assert name is not None
         return name
 

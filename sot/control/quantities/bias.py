@@ -43,8 +43,11 @@ def write_bias_and_com(
     com_jacobian: Array,
     com_velocity: Array,
     com_drift: Array,
+    momentum: Array,
 ) -> bool:
-    """Write h with joint losses, and the CoM's Jacobian, velocity and drift, from Pinocchio's forces and A_g.
+    """Write h with joint losses, the CoM's Jacobian, velocity and drift, and the momentum about it.
+
+    From Pinocchio's forces and A_g, which may be another's in a system of robot and things.
 
     Returns:
         Whether the state that these come from is finite: one value of it that is not makes a sum of them so.
@@ -53,11 +56,15 @@ def write_bias_and_com(
     total = 0.0
     for k in range(len(damping)):
         h[6 + k] += damping[k] * v[6 + k] + friction[k] * np.tanh(v[6 + k] / coulomb_speeds[k])
-    for i in range(3):
-        com_velocity[i] = 0.0
-        for k in range(len(v)):
+    for i in range(6):
+        momentum[i] = 0.0
+    for k in range(len(v)):  # column by column, as A_g lies in memory
+        for i in range(3):
             com_jacobian[i, k] = A_g[i, k] / mass
-            com_velocity[i] += com_jacobian[i, k] * v[k]
+        for i in range(6):
+            momentum[i] += A_g[i, k] * v[k]
+    for i in range(3):
+        com_velocity[i] = momentum[i] / mass
         # The force on the base that lets nothing accelerate but by J̇ v.
         com_drift[i] = (base[i, 0] * forces[0] + base[i, 1] * forces[1] + base[i, 2] * forces[2]) / mass
         total += com_velocity[i] + com_drift[i]

@@ -9,6 +9,7 @@ from solvers.compiled import compiled
 from sot.errors import InputError
 from sot.gravity import GRAVITY
 from sot.robots.system import System
+from sot.vector_view import view_of_all
 
 Array = np.ndarray
 ROBOT_BASE = 1
@@ -28,8 +29,9 @@ class Carrying:
     """
 
     def __init__(self, system: System, data: pin.Data) -> None:
-        self._system, self._data = system, data
+        self._system = system
         self._forces, self._A_all, self._com_all = data.nle, data.Ag, data.com[0]  # live views
+        self._origins = view_of_all([place.translation for place in data.oMi], (3,))
         self.com, self.A_g, self.rate = np.empty(3), np.zeros((6, system.nv)), np.empty(6)
         self._roots = {thing.name: system.model.getJointId(thing.model.names[1]) for thing in system.moving_things}
         self.choose(())
@@ -44,10 +46,8 @@ class Carrying:
         for name in carried:
             if not system.thing(name).is_free:
                 raise InputError(f"'{name}' is fixed to the world and cannot be carried")
-        joints = [ROBOT_BASE, *(self._roots[name] for name in carried)]
-        self._origins = [self._data.oMi[joint].translation for joint in joints]  # live views
-        self._places = np.empty((len(joints), 3))
-        self._starts = np.array([system.model.idx_vs[joint] for joint in joints])
+        self._joints = np.array([ROBOT_BASE, *(self._roots[name] for name in carried)])
+        self._starts = np.array([system.model.idx_vs[joint] for joint in self._joints.tolist()])
         self._counted = np.zeros(system.nv, dtype=bool)
         self._counted[: system.robot.nv] = True
         for name in carried:
@@ -58,10 +58,17 @@ class Carrying:
     def update(self, robot_mass: float) -> None:
         """Compute all anew from Pinocchio's data; the robot's mass [kg] is with the loads that are fixed to it."""
         self._masses[0] = robot_mass
-        for place, origin in zip(self._places, self._origins, strict=True):
-            place[:] = origin
         _write_combined(
-            *(self._masses, self._places, self._starts, self._forces, self._A_all, self._com_all, self._counted),
+            *(
+                self._masses,
+                self._joints,
+                self._origins,
+                self._starts,
+                self._forces,
+                self._A_all,
+                self._com_all,
+                self._counted,
+            ),
             *(self.com, self.A_g, self.rate),
         )
 
@@ -69,6 +76,7 @@ class Carrying:
 @compiled
 def _write_combined(
     masses: Array,
+    joints: Array,
     origins: Array,
     starts: Array,
     forces: Array,
@@ -110,7 +118,8 @@ def _write_combined(
         rate[i] = 0.0
     for n in range(len(masses)):
         m, s = masses[n], starts[n]
-        px, py, pz = origins[n, 0] - com[0], origins[n, 1] - com[1], origins[n, 2] - com[2]
+        root = origins[joints[n]]
+        px, py, pz = root[0] - com[0], root[1] - com[1], root[2] - com[2]
         fx = fy = fz = mx = my = mz = 0.0
         for k in range(3):
             f, t = forces[s + k] / m, forces[s + 3 + k] / m

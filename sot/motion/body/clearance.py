@@ -13,7 +13,6 @@ from sot.motion.body.parts import Arm, Body, Indices
 from sot.motion.body.targets import Targets
 from sot.motion.feet.stance import Build
 from sot.motion.feet.swing import FootPath
-from sot.proximity import lever_arm_bounds
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
 from sot.robots.stance_range import PLANNED_DISTANCE_LEGS, leg_pairs, planned_distances
@@ -67,7 +66,7 @@ class Clearance:
             np.flatnonzero(owners == shape) for shape in np.unique(owners)
         ]  # pairs of each of its shapes
         self._joints = [(shapes[pair.first].parentJoint, shapes[pair.second].parentJoint) for pair in left]
-        reaches = [lever_arm_bounds(self._model, shapes[pair.first], shapes[pair.second]) for pair in left]
+        reaches = [_lever_arm_bounds(self._model, shapes[pair.first], shapes[pair.second]) for pair in left]
         self._reach = np.array(reaches).reshape(len(left), robot.na)
         self._measured_angles = np.zeros((length, robot.na))
         self._known_distances = np.full((length, len(left)), -np.inf)
@@ -175,3 +174,18 @@ def _pairs_between(robot: Robot, first: set[int], second: set[int]) -> list[tupl
     pairs = [(int(pair.first), int(pair.second)) for pair in robot.shapes.collisionPairs]
     swapped = [(b, a) for a, b in pairs]
     return [(a, b) for a, b in (*pairs, *swapped) if a in first and b in second]
+
+
+def _lever_arm_bounds(model: pin.Model, first: pin.GeometryObject, second: pin.GeometryObject) -> Array:
+    """Upper bounds of how far each joint moves one shape relative to another, shape (na,) [m/rad]."""
+    bounds = np.zeros(model.nv - 6)
+    chains = [set(model.supports[shape.parentJoint]) for shape in (first, second)]
+    for shape, own, other in ((first, *chains), (second, *chains[::-1])):
+        shape.geometry.computeLocalAABB()
+        length = float(np.linalg.norm(shape.placement.act(shape.geometry.aabb_center))) + shape.geometry.aabb_radius
+        joint = shape.parentJoint
+        while joint in own - other:
+            bounds[joint - 2] = length
+            length += float(np.linalg.norm(model.jointPlacements[joint].translation))
+            joint = model.parents[joint]
+    return bounds

@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation, Slerp
 
 from sot.errors import InputError
 from sot.toml_file import read_toml
@@ -76,6 +77,17 @@ class HandledObjects:
     rate: float
     objects: Mapping[str, ObjectPath]
     surfaces: Mapping[str, LevelSurface]
+
+    def resampled_at(self, times: Array) -> "HandledObjects":
+        """The objects where they are at times (T,) within their paths [s], which become frames at the same rate."""
+
+        def sampled(path: ObjectPath) -> ObjectPath:
+            known = np.arange(len(path.position)) / self.rate
+            inside = np.minimum(times, known[-1])
+            rotation = Slerp(known, Rotation.from_matrix(path.rotation))(inside).as_matrix()
+            return replace(path, position=CubicSpline(known, path.position)(inside), rotation=rotation)
+
+        return replace(self, objects={name: sampled(path) for name, path in self.objects.items()})
 
 
 def write_objects(path: Path, handled: HandledObjects) -> None:

@@ -20,6 +20,7 @@ from sot.motion.objects.demonstration import HandledObjects
 from sot.motion.objects.detection import palm_path
 from sot.motion.objects.events import ROBOT, WORLD, ContactEvent, ContactPlan, SurfaceName
 from sot.motion.objects.pose_path import PosePath, blended
+from sot.motion.objects.pushing import joint_path
 from sot.motion.trajectory import Motion
 from sot.robots.surface import Surface
 from sot.robots.system import System
@@ -54,6 +55,10 @@ class Target:
         """The mover's placement in the world at a distance [m] off the surface of a body that is at a placement."""
         placement = body * self.place
         return pin.SE3(placement.rotation, placement.translation + distance * (body.rotation @ self.normal))
+
+    def gap(self, body: pin.SE3, mover: pin.SE3) -> float:
+        """How far a mover at a placement in the world is off where it touches, along the surface's normal [m]."""
+        return float((body.rotation @ self.normal) @ (mover.translation - self.away(body, 0.0).translation))
 
 
 @dataclass(frozen=True)
@@ -186,11 +191,9 @@ class _Retargeting:
         """The path of a thing on a hinge, which turns as far as the human's does."""
         thing, path = self.system.thing(name), self.handled.objects[name]
         data, frame = thing.model.createData(), thing.points[name]
-        turns = [pin.log3(turn @ path.rotation[0].T) for turn in path.rotation[: self.count]]
-        axis = thing.model.joints[1].shortname()[-1].lower()
         position, rotation = np.empty((self.count, 3)), np.empty((self.count, 3, 3))
-        for k, turn in enumerate(turns):
-            pin.framesForwardKinematics(thing.model, data, thing.rest + turn["xyz".index(axis) if axis in "xyz" else 2])
+        for k, coordinate in enumerate(joint_path(thing, path)[: self.count].tolist()):
+            pin.framesForwardKinematics(thing.model, data, np.array([coordinate]))
             position[k], rotation[k] = data.oMf[frame].translation, data.oMf[frame].rotation
         return PosePath.through(self.times, position, rotation, self.motion.rate)
 
@@ -243,10 +246,8 @@ class _Retargeting:
         soon = np.where(self.times < time, minimum_jerk((self.times - time) / self.reaching + 2.0), 0.0)
         kept = []
         for placement, body, share in zip(own, bodies, soon.tolist(), strict=True):
-            normal = body.rotation @ target.normal
-            gap = float(normal @ (placement.translation - target.away(body, 0.0).translation))
-            push = share * max(target.standoff - gap, 0.0)
-            kept.append(pin.SE3(placement.rotation, placement.translation + push * normal))
+            push = share * max(target.standoff - target.gap(body, placement), 0.0)
+            kept.append(pin.SE3(placement.rotation, placement.translation + push * (body.rotation @ target.normal)))
         return kept
 
     def _own_path(self, point: str, name: SurfaceName) -> Iterator[pin.SE3]:

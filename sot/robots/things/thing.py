@@ -10,11 +10,12 @@ import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
+from sot.read_only import read_only
 from sot.robots.reading.mjcf import BALL, FREE, joint_efforts, shape_of_geom
 from sot.robots.reading.pinocchio_model import pinocchio_model
 from sot.robots.reading.solid import Solid
 from sot.robots.robot import Robot
-from sot.robots.surface import Surface
+from sot.robots.surface import Surface, named_surface
 from sot.robots.things.thing_file import ThingFile
 from sot.toml_file import named_file
 
@@ -114,7 +115,7 @@ class Thing:
         made = _of_spec(spec, name, robot.label, pin.SE3.Identity())
         base = _as_placement(placement) * pin.XYZQUATToSE3(robot.rest[:7])
         rest = np.concatenate([pin.SE3ToXYZQUAT(base), robot.rest[7:]])
-        return _with_surfaces(replace(made, rest=_frozen(rest)), robot.surfaces)
+        return _with_surfaces(replace(made, rest=read_only(rest)), robot.surfaces)
 
     def add_to(self, spec: mujoco.MjSpec) -> None:
         """Add the thing to a MuJoCo specification, in its place and with its names."""
@@ -144,10 +145,7 @@ class Thing:
         Raises:
             InputError: the thing has no such surface.
         """
-        try:
-            return self.surfaces[name]
-        except KeyError:
-            raise InputError(f"{self.name} has no surface '{name}': choose one of {', '.join(self.surfaces)}") from None
+        return named_surface(self.surfaces, name, f"{self.name} has")
 
 
 def _as_placement(placement: pin.SE3 | Sequence[float]) -> pin.SE3:
@@ -207,12 +205,12 @@ def _of_spec(spec: mujoco.MjSpec, name: str, label: str, placement: pin.SE3, bod
         name=name,
         label=label,
         model=model,
-        rest=_frozen(q),
-        stiffness=_frozen(stiffness),
-        spring_reference=_frozen(reference),
-        damping=_frozen(model.damping),
-        friction=_frozen(model.upperDryFrictionLimit),
-        effort=_frozen(effort),
+        rest=read_only(q),
+        stiffness=read_only(stiffness),
+        spring_reference=read_only(reference),
+        damping=read_only(model.damping),
+        friction=read_only(model.upperDryFrictionLimit),
+        effort=read_only(effort),
         points=MappingProxyType(points),
         surfaces=MappingProxyType({}),
         solids=tuple(solids),
@@ -236,9 +234,3 @@ def _with_surfaces(thing: Thing, surfaces: Mapping[str, Surface]) -> Thing:
             placement=frame.placement * placement if fixed else placement,
         )
     return replace(thing, surfaces=MappingProxyType(named))
-
-
-def _frozen(array: Array) -> Array:
-    array = np.array(array, dtype=float)
-    array.setflags(write=False)
-    return array

@@ -75,3 +75,9 @@ def test_the_study_writes_its_figures_and_pictures(tmp_path):
     assert {"gains", "priorities", "limits", "collisions", "velocities", "confidence"} <= set(report)
     pictures = {path.name for path in (tmp_path / "d").glob("*.svg")}
     assert pictures == {"blending.svg", "distances.svg", "limits.svg", "priorities.svg"}
+
+
+def test_a_study_without_physics_takes_no_rate(tmp_path, capsys):
+    assert cli.main(["run", "dariush", "--rate", "500", "--out", str(tmp_path / "d")]) == 2
+    assert "it takes no options but --clip, --start, --duration and --out" in capsys.readouterr().err
+    assert not (tmp_path / "d").exists()

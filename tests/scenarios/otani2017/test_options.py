@@ -17,7 +17,7 @@ from scenarios import cli
         (["otani", "box", "--events", "none.toml"], "none.toml: cannot be read"),
         (["sliding", "--mass", "3"], "sliding takes no --mass"),
         (["sliding", "box"], "sliding takes no box"),
-        (["otani", "box", "--clip", "groove"], "demonstrations of its own"),
+        (["otani", "box", "--clip", "groove"], "motions of its own"),
     ],
 )
 def test_what_makes_no_sense_is_one_line_and_leaves_nothing(arguments, message, tmp_path, monkeypatch, capsys):

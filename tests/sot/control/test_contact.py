@@ -225,3 +225,18 @@ def test_what_a_contact_asks_for_is_led_over_from_how_its_point_arrived(robot):
     assert (np.diff(away) < 0.0).all() and away[-1] == 0.0
     contact.load = 0.5  # gives its load away again
     np.testing.assert_array_equal(contact.acceleration(tick), wanted)
+
+
+@pytest.mark.parametrize(("form", "mode"), [("pyramid", "fixed"), ("unilateral", "fixed"), ("pyramid", "sliding")])
+def test_what_a_contact_writes_is_what_it_says(robot, form, mode):
+    rng, contact, tick = np.random.default_rng(4), Contact(robot.surface(FOOT), form=form), Tick(robot)
+    tick.update(0.0, *random_state(robot, rng))
+    contact.mode, contact.load, contact.arrival_acceleration = mode, 0.4, rng.normal(size=6)
+    at, G = contact.motion(tick), contact.wrench_map(tick)
+    wanted, place = np.empty(6), np.empty(3)
+    map, motion = np.empty(G.shape), np.empty((robot.nv, G.shape[1]))
+    assert contact.write_rows(tick, wanted, place, map, motion, -3.0)
+    np.testing.assert_allclose(wanted, contact.acceleration(tick) - at.drift, atol=1e-12)
+    np.testing.assert_array_equal(place, at.position)
+    np.testing.assert_allclose(map, G, atol=1e-15)
+    np.testing.assert_allclose(motion, -3.0 * at.jacobian.T @ G, atol=1e-12)

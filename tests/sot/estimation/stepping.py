@@ -85,7 +85,7 @@ class SteppingMotion:
             velocity,
             pin.Quaternion(unit).coeffs().copy(),
             pin.log3(before.rotation.T @ after.rotation) / (2.0 * step),
-            unit.T @ (acceleration + GRAVITY * np.array((0.0, 0.0, 1.0))),
+            unit.T @ (acceleration + np.array([0.0, 0.0, GRAVITY])),
             wrenches,
         )
 

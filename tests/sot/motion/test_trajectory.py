@@ -32,6 +32,27 @@ def test_velocity_and_acceleration_are_derivatives(motion):
         np.testing.assert_allclose(motion.a[k], (motion.v[k + 1] - motion.v[k - 1]) / (2 * dt), atol=0.15)
 
 
+def test_a_motion_elsewhere_is_the_same_motion(motion):
+    """CoM and its rates from the moved configurations, and the feet where they carry it."""
+    moved = motion.placed(100.0, -30.0, np.deg2rad(137.0))
+    model, data = motion.robot.model, motion.robot.model.createData()
+    place = pin.SE3(pin.exp3(np.array([0.0, 0.0, np.deg2rad(137.0)])), np.array([100.0, -30.0, 0.0]))
+    for k in range(0, len(motion.q), 37):
+        pin.centerOfMass(model, data, moved.q[k], moved.v[k], moved.a[k])
+        np.testing.assert_allclose(moved.com[k], data.com[0])
+        np.testing.assert_allclose(moved.com_velocity[k], data.vcom[0], atol=1e-12)
+        np.testing.assert_allclose(moved.com_acceleration[k], data.acom[0], atol=1e-9)
+        np.testing.assert_allclose(moved.momentum[k], place.rotation @ motion.momentum[k], atol=1e-12)
+        np.testing.assert_allclose([*moved.zmp[k], 0.0], place.act(np.append(motion.zmp[k], 0.0)))
+        pin.framesForwardKinematics(model, data, moved.q[k])
+        waist = data.oMf[motion.robot.point("waist")].homogeneous
+        pin.framesForwardKinematics(model, data, motion.q[k])
+        expected = (place * data.oMf[motion.robot.point("waist")]).homogeneous
+        np.testing.assert_allclose(waist, expected, atol=1e-9)
+    for foot, at in motion.phases[0].feet.items():
+        np.testing.assert_allclose(moved.phases[0].feet[foot].homogeneous, (place * at).homogeneous)
+
+
 def test_centre_of_mass(motion):
     for k in range(0, len(motion.q), 37):
         data = motion.robot.model.createData()

@@ -1,7 +1,7 @@
 """Algorithm 1 with a robot that follows its references exactly: what happens when, and what happens if it cannot."""
 
 from itertools import pairwise
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
@@ -18,10 +18,11 @@ PERIOD = 0.01
 class FollowingRobot:
     """Answers a schedule as a tick would, of a robot whose points, centre of mass and box are where they are led."""
 
-    def __init__(self, schedule, stack, demo):
+    def __init__(self, schedule, stack, demo, held_up):
         self.schedule, self.stack, self.demo = schedule, stack, demo
         self.t, self.mass, self.com, self.com_velocity = 0.0, 58.0, np.zeros(3), np.zeros(3)
         self.box = demo.things["box"].placement(0.0)
+        self.links, self.held_up = {}, held_up
 
     def surface_axes(self, surface):
         return surface.placement
@@ -30,8 +31,7 @@ class FollowingRobot:
         if point == "box":
             place = self.box
         elif point in self.demo.links:
-            pose = self.schedule.guides[point](self.t)
-            place = pin.SE3(pose.rotation, pose.position)
+            place = self.links[point]
         else:
             pose = self.demo.motion.pose(point)(0.0)
             place = pin.SE3(pose.rotation, pose.position)
@@ -53,6 +53,9 @@ class FollowingRobot:
 
     def step(self, t):
         self.t = t
+        poses = {point: guide(t) for point, guide in self.schedule.guides.items()}
+        up = {point: np.array([0.0, 0.0, self.held_up.get(point, 0.0)]) for point in poses}
+        self.links = {point: pin.SE3(pose.rotation, pose.position + up[point]) for point, pose in poses.items()}
         if self.stack.carried:
             pose = self.schedule.things["box"](t)
             self.box = pin.SE3(pose.rotation, pose.position)
@@ -61,13 +64,14 @@ class FollowingRobot:
         self.schedule.observe(self)
 
 
-def play(untouchable=(), lost_at=np.inf):
+def play(untouchable=(), lost_at=np.inf, held_up=MappingProxyType({})):
+    """A run; `held_up`: by how much points stay above where they are led [m]."""
     demo = box_demonstration()
     contacts = {pair: Contact(demo.surface(pair.first), demo.surface(pair.second)) for pair in demo.contacts.pairs()}
     for pair, contact in contacts.items():
         contact.mode = "fixed" if pair in demo.contacts.initial else "off"
     schedule, stack = ManipulationSchedule(demo, contacts), Stack(contacts.values(), [], {})
-    robot = FollowingRobot(schedule, stack, demo)
+    robot = FollowingRobot(schedule, stack, demo, held_up)
     robot.schedule_contacts = contacts
     seen = []
     felt = {}
@@ -163,6 +167,12 @@ def test_a_hand_that_never_touches_withdraws_and_says_so():
     at = schedule.guides["left_hand"](seen[-1][0]).position
     assert at == pytest.approx(target.away(box, target.standoff).translation, abs=1e-6)
     assert schedule.remarks() == [schedule.failure]
+
+
+def test_a_foot_that_is_held_up_by_what_else_is_asked_is_led_on_until_it_touches():
+    schedule, contacts, _ = play(held_up={"right_foot": 0.06})
+    assert schedule.finished and not schedule.failure
+    assert all(contact.mode == "fixed" for pair, contact in contacts.items() if pair.kind == "robot-world")
 
 
 def test_a_thing_that_is_lost_is_told_with_its_time(whole):

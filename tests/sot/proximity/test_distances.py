@@ -22,7 +22,8 @@ def robot(request):
 
 def distances(proximity, tick, q):
     tick.update(0.0, q, np.zeros(len(tick.v)))
-    return proximity.distances_and_jacobian(tick.data, range(len(proximity.pairs)))[0]
+    proximity.move_to(tick.data)
+    return proximity.measure(np.arange(len(proximity.pairs)))
 
 
 def test_distances_are_those_of_the_physics(robot):
@@ -56,9 +57,10 @@ def test_no_pair_that_is_near_is_missed(robot):
             q = pin.integrate(robot.model, q, 0.004 * v)
             tick.update(0.0, q, v)
             within = np.full(len(proximity.pairs), rng.uniform(0.0, 0.2))
-            near = proximity.pairs_within(tick.data, q, within)
-            everything, _ = proximity.distances_and_jacobian(tick.data, range(len(proximity.pairs)))
-            assert near == np.flatnonzero(everything < within).tolist()
+            proximity.move_to(tick.data)
+            near = proximity.pairs_within(within)
+            everything = proximity.measure(np.arange(len(proximity.pairs)))
+            assert near.tolist() == np.flatnonzero(everything < within).tolist()
             found += len(near)
     assert found > 100
 
@@ -76,8 +78,10 @@ def test_jacobian_against_finite_differences(robot):
     compared = 0
     for _ in range(30):
         q, v = random_state(robot, rng)
-        tick.update(0.0, q, v)
-        apart, J = proximity.distances_and_jacobian(tick.data, range(len(proximity.pairs)))
+        proximity.move_to(tick.update(0.0, q, v).data)
+        every = np.arange(len(proximity.pairs))
+        apart, (J, rates) = proximity.measure(every), proximity.jacobian_and_rates(every, v)
+        np.testing.assert_allclose(rates, J @ v, atol=1e-12)
         after, before = (distances(proximity, tick, pin.integrate(robot.model, q, sign * STEP * v)) for sign in (1, -1))
         # Overlapping shapes have no one nearest point: there the solver of distances is coarse.
         apart_enough = apart > 1e-3

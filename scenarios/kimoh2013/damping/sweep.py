@@ -1,0 +1,168 @@
+"""Sine sweeps: the response of the zero-moment point to the reference of the centre of mass, Kim & Oh 4.2."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil, cos, pi
+
+import numpy as np
+
+from scenarios.kimoh2013.damping.stance import Stance, world_of
+from sot.errors import InputError
+from sot.hardware.compliance import FootCompliance
+from sot.servo.identified import PLANES
+from sot.servo.pendulum_fit import FrequencyResponse, sine_coefficients
+from sot.servo.stabiliser import Stabiliser
+
+Array = np.ndarray
+
+SAMPLING_RATE = 200.0
+"""Of the commands and of what is measured [Hz], the paper's."""
+FREQUENCIES = tuple(np.geomspace(0.2, 10.0, 19).tolist())
+"""[Hz]."""
+REST_S = 2.0
+"""Time before the first sine [s]."""
+MIN_RAMP_S = 1.0
+"""Shortest time in which a sine comes up [s]; it takes a cycle at least."""
+WINDOW_CYCLES, MIN_WINDOW_S = 1, 2.0
+"""Least cycles and time over which a sine is measured [s]; it is measured until …"""
+STEADY, MAX_WINDOWS = 0.02, 8
+"""… two windows agree to this share: at first the robot also sways as if it had been pushed."""
+AIM_SHARE = 0.25
+"""Amplitude of the zero-moment point that is aimed at, of the way to the edge of the sole."""
+MIN_SHARE, MAX_SHARE = 0.06, 0.4
+"""Amplitudes with which a measurement counts."""
+MAX_ATTEMPTS = 8
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What a sweep found.
+
+    Attributes:
+        plane: one of `PLANES`.
+        response: zero-moment point over the angle of the reference [m/rad].
+        amplitude: of the reference at each frequency (k,) [m].
+        zmp_amplitude: of the zero-moment point (k,) [m].
+        distortion: rms of all but the sine, over the sine's (k,).
+    """
+
+    plane: str
+    response: FrequencyResponse
+    amplitude: Array
+    zmp_amplitude: Array
+    distortion: Array
+
+
+class SwayingRobot:
+    """A robot in a world, whose centre of mass is led along one axis as a damping controller would lead it.
+
+    Args:
+        stance: how it stands.
+        compliance: of its feet.
+        plane: in which it is led.
+    """
+
+    def __init__(self, stance: Stance, compliance: FootCompliance, plane: str) -> None:
+        self.axis, self.stance = PLANES.index(plane), stance
+        self.period = 1.0 / SAMPLING_RATE
+        self._world = world_of(stance, compliance, self.period)
+        self._controller = Stabiliser(stance.motion(1.0, SAMPLING_RATE), self.period, damping=self._lead)
+        self._shift, self._zmp = np.zeros(2), np.zeros(2)
+
+    def _lead(self, t: float, zmp: Array) -> Array:
+        self._zmp = zmp
+        return self._shift
+
+    def step(self, shift: float) -> float:
+        """Command a shift [m] for one period; returns the zero-moment point before it [m].
+
+        Raises:
+            InputError: no foot carries anything: the robot fell.
+        """
+        self._shift[self.axis] = shift
+        world = self._world
+        self._world.step(self._controller(world.time, *world.state(), world.readings()))
+        zmp = float(self._zmp[self.axis])
+        if not np.isfinite(zmp):
+            raise InputError(f"{self.stance.robot.label} fell over while it was being identified")
+        return zmp
+
+
+def sweep(
+    stance: Stance, compliance: FootCompliance, plane: str, tell: Callable[[float], object] = lambda share: None
+) -> Sweep:
+    """Sweep one case.
+
+    The amplitude of the first sine follows from the gain at rest of an infinitely stiff robot, its height; each further
+    one from the gain at the frequency before. Where the zero-moment point moves too little or too much for the sole to
+    stay flat, the frequency is tried again.
+
+    Args:
+        stance: how the robot stands.
+        compliance: of its feet.
+        plane: one of `PLANES`.
+        tell: told which share is done.
+
+    Raises:
+        InputError: the robot falls over, or no amplitude suits.
+    """
+    robot = SwayingRobot(stance, compliance, plane)
+    room = float(stance.reach[robot.axis])
+    for _ in range(round(REST_S * SAMPLING_RATE)):
+        robot.step(0.0)
+    gain, rows = 1.0, []
+    for k, frequency in enumerate(FREQUENCIES):
+        amplitude = AIM_SHARE * room / gain
+        for _ in range(MAX_ATTEMPTS):
+            found = _measure(robot, frequency, amplitude, MAX_SHARE * room)
+            gain = abs(found.ratio)
+            if found.complete and MIN_SHARE * room <= gain * amplitude <= MAX_SHARE * room:
+                break
+            amplitude *= min(max(AIM_SHARE * room / (gain * amplitude), 0.2), 3.0) if found.complete else 0.3
+        else:
+            raise InputError(f"{plane}, {stance.support} support: no amplitude suits at {frequency:.2f} Hz")
+        rows.append((found.ratio * stance.length, amplitude, gain * amplitude, found.distortion))
+        tell((k + 1) / len(FREQUENCIES))
+    value, amplitudes, zmp, distortion = (np.array(column) for column in zip(*rows, strict=True))
+    return Sweep(plane, FrequencyResponse(np.array(FREQUENCIES), value), amplitudes, zmp, distortion)
+
+
+@dataclass(frozen=True)
+class _MeasuredSine:
+    ratio: complex
+    distortion: float
+    complete: bool
+
+
+def _measure(robot: SwayingRobot, frequency: float, amplitude: float, most: float) -> _MeasuredSine:
+    """Zero-moment point over reference in one sine, which is broken off where the former moves too far [m]."""
+    cycle = 1.0 / frequency
+    ramp = max(cycle, MIN_RAMP_S)
+    window = round(max(WINDOW_CYCLES, ceil(MIN_WINDOW_S * frequency)) * cycle / robot.period)
+    omega = 2.0 * pi * frequency
+    count, complete = round(ramp / robot.period), True
+    values: list[float] = []
+    found: list[complex] = []
+    while complete and len(found) < MAX_WINDOWS:
+        count += window
+        while complete and len(values) < count:
+            t = len(values) * robot.period
+            values.append(robot.step(amplitude * _smooth_step(t / ramp) * np.sin(omega * t)))
+            complete = abs(values[-1]) < 1.3 * most
+        zmp = np.array(values[-window:])
+        times = robot.period * np.arange(len(values) - len(zmp), len(values))
+        found.append(sine_coefficients(times, zmp, frequency))
+        if len(found) > 1 and abs(found[-1] - found[-2]) < STEADY * abs(found[-1]):
+            break
+    begin = times[-1] + robot.period
+    for k in range(round(cycle / robot.period)):  # and let it die out
+        t = k * robot.period
+        robot.step(amplitude * _smooth_step(1.0 - t / cycle) * np.sin(omega * (begin + t)))
+    sine = np.imag(found[-1] * np.exp(1j * omega * times))
+    rest = float(np.sqrt(2.0 * np.mean((zmp - zmp.mean() - sine) ** 2)))
+    return _MeasuredSine(found[-1] / amplitude, rest / max(abs(found[-1]), 1e-12), complete)
+
+
+def _smooth_step(x: float) -> float:
+    """Half a cosine, from 0 at 0 to 1 from 1 on."""
+    return 0.5 - 0.5 * cos(pi * min(max(x, 0.0), 1.0))

@@ -1,0 +1,188 @@
+"""Distances between the pairs of shapes that may collide, and how they change."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from sot.proximity.movement import distance_drifts, distance_jacobian, move_pairs, pairs_possibly_within, rate_bounds
+from sot.proximity.shapes import bounding_balls, shapes_of
+from sot.robots.robot import Robot
+from sot.robots.system import System
+from sot.vector_view import view_of_all
+
+Array = np.ndarray
+
+GJK_TOLERANCE = 1e-10
+"""Of distances to boxes [m]; with coal's own, 1e-6, one in a hundred is off by as much, which shows in rates."""
+
+
+class DistanceMotion(NamedTuple):
+    """How the distances of n pairs move: ``d̈ = J v̇ + J̇ v``.
+
+    Attributes:
+        distances: d, negative where shapes overlap (n,) [m].
+        rates: J v (n,) [m/s].
+        jacobian: J (n, nv).
+        drifts: J̇ v (n,) [m/s²].
+    """
+
+    distances: Array
+    rates: Array
+    jacobian: Array
+    drifts: Array
+
+
+class Proximity:
+    """Distances between the pairs of shapes of a robot that may collide, and of these with things and of things.
+
+    Most pairs are far apart, and stay so for many ticks: a distance changes by no more than one shape moves as seen
+    from the other. Only pairs that may have come near since they were last measured are measured again. All is told at
+    the configuration that `move_to` was given last. Pairs with a thing come after the robot's own.
+
+    Args:
+        robot: The robot, or the system of it and things.
+
+    Attributes:
+        pairs: Names of the shapes of each pair.
+        bodies: Bodies of the shapes of each pair, see `System.body_of`.
+        owners: Whose they are: "robot", or things by name.
+        own_pairs: Number of pairs of the robot alone, which come first.
+        latest_distances: Distances of the pairs as `pairs_within` measured them last (pairs,) [m].
+        rest_distances: Distances as all is at rest (pairs,) [m], 0 where shapes overlap.
+    """
+
+    def __init__(self, robot: Robot | System) -> None:
+        system = System.of(robot)
+        robot = system.robot
+        self._model, self._nv = system.model, system.nv
+        self._geometry, bodies, owners = shapes_of(system)
+        self.own_pairs = own_pairs = len(robot.shapes.collisionPairs)
+        shapes = self._geometry.geometryObjects
+        indices = [(pair.first, pair.second) for pair in self._geometry.collisionPairs]
+        self.pairs = [(shapes[first].name, shapes[second].name) for first, second in indices]
+        self.bodies = [frozenset((bodies[first], bodies[second])) for first, second in indices]
+        self.owners = [frozenset((owners[first], owners[second])) for first, second in indices]
+        joints = [shape.parentJoint for shape in shapes]
+        chains = [[joint for joint in self._model.supports[k].tolist() if joint] for k in joints]
+        self._chains = np.zeros((len(shapes), self._model.njoints), dtype=int)
+        for own, chain in zip(self._chains, chains, strict=True):
+            own[: len(chain)] = chain
+        moving = [_moving_velocities(self._model, chain) for chain in chains]
+        self._relative_motion = np.array([moving[second] - moving[first] for first, second in indices])
+        self._relative_motion = self._relative_motion.reshape(len(indices), self._nv)
+        self._tree = np.array(self._model.parents), np.array(self._model.idx_vs), np.array(self._model.nvs)
+        self._indices, self._joints = np.array(indices, dtype=int).reshape(-1, 2), np.array(joints, dtype=int)
+        self._balls = bounding_balls(shapes)
+        # The smaller one last: seen from the other, its points move less far.
+        self._small_last = np.take_along_axis(self._indices, np.argsort(-self._balls[1][self._indices], axis=1), axis=1)
+        self.latest_distances = np.full(len(indices), -np.inf)
+        self._latest_poses = np.zeros((len(indices), 12))
+        self._now, self._ahead = _Places(self._geometry), _Places(self._geometry)
+        self._data = None
+        self.move_to(_rest_data(system))
+        with_things = self.measure(np.arange(own_pairs, len(indices)))
+        self.rest_distances = np.maximum([*robot.rest_distances, *with_things], 0.0)
+
+    def move_to(self, data: pin.Data) -> None:
+        """Take on a configuration: Pinocchio's data with the joints' places and Jacobians.
+
+        Data of a robot among things do for the robot alone, whose joints come first.
+        """
+        pin.updateGeometryPlacements(self._model, data, self._geometry, self._now.results)
+        if data is not self._data:
+            self._data, self._J = data, data.J[:, : self._nv]  # a live view: asking for it takes longer than a distance
+
+    def rate_bounds(self, v: Array) -> Array:
+        """Upper bounds of the rates of all distances at a velocity (nv,), shape (pairs,) [m/s]."""
+        now = self._now
+        bounds: Array = rate_bounds(
+            *(self._J, v, *self._tree, self._joints, now.rotations, now.translations, *self._balls, self._small_last)
+        )
+        return bounds
+
+    def pairs_within(self, within: Array) -> Array:
+        """Indices of the pairs whose shapes are less than `within` apart, shape (pairs,) [m]; they are measured."""
+        now = self._now
+        due = pairs_possibly_within(
+            *(within, self.latest_distances, self._latest_poses),
+            *(now.rotations, now.translations, *self._balls, self._small_last),
+        )
+        self.latest_distances[due] = distances = self.measure(due)
+        near: Array = due[distances < within[due]]
+        return near
+
+    def measure(self, pairs: Array) -> Array:
+        """Measure pairs: distances of these, negative where shapes overlap, (n,) [m]."""
+        return np.array(self._now.measure(pairs.tolist()))
+
+    def jacobian_and_rates(self, pairs: Array, v: Array) -> tuple[Array, Array]:
+        """Jacobian J (n, nv) of the distances of pairs that were measured here, and J v (n,) [m/s]."""
+        now = self._now
+        return distance_jacobian(now.normals, now.points, self._J, v, self._relative_motion, pairs)
+
+    def drifts(self, pairs: Array, rates: Array, v: Array, period: float) -> Array:
+        """J̇ v of the distances of pairs (n,) that change at these rates (n,): shape (n,) [m/s²].
+
+        They are how the rates change within a period [s] without acceleration, and measured, since they depend on how
+        the shapes are curved.
+        """
+        now, ahead, (_, starts, counts) = self._now, self._ahead, self._tree
+        twists = move_pairs(
+            *(self._J, v, period, starts, counts, self._chains, self._indices, pairs),
+            *(now.rotations, now.translations, ahead.rotations, ahead.translations),
+        )
+        ahead.measure(pairs.tolist())
+        return distance_drifts(ahead.normals, ahead.points, pairs, twists, rates, period)
+
+    def motion(self, pairs: Array, v: Array, period: float) -> DistanceMotion:
+        """Distances of pairs (n,) and how they move at a velocity v (nv,), see `drifts`."""
+        distances = self.measure(pairs)
+        jacobian, rates = self.jacobian_and_rates(pairs, v)
+        return DistanceMotion(distances, rates, jacobian, self.drifts(pairs, rates, v, period))
+
+
+class _Places:
+    """Places of shapes and what is measured between them: views of Pinocchio's, since looking them up costs more.
+
+    Attributes:
+        results: Pinocchio's data of the shapes.
+        rotations, translations: Axes and origins of all shapes, world axes, (m, 3, 3) and (m, 3).
+        normals, points: Of the pairs as they were measured last, normals from the first shapes to the second ones, and
+            nearest points of these, (n, 3).
+    """
+
+    def __init__(self, geometry: pin.GeometryModel) -> None:
+        self._geometry, self.results = geometry, geometry.createData()
+        for request in self.results.distanceRequests:
+            request.gjk_tolerance = GJK_TOLERANCE
+        self._pairs = list(self.results.distanceResults)
+        self.rotations = view_of_all([place.rotation for place in self.results.oMg], (3, 3))
+        self.translations = view_of_all([place.translation for place in self.results.oMg], (3,))
+        self.normals = view_of_all([result.normal for result in self._pairs], (3,))
+        self.points = np.empty((len(self._pairs), 3))
+
+    def measure(self, pairs: Sequence[int]) -> list[float]:
+        """Distances of some pairs; their normals and points as well are those of now then."""
+        geometry, results, points, distances = self._geometry, self.results, self.points, []
+        for k in pairs:
+            result = self._pairs[k]
+            pin.computeDistance(geometry, results, k)
+            points[k] = result.getNearestPoint2()
+            distances.append(result.min_distance)
+        return distances
+
+
+def _rest_data(system: System) -> pin.Data:
+    data = system.model.createData()
+    pin.computeJointJacobians(system.model, data, system.rest)
+    return data
+
+
+def _moving_velocities(model: pin.Model, chain: Sequence[int]) -> Array:
+    """1 for each velocity of the joints of a chain, 0 for the others; shape (nv,)."""
+    moves = np.zeros(model.nv)
+    for joint in chain:
+        moves[model.idx_vs[joint] : model.idx_vs[joint] + model.nvs[joint]] = 1.0
+    return moves

@@ -1,0 +1,73 @@
+"""Feet that yield until they carry what they are to: ankle and leg-length admittance, after Caron 2019."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from sot.gravity import GRAVITY
+from sot.robots.robot import Robot
+from sot.servo.load_sharing import FootLoad
+from sot.servo.posture_correction import FootOffset
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, slots=True)
+class AdmittanceGains:
+    """Rates of the feet's yielding, in √(g / l).
+
+    Attributes:
+        ankle: rate at which the moment that a foot lacks comes about, for the stiffness that is known.
+        leg: rate at which the difference of the feet's loads does.
+        leak: rate at which the offsets go back.
+    """
+
+    ankle: float = 3.6
+    leg: float = 0.3
+    leak: float = 0.3
+
+
+class FootAdmittance:
+    """Offsets of the feet that grow as long as they do not carry what they are to.
+
+    A foot turns at −a (M* − M) about both horizontal axes of its frame, and of two that stand, the legs' lengths change
+    by what the feet lack more or less than each other, a_z (F* − F). The gains are the rates a K, with 1 / K the
+    compliance of leg and bush in series: how fast the moment comes about does not depend on how soft they are. All of
+    it leaks away.
+
+    Args:
+        robot: whose feet.
+        length: height l of the centre of mass above the feet [m].
+        gains: see there.
+        period: between calls [s].
+    """
+
+    def __init__(self, robot: Robot, length: float, gains: AdmittanceGains, period: float) -> None:
+        rate = float(np.sqrt(GRAVITY / length))
+        self._gains = period * rate * np.array([gains.ankle, gains.ankle, gains.leg])
+        self._kept = 1.0 - gains.leak * rate * period
+        self.offsets = {foot: FootOffset() for foot in robot.feet}
+
+    def __call__(
+        self, wanted: Mapping[str, FootLoad], measured: Mapping[str, Array], compliance: Mapping[str, Array]
+    ) -> dict[str, FootOffset]:
+        """Offsets after another period.
+
+        Args:
+            compliance: foot -> 1 / K of roll, pitch [rad/(N m)] and height [m/N], shape (3,).
+            wanted: of the feet that stand.
+            measured: foot -> force and moment of sole on foot (6,), in the axes of the foot frame, about its origin.
+        """
+        lacks = {foot: load.force[2] - measured[foot][2] for foot, load in wanted.items()}
+        common = sum(lacks.values()) / max(len(lacks), 1)
+        for foot, offset in self.offsets.items():
+            offset.roll *= self._kept
+            offset.pitch *= self._kept
+            offset.height *= self._kept
+            if foot in wanted:
+                moment, steps = wanted[foot].moment - measured[foot][3:], self._gains * compliance[foot]
+                offset.roll -= steps[0] * moment[0]
+                offset.pitch -= steps[1] * moment[1]
+                offset.height -= steps[2] * (lacks[foot] - common)
+        return self.offsets

@@ -1,0 +1,45 @@
+"""A stack of tasks for a robot that takes positions: its accelerations integrated twice, Otani IV."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pinocchio as pin
+
+from sot.control.controller import Command, Controller
+from sot.motion.trajectory import MotionSample
+
+Array = np.ndarray
+
+
+class IntegratedStack:
+    """A stack that runs on a state of its own, which its accelerations move; what the robot does, it does not see.
+
+    Contacts hold in that state and forces are those of the stack's own solution, so that the zero-moment point and the
+    load of each foot come along.
+
+    Args:
+        controller: of the stack, at the period of the calls.
+        q, v: state to begin with (nq,), (nv,).
+        watch: told every command.
+    """
+
+    def __init__(
+        self, controller: Controller, q: Array, v: Array, watch: Callable[[Command], object] | None = None
+    ) -> None:
+        self._controller, self._q, self._v = controller, q.copy(), v.copy()
+        self._zmp, self._loads, self._watch = np.zeros(2), dict[str, float](), watch
+
+    def sample(self, t: float) -> MotionSample:
+        """State at a time [s], one period after the last one that was asked for."""
+        controller, q, v = self._controller, self._q, self._v
+        command, tick = controller(t, q, v, self._loads), controller.tick
+        if self._watch is not None:
+            self._watch(command)
+        a, contacts = command.acceleration, controller.stack.contacts
+        self._loads = {contact.name: float(command.wrenches[k, 2]) for k, contact in enumerate(contacts)}
+        self._zmp = np.where(np.isfinite(command.zmp), command.zmp, self._zmp)
+        forward = tick.com_jacobian @ a + tick.com_drift
+        sample = MotionSample(q, v, a, tick.com.copy(), tick.com_velocity.copy(), forward, self._zmp)
+        self._v = v + tick.period * a
+        self._q = pin.integrate(controller.system.model, q, tick.period * self._v)
+        return sample
