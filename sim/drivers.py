@@ -16,6 +16,7 @@ from solvers.conflict import find_conflict
 from solvers.rows import Level, Solution, Status
 from sot.control.contact import Contact
 from sot.control.controller import Command, Controller
+from sot.control.pose import Pose
 from sot.control.schedule import Schedule
 from sot.errors import InputError
 from sot.estimation import LEVEL_GROUND, Estimator, Footing
@@ -92,7 +93,7 @@ def driver_of(
         InputError: there is an estimator, and the stack has contacts other than of soles with the world.
     """
     if isinstance(controller, Controller):
-        return StackDriver(controller, world, estimator)
+        return StackDriver(controller, world, motion, estimator)
     if not isinstance(motion, Motion):
         raise TypeError("a position controller follows a motion whose phases are known")
     return TargetDriver(controller, world, motion, estimator)
@@ -104,10 +105,13 @@ class StackDriver:
     Args:
         controller: of the stack.
         world: that it acts on.
+        motion: the reference, for where feet are to stand.
         estimator: of its state; the controller is told the simulated one unless given.
     """
 
-    def __init__(self, controller: Controller, world: World, estimator: Estimator | None = None) -> None:
+    def __init__(
+        self, controller: Controller, world: World, motion: Reference, estimator: Estimator | None = None
+    ) -> None:
         self.period, self.schedule = controller.tick.period, controller.schedule
         self._controller, self._world = controller, world
         self._data = world.robot.model.createData()
@@ -117,6 +121,7 @@ class StackDriver:
             if others:
                 raise InputError(f"a state cannot be estimated with contacts other than of soles: {', '.join(others)}")
             self.source = EstimatedState(world, estimator, self._footings)
+            self._footholds = {foot: motion.pose(foot) for foot in world.robot.feet}
         self._unsolved: list[tuple[float, Level]] = []
 
     @property
@@ -156,8 +161,9 @@ class StackDriver:
 
     def _footings(self, t: float) -> dict[str, Footing]:
         """The feet that are to carry now, and what is under them."""
-        contacts = self._controller.stack.contacts
-        return {c.point: Footing(c.on.placement) for c in contacts if c.mode == "fixed" and c.load > 0.0}
+        played = t if self.schedule is None else self.schedule.motion_time(t)
+        standing = (c for c in self._controller.stack.contacts if c.mode == "fixed" and c.load > 0.0)
+        return {c.point: Footing(c.on.placement, _placed(self._footholds[c.point](played))) for c in standing}
 
     def _sense(self, log: RunLog) -> None:
         """Measure the touches for the next tick; feet have sensors of their own."""
@@ -271,10 +277,15 @@ class TargetDriver:
     def _footings(self, t: float) -> dict[str, Footing]:
         """The feet that are to stand now, on level ground."""
         phase = self._phase(t)
-        return {foot: LEVEL_GROUND for foot in phase.feet if foot not in phase.sliding}
+        standing = ((foot, place) for foot, place in phase.feet.items() if foot not in phase.sliding)
+        return {foot: LEVEL_GROUND._replace(foothold=place) for foot, place in standing}
 
     def end(self, log: RunLog) -> None:
         pass
+
+
+def _placed(pose: Pose) -> pin.SE3:
+    return pin.SE3(pose.rotation, pose.position)
 
 
 def _describe_fallback(t: float, solution: Solution) -> Fallback:

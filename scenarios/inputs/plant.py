@@ -19,8 +19,9 @@ PLANTS = ("torque", "servo")
 STABILISERS = ("dcm", "dcm-adaptive", "sag", "open")
 """What a robot with servos does beside its plan: the divergent component is fed back and what the plan's loads deflect
 is undone; the same for feet whose compliance has to be estimated; the latter alone; nothing."""
-STATES = ("true", "estimated")
-"""What a controller is told: the simulated state, or what an estimator makes of readings."""
+STATES = ("true", "estimated", "footholds")
+"""What a controller is told: the simulated state, or what an estimator makes of readings, or of those and of where the
+plan puts the feet."""
 
 
 def parse_feet_compliance(text: str) -> FootCompliance:
@@ -71,7 +72,7 @@ def estimator_of(robot: Robot, hardware: Hardware, state: str) -> Estimator | No
     """Who tells a controller the state of a robot with that hardware; None where it is told the true one."""
     if state == "true" or hardware.sensors is None:
         return None
-    return ContactFilter(robot, hardware.sensors, hardware.compliance)
+    return ContactFilter(robot, hardware.sensors, hardware.compliance, footholds=state == "footholds")
 
 
 def position_controller(

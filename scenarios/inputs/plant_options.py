@@ -23,6 +23,10 @@ StabiliserName = Annotated[
 ]
 StateName = Annotated[
     str,
-    typer.Option("--state", help="What the controller knows: the true state, or one estimated from the sensors."),
+    typer.Option(
+        "--state",
+        help="What the controller knows: the true state; one estimated from the sensors; footholds: that, and drift"
+        " corrected by where the plan puts the feet.",
+    ),
 ]
 SensorsName = Annotated[str, typer.Option("--sensors", help="ideal, or by data sheet: bmi088, mti630.")]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sim.estimation.errors import rotation_errors, world_velocity
 from sim.log import RunLog, nearest_frames
 from sim.recording.columns import COLORS, SERIES_COLORS
 from sim.recording.plots import Curves, Plot, States
@@ -45,6 +46,7 @@ def run_tabs(log: RunLog, motion: Motion, plan: Performance | None) -> list[Tab]
     return [
         _balance_tab(log, motion),
         _center_of_mass_tab(log, motion),
+        *_estimate_tabs(log),
         *servo_tabs(log, motion.robot),
         *task_level_tabs(log),
         *slowed,
@@ -118,6 +120,26 @@ def _center_of_mass_tab(log: RunLog, motion: Motion) -> Tab:
             *ways,
         ),
     )
+
+
+def _estimate_tabs(log: RunLog) -> list[Tab]:
+    """Simulated base beside the estimated one; no tab where nothing was estimated."""
+    if not log.base_estimate.shape[1]:
+        return []
+    velocities = world_velocity(log.q, log.v), world_velocity(log.base_estimate, log.base_velocity_estimate)
+    names, shades = [f"{axis}, {what}" for axis in "xyz" for what in ("true", "estimated")], SERIES_COLORS[:6]
+    both = {
+        "position": ("Base [mm]", MM_PER_M * np.stack([log.q[:, :3], log.base_estimate[:, :3]], axis=2)),
+        "velocity": ("Velocity of the base, world axes [mm/s]", MM_PER_M * np.stack(velocities, axis=2)),
+    }
+    pairs = (
+        Plot(title, ("estimate", kind), (Curves(kind, log.time, values.reshape(len(values), 6), names, shades),))
+        for kind, (title, values) in both.items()
+    )
+    turn = Curves("turn", log.time, np.rad2deg(rotation_errors(log)), ("about x", "about y", "heading"))
+    return [
+        Tab("Estimate", (*pairs, Plot("Estimated attitude minus true one [deg]", ("estimate", "attitude"), (turn,))))
+    ]
 
 
 def servo_tabs(log: RunLog, robot: Robot) -> list[Tab]:

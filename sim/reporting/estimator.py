@@ -4,13 +4,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
+from sim.estimation.errors import position_errors, rotation_errors, velocity_errors
 from sim.log import RunLog
 from sot.motion.feet.footfalls import Footfalls
 from sot.motion.trajectory import Motion
-
-Array = np.ndarray
 
 FIGURES = (
     *("position_end_m", "position_end_share", "position_max_m", "way_m", "heading_end_deg"),
@@ -46,31 +44,6 @@ def estimate_us(log: RunLog) -> dict[str, Any]:
     if not log.ticks or not log.base_estimate.shape[1]:
         return dict.fromkeys(("p50", "p99"))
     return {f"p{share}": np.percentile(log.estimate_us, share) for share in (50, 99)}
-
-
-def position_errors(log: RunLog) -> Array:
-    """Estimated minus simulated position of the base (T, 3), world axes [m]."""
-    return log.base_estimate[:, :3] - log.q[:, :3]
-
-
-def rotation_errors(log: RunLog) -> Array:
-    """Rotation vectors (T, 3), world axes, that take the simulated base to the estimated one [rad]."""
-    pairs = zip(_rotations(log.base_estimate), _rotations(log.q), strict=True)
-    return np.array([pin.log3(estimated @ true.T) for estimated, true in pairs])
-
-
-def velocity_errors(log: RunLog) -> Array:
-    """Estimated minus simulated velocity of the base's origin (T, 3), world axes [m/s]."""
-    return world_velocity(log.base_estimate, log.base_velocity_estimate) - world_velocity(log.q, log.v)
-
-
-def world_velocity(q: Array, v: Array) -> Array:
-    """Velocity of the base's origin (T, 3), world axes, of states in Pinocchio's conventions [m/s]."""
-    return np.einsum("tij,tj->ti", _rotations(q), v[:, :3])
-
-
-def _rotations(q: Array) -> Array:
-    return np.array([pin.Quaternion(quaternion).matrix() for quaternion in q[:, 3:7]])
 
 
 def _way(motion: Motion) -> float:

@@ -41,6 +41,7 @@ class ContactFilter:
         sensors: its sensors, for their data sheets.
         compliance: of its feet, if they are soft.
         noise: how far readings, feet and floor are trusted; from the data sheets unless given.
+        footholds: whether a foot is believed to stand where the plan puts it, which takes drift away.
     """
 
     def __init__(
@@ -49,16 +50,25 @@ class ContactFilter:
         sensors: Sensors,
         compliance: FootCompliance | None = None,
         noise: FilterNoise | None = None,
+        footholds: bool = False,
     ) -> None:
         self._robot, self._sensors, self._compliance = robot, sensors, compliance
+        self._footholds = footholds
         self.noise = noise or FilterNoise.of(robot, sensors)
+        self._inertial_variance = np.repeat(np.square([self.noise.gyro, self.noise.accelerometer]), 3)
+        self._sight_variance = np.repeat(np.square([self.noise.sight_position, self.noise.sight_rotation]), 3)
+        self._floor_variance = np.square([self.noise.floor_height, *[self.noise.floor_tilt] * 2])
+        self._foothold_variance = np.square([*[self.noise.foothold_position] * 2, self.noise.foothold_heading])
+        walks = [self.noise.gyro_bias_walk, self.noise.accelerometer_bias_walk]
+        walks += [self.noise.slip, self.noise.twist] * len(robot.feet)
+        self._walk_rate = np.square(np.repeat([0.0, 0.0, 0.0, *walks], 3))
         self._correlation_time = FLOOR_CORRELATION_RATIO * sqrt(leg_length(robot) / GRAVITY)
         self.reset(robot.rest, np.zeros(robot.nv))
 
     def reset(self, q: Array, v: Array) -> None:
         noise, feet = self.noise, len(self._robot.feet)
         self._feet = MeasuredFeet(self._robot, self._sensors.imu_point, self._compliance)
-        unit, velocity = self._feet.unit(q, v)
+        unit, velocity = self._feet.unit_state(q, v)
         # Errors turn about the origin: beside the robot they stay small numbers wherever in the world it is.
         self._origin = unit.translation.copy()
         self.belief = Belief.empty(feet)
@@ -83,91 +93,56 @@ class ContactFilter:
         accelerometer = 0.5 * (last.specific_force + readings.specific_force)
         self._feet.update(readings, passed)
         if passed > 0.0:
-            F = invariant.predict(belief, gyro, accelerometer, GRAVITY, passed)
-            invariant.spread(belief, F, self._inertial_variance(), self._walk(passed))
+            walk = self._walk(passed)
+            invariant.advance(belief, gyro, accelerometer, GRAVITY, passed, self._inertial_variance, walk)
         self._feet.weigh(readings, belief.rotation)
         for k, foot in enumerate(self._robot.feet):
             self._correct_by_foot(k, standing.get(foot), passed)
         self._last = readings
         return self._state_at(t, readings)
 
-    def _inertial_variance(self) -> Array:
-        return np.repeat(np.square([self.noise.gyro, self.noise.accelerometer]), 3)
-
     def _walk(self, passed: float) -> Array:
         """Variance that biases and feet gain in a time [s]."""
-        noise, out = self.noise, np.zeros(len(self.belief.covariance))
-        out[invariant.GYRO_BIAS : invariant.ACCELEROMETER_BIAS] = passed * noise.gyro_bias_walk**2
-        out[invariant.ACCELEROMETER_BIAS : invariant.FEET] = passed * noise.accelerometer_bias_walk**2
-        for k in np.flatnonzero(self.standing).tolist():
-            at, loose = invariant.FEET + invariant.FOOT * k, self._looseness(k)
-            out[at : at + 3] = passed * (loose * noise.slip) ** 2
-            out[at + 3 : at + 6] = passed * (loose * noise.twist) ** 2
+        out = self._walk_rate * passed
+        for k, share in enumerate(self._feet.shares):
+            if share < FIRM_SHARE:
+                looseness = (FIRM_SHARE / max(share, LEAVE_SHARE)) ** 2
+                out[invariant.FEET + invariant.FOOT * k :][: invariant.FOOT] *= looseness**2
         return out
 
-    def _looseness(self, k: int) -> float:
-        """Factor on what a foot may slip, from its load; 1 for one that stands firm."""
-        return max(1.0, (FIRM_SHARE / max(float(self._feet.shares[k]), LEAVE_SHARE)) ** 2)
-
     def _correct_by_foot(self, k: int, footing: Footing | None, passed: float) -> None:
-        belief, noise, sole, share = self.belief, self.noise, self._feet.soles[k], self._feet.shares[k]
-        sight = np.repeat(np.square([noise.sight_position, noise.sight_rotation]), 3)
-        if footing is None or share < LEAVE_SHARE:
-            self.standing[k] = False
-            invariant.forget_foot(belief, k)
+        belief, sole, share = self.belief, self._feet.soles[k], self._feet.shares[k]
+        if footing is None or share < (LEAVE_SHARE if self.standing[k] else TOUCH_SHARE):
+            if self.standing[k]:
+                self.standing[k] = False
+                invariant.forget_foot(belief, k)
             return
         if not self.standing[k]:
-            if share < TOUCH_SHARE:
-                return
             self.standing[k] = True
-            invariant.place_foot(belief, k, sole.translation, sole.rotation, sight)
-        else:
-            innovation = invariant.foot_innovation(belief, k, sole.translation, sole.rotation)
-            rows = invariant.foot_rows(belief, k)
-            if invariant.squared_distance(belief, rows, innovation, sight) > SLIP_GATE:
-                self.slips[k] += 1
-                at = invariant.FEET + invariant.FOOT * k
-                belief.covariance[range(at, at + 6), range(at, at + 6)] += innovation**2
-            invariant.correct(belief, rows, innovation, sight)
-        if share >= FIRM_SHARE and passed > 0.0:
-            self._correct_by_plan(k, footing, self._correlation_time / passed)
-
-    def _correct_by_plan(self, k: int, footing: Footing, readings_per_error: float) -> None:
-        """Correct by floor and foothold, whose errors last for a number of readings."""
-        belief, noise = self.belief, self.noise
+            invariant.place_foot(belief, k, *sole, self._sight_variance)
+        elif invariant.see_foot(belief, k, *sole, self._sight_variance, SLIP_GATE):
+            self.slips[k] += 1
+        if share < FIRM_SHARE or not passed:
+            return
+        readings_per_error = self._correlation_time / passed
         if footing.floor is not None:
-            normal, below = footing.floor.rotation[:, 2].copy(), footing.floor.translation - self._origin
-            rotation, position = belief.foot_rotation[k], belief.foot_position[k]
-            flat = pin.exp3(invariant.turn_between(rotation[:, 2].copy(), normal)) @ rotation
-            place = pin.SE3(flat, position - normal * (normal @ (position - below)))
-            self._correct_by_place(
-                k, place, [2, 3, 4], [noise.floor_height, *[noise.floor_tilt] * 2], readings_per_error
-            )
-        if footing.foothold is not None:
-            place = pin.SE3(footing.foothold.rotation, footing.foothold.translation - self._origin)
-            deviations = [*[noise.foothold_position] * 2, noise.foothold_heading]
-            self._correct_by_place(k, place, [0, 1, 5], deviations, readings_per_error)
-
-    def _correct_by_place(
-        self, k: int, place: pin.SE3, axes: list[int], deviations: list[float], readings_per_error: float
-    ) -> None:
-        innovation = invariant.place_innovation(self.belief, k, place.translation, place.rotation)[axes]
-        rows = invariant.place_rows(self.belief, k, place.rotation)[axes]
-        invariant.correct(self.belief, rows, innovation, np.square(deviations) * readings_per_error)
+            normal = footing.floor.rotation[:, 2].copy()
+            height = float(normal @ (footing.floor.translation - self._origin))
+            invariant.lay_flat(belief, k, normal, height, self._floor_variance * readings_per_error)
+        if self._footholds and footing.foothold is not None:
+            place = footing.foothold.translation - self._origin, footing.foothold.rotation.copy()
+            invariant.put_on_foothold(belief, k, *place, self._foothold_variance * readings_per_error)
 
     def _state_at(self, t: float, readings: Readings) -> tuple[Array, Array]:
         """The belief as the robot's state, carried on from the readings' stamp to now."""
-        belief, age = self.belief, t - readings.time
-        turning = readings.angular_velocity - belief.gyro_bias
-        acceleration = belief.rotation @ (readings.specific_force - belief.accelerometer_bias) - [0.0, 0.0, GRAVITY]
-        base, velocity = self._feet.base(
-            belief.rotation @ pin.exp3(age * turning),
-            self._origin + belief.position + age * belief.velocity,
-            belief.velocity + age * acceleration,
-            turning,
+        age, robot = t - readings.time, self._robot
+        rotation, position, velocity = invariant.base_state(
+            self.belief, readings.angular_velocity, readings.specific_force, GRAVITY, age, self._feet.unit_in_base
         )
-        q, v = np.empty(self._robot.nq), np.empty(self._robot.nv)
-        q[:7] = pin.SE3ToXYZQUAT(base)
+        q, v = np.empty(robot.nq), np.empty(robot.nv)
+        q[:3], q[3:7] = self._origin + position, pin.Quaternion(rotation).coeffs()
         q[7:] = readings.joint_position + age * readings.joint_velocity
-        v[:6], v[6:] = velocity.vector, readings.joint_velocity
+        v[:6], v[6:] = velocity, readings.joint_velocity
+        if self._feet.unit_moves:
+            v[:6] -= self._feet.unit_velocity_by_joints()
         return q, v

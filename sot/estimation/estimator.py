@@ -16,7 +16,7 @@ class Footing(NamedTuple):
 
     Attributes:
         floor: place of the surface under its sole, z out of the surface; None if it is not known.
-        foothold: where the foot is to stand, the pose of its frame; None if that is not to be relied upon.
+        foothold: where the foot is to stand, the pose of its frame; None if there is no such place.
     """
 
     floor: pin.SE3 | None = None

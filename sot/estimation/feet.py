@@ -30,7 +30,9 @@ class MeasuredFeet:
         compliance: of the feet, if they have bushes between ankle and sole.
 
     Attributes:
-        soles: pose of each sole, in the order of `Robot.feet`, in the unit's frame.
+        soles: position (3,) and rotation (3, 3) of each sole, in the order of `Robot.feet`, in the unit's frame.
+        unit_in_base: rotation (3, 3) and position (3,) of the unit in the base, all joints as they are read.
+        unit_moves: whether joints are between base and unit.
         shares: what each foot carries, over the robot's weight.
     """
 
@@ -44,48 +46,43 @@ class MeasuredFeet:
             for frame in self._frames
         ]
         self._bushes = None if compliance is None else [Bush(robot, foot, compliance) for foot in robot.feet]
-        self.soles = [pin.SE3.Identity() for _ in robot.feet]
-        self.shares = np.zeros(len(robot.feet))
+        self.unit_moves = robot.model.frames[self._imu].parentJoint != 1
+        self.soles = [(np.zeros(3), np.eye(3))] * len(robot.feet)
+        self.shares = [0.0] * len(robot.feet)
 
     def update(self, readings: Readings, passed: float) -> None:
         """Take in readings, a time [s] after the last ones."""
         model, data = self._robot.model, self._data
         self._q[7:], self._v[6:] = readings.joint_position, readings.joint_velocity
-        pin.forwardKinematics(model, data, self._q, self._v)
-        self._imu_in_base = pin.updateFramePlacement(model, data, self._imu)
-        base_in_imu = self._imu_in_base.inverse()
+        if self.unit_moves:
+            pin.forwardKinematics(model, data, self._q, self._v)
+        else:
+            pin.forwardKinematics(model, data, self._q)
+        unit = pin.updateFramePlacement(model, data, self._imu)
+        self.unit_in_base = unit.rotation.copy(), unit.translation.copy()
         for k, (foot, frame) in enumerate(zip(self._robot.feet, self._frames, strict=True)):
-            self.soles[k] = base_in_imu * pin.updateFramePlacement(model, data, frame)
+            sole = unit.actInv(pin.updateFramePlacement(model, data, frame))
             if self._bushes is not None:
-                self.soles[k] = self.soles[k] * self._bushes[k].update(readings.foot_wrench[foot], passed)
+                sole = sole * self._bushes[k].update(readings.foot_wrench[foot], passed)
+            self.soles[k] = sole.translation.copy(), sole.rotation.copy()
 
     def weigh(self, readings: Readings, rotation: Array) -> None:
         """Find what the feet carry, the unit's frame being turned so (3, 3) in the world."""
         for k, foot in enumerate(self._robot.feet):
-            up = self.soles[k].rotation.T @ rotation[2]
-            self.shares[k] = (up @ readings.foot_wrench[foot][:3] + self._sole_weights[k]) / self._weight
+            up = rotation[2] @ self.soles[k][1]
+            self.shares[k] = float(up @ readings.foot_wrench[foot][:3] + self._sole_weights[k]) / self._weight
 
     @property
     def loads(self) -> Mapping[str, float]:
         """Vertical force of the floor on each foot [N]."""
         return {foot: share * self._weight for foot, share in zip(self._robot.feet, self.shares, strict=True)}
 
-    def base(
-        self, rotation: Array, position: Array, velocity: Array, angular_velocity: Array
-    ) -> tuple[pin.SE3, pin.Motion]:
-        """Pose of the robot's base in the world, and its velocity in its own frame.
+    def unit_velocity_by_joints(self) -> Array:
+        """Velocity (6,) that the joints give the inertial unit against the base, of the base's origin and axes."""
+        moved = pin.getFrameVelocity(self._robot.model, self._data, self._imu, pin.LOCAL)
+        return np.asarray(self._data.oMf[self._imu].act(moved).vector)
 
-        Args:
-            rotation, position: of the inertial unit in the world (3, 3), (3,).
-            velocity: of its origin, world axes (3,) [m/s].
-            angular_velocity: in its frame (3,) [rad/s].
-        """
-        base_in_imu = self._imu_in_base.inverse()
-        unit = pin.Motion(rotation.T @ velocity, angular_velocity)
-        by_joints = pin.getFrameVelocity(self._robot.model, self._data, self._imu, pin.LOCAL)
-        return pin.SE3(rotation, position) * base_in_imu, base_in_imu.actInv(unit - by_joints)
-
-    def unit(self, q: Array, v: Array) -> tuple[pin.SE3, Array]:
+    def unit_state(self, q: Array, v: Array) -> tuple[pin.SE3, Array]:
         """Pose of the inertial unit in the world, and the velocity of its origin in world axes, of a state."""
         model, data = self._robot.model, self._robot.model.createData()
         pin.forwardKinematics(model, data, q, v)

@@ -70,6 +70,15 @@ def left_jacobian(turn: Array) -> Array:
 
 
 @compiled
+def turn_between(a: Array, b: Array) -> Array:
+    """Rotation vector (3,) of the least turn that takes one unit vector to another, for less than half a turn."""
+    axis = cross(a, b)
+    sine = np.sqrt(axis @ axis)
+    angle = np.arctan2(sine, a @ b)
+    return axis * (angle / sine) if sine > 1e-9 else axis
+
+
+@compiled
 def retract(belief: Belief, error: Array) -> None:
     """Move a belief by an error: X ← Exp(ξ) X."""
     turn = rotation_of_vector(error[:3])
@@ -87,13 +96,16 @@ def retract(belief: Belief, error: Array) -> None:
 
 @compiled
 def predict(belief: Belief, gyro: Array, accelerometer: Array, gravity: float, period: float) -> Array:
-    """Move a belief by one reading of gyro and accelerometer; returns the transition matrix of the error.
+    """Move a belief by one reading of gyro and accelerometer.
 
     Args:
         belief: Its covariance is left to `spread`.
         gyro, accelerometer: Readings (3,) that hold for the period [rad/s, m/s²].
         gravity: Free fall, along -z [m/s²].
         period: [s].
+
+    Returns:
+        Derivative of the error by the body's part of what it was, (15 + 6 feet, 15); the feet's part stays as well.
     """
     half, square = 0.5 * period, 0.5 * period**2
     turn = (gyro - belief.gyro_bias) * period
@@ -106,7 +118,7 @@ def predict(belief: Belief, gyro: Array, accelerometer: Array, gravity: float, p
     belief.position[:] += period * belief.velocity + square * acceleration
     belief.velocity[:] += period * acceleration
 
-    F = np.eye(len(belief.covariance))
+    F = np.eye(len(belief.covariance), FEET)
     bend = R @ left_jacobian(turn) * period  # a bias turns the end of the period by minus this,
     lean = skew(force) @ (R @ left_jacobian(0.5 * turn)) * half  # and the force in its middle
     F[0:3, 9:12] = -bend
@@ -133,14 +145,33 @@ def spread(belief: Belief, F: Array, inertial_variance: Array, added_variance: A
         inertial_variance: Of the noise of gyro and accelerometer in this reading, (6,).
         added_variance: Of what walks at random, over the period: biases and feet (15 + 6 feet,).
     """
-    P = F @ belief.covariance @ F.T
-    noise = F[:, 9:15].copy()  # noise of a reading acts as a bias that lasts for it
+    P, transposed = belief.covariance, F.T.copy()
+    ahead = F @ P[:FEET]
+    ahead[FEET:] += P[FEET:]
+    P[:] = ahead[:, :FEET].copy() @ transposed
+    P[:, FEET:] += ahead[:, FEET:]
+    noise = F[:, GYRO_BIAS:].copy()  # noise of a reading acts as a bias that lasts for it
     for i in range(6):
-        noise[9 + i, i] = 0.0
-    P += (noise * inertial_variance) @ noise.T
+        noise[GYRO_BIAS + i, i] = 0.0
+        noise[:, i] *= np.sqrt(inertial_variance[i])
+    P += noise @ noise.T.copy()
     for i in range(len(P)):
         P[i, i] += added_variance[i]
-    belief.covariance[:] = 0.5 * (P + P.T)
+
+
+@compiled
+def advance(
+    belief: Belief,
+    gyro: Array,
+    accelerometer: Array,
+    gravity: float,
+    period: float,
+    inertial_variance: Array,
+    added_variance: Array,
+) -> None:
+    """`predict`, then `spread`."""
+    F = predict(belief, gyro, accelerometer, gravity, period)
+    spread(belief, F, inertial_variance, added_variance)
 
 
 @compiled
@@ -184,26 +215,82 @@ def place_rows(belief: Belief, k: int, rotation: Array) -> Array:
 
 
 @compiled
-def squared_distance(belief: Belief, H: Array, innovation: Array, variance: Array) -> float:
-    """Mahalanobis distance squared of an innovation (m,) with rows H and measurement variances (m,)."""
-    S = H @ belief.covariance @ H.T
-    for i in range(len(S)):
+def correct(belief: Belief, H: Array, innovation: Array, variance: Array, gate: float, loose: int) -> bool:
+    """Correct a belief by an innovation.
+
+    Args:
+        belief: Is changed.
+        H: Derivative of the innovation by the error (m, 15 + 6 feet).
+        innovation: (m,).
+        variance: Of its measurement (m,).
+        gate: Squared Mahalanobis distance of the innovation from which on it is not believed to be an error; infinite
+            for none. What has moved then, `loose` and the next m coordinates, becomes as uncertain as it is large.
+        loose: See there.
+
+    Returns:
+        Whether it was beyond the gate.
+    """
+    P, count = belief.covariance, len(innovation)
+    towards = H @ P
+    S = towards @ H.T.copy()
+    for i in range(count):
         S[i, i] += variance[i]
-    return float(innovation @ np.linalg.solve(S, innovation))
+    root = np.linalg.cholesky(S)
+    white = _forward_substituted(root, innovation.reshape(-1, 1))[:, 0].copy()
+    beyond = white @ white > gate
+    if beyond:
+        for i in range(count):
+            at = loose + i
+            P[at, at] += innovation[i] ** 2
+            towards[:, at] += H[:, at] * innovation[i] ** 2
+        S = towards @ H.T.copy()
+        for i in range(count):
+            S[i, i] += variance[i]
+        root = np.linalg.cholesky(S)
+        white = _forward_substituted(root, innovation.reshape(-1, 1))[:, 0].copy()
+    half = _forward_substituted(root, towards)
+    P -= half.T.copy() @ half
+    retract(belief, white @ half)
+    return bool(beyond)
 
 
 @compiled
-def correct(belief: Belief, H: Array, innovation: Array, variance: Array) -> None:
-    """Correct a belief by an innovation (m,) with rows H (m, n) and measurement variances (m,)."""
-    P = belief.covariance
-    cross_covariance = P @ H.T
-    S = H @ cross_covariance
-    for i in range(len(S)):
-        S[i, i] += variance[i]
-    gain = np.linalg.solve(S, cross_covariance.T.copy()).T.copy()
-    corrected = P - gain @ cross_covariance.T
-    P[:] = 0.5 * (corrected + corrected.T)
-    retract(belief, gain @ innovation)
+def _forward_substituted(L: Array, B: Array) -> Array:
+    """L⁻¹ B of a lower triangle."""
+    X = B.copy()
+    for i in range(len(L)):
+        for j in range(i):
+            for k in range(X.shape[1]):
+                X[i, k] -= L[i, j] * X[j, k]
+        for k in range(X.shape[1]):
+            X[i, k] /= L[i, i]
+    return X
+
+
+@compiled
+def see_foot(belief: Belief, k: int, position: Array, rotation: Array, variance: Array, gate: float) -> bool:
+    """Correct by where foot k is in the unit's frame, see `correct`; whether it has slipped."""
+    innovation = foot_innovation(belief, k, position, rotation)
+    return correct(belief, foot_rows(belief, k), innovation, variance, gate, FEET + FOOT * k)
+
+
+@compiled
+def lay_flat(belief: Belief, k: int, normal: Array, height: float, variance: Array) -> None:
+    """Correct by a floor under foot k: its height along the normal, and roll and pitch; their variances are (3,)."""
+    axes = rotation_of_vector(turn_between(belief.foot_rotation[k, :, 2].copy(), normal)) @ belief.foot_rotation[k]
+    place = belief.foot_position[k] - normal * (normal @ belief.foot_position[k] - height)
+    innovation, rows = place_innovation(belief, k, place, axes), place_rows(belief, k, axes)
+    correct(belief, rows[2:5].copy(), innovation[2:5].copy(), variance, np.inf, 0)
+
+
+@compiled
+def put_on_foothold(belief: Belief, k: int, position: Array, rotation: Array, variance: Array) -> None:
+    """Correct by a foothold of foot k: place along its x and y, and heading; their variances are (3,)."""
+    innovation, rows = place_innovation(belief, k, position, rotation), place_rows(belief, k, rotation)
+    some, of_rows = np.empty(3), np.empty((3, rows.shape[1]))
+    for i, axis in enumerate((0, 1, 5)):
+        some[i], of_rows[i] = innovation[axis], rows[axis]
+    correct(belief, of_rows, some, variance, np.inf, 0)
 
 
 @compiled
@@ -237,9 +324,24 @@ def place_foot(belief: Belief, k: int, position: Array, rotation: Array, varianc
 
 
 @compiled
-def turn_between(a: Array, b: Array) -> Array:
-    """Rotation vector (3,) of the least turn that takes one unit vector to another, for less than half a turn."""
-    axis = cross(a, b)
-    sine = np.sqrt(axis @ axis)
-    angle = np.arctan2(sine, a @ b)
-    return axis * (angle / sine) if sine > 1e-9 else axis
+def base_state(
+    belief: Belief, gyro: Array, accelerometer: Array, gravity: float, age: float, unit_in_base: tuple[Array, Array]
+) -> tuple[Array, Array, Array]:
+    """Rotation (3, 3), position (3,) and velocity (6,), in its own axes, of a base that the unit is fixed to.
+
+    Args:
+        belief: Of the unit.
+        gyro, accelerometer: Readings (3,) with which the belief is carried on.
+        gravity: [m/s²].
+        age: For how long [s].
+        unit_in_base: Rotation (3, 3) and position (3,).
+    """
+    turning = gyro - belief.gyro_bias
+    acceleration = belief.rotation @ (accelerometer - belief.accelerometer_bias)
+    acceleration[2] -= gravity
+    turn, at = unit_in_base
+    rotation = belief.rotation @ rotation_of_vector(age * turning) @ turn.T.copy()
+    velocity = np.empty(6)
+    velocity[3:] = turn @ turning
+    velocity[:3] = rotation.T.copy() @ (belief.velocity + age * acceleration) - cross(velocity[3:], at)
+    return rotation, belief.position + age * belief.velocity - rotation @ at, velocity

@@ -91,4 +91,4 @@ class SteppingMotion:
 
     def footing(self, t: float) -> Footing:
         """The floor that happens to be under the standing foot."""
-        return Footing(self.sole(t) * pin.SE3.Identity())
+        return Footing(self.sole(t))

@@ -52,6 +52,11 @@ def differences(function, step: float = 1e-6) -> np.ndarray:
     return np.stack(columns, axis=1)
 
 
+def full(F: np.ndarray) -> np.ndarray:
+    """The whole transition matrix, of the columns that `predict` returns."""
+    return np.hstack([F, np.eye(SIZE)[:, invariant.FEET :]])
+
+
 def seen_from(truth: Belief, k: int) -> tuple[np.ndarray, np.ndarray]:
     R = truth.rotation
     return R.T @ (truth.foot_position[k] - truth.position), R.T @ truth.foot_rotation[k]
@@ -82,7 +87,8 @@ def test_transition_by_differences(seed):
 
     centre = after(belief)
     F = invariant.predict(copy_of(belief), gyro, accelerometer, GRAVITY, PERIOD)
-    assert pytest.approx(differences(lambda e: error_between(after(moved(belief, e)), centre)), abs=1e-7) == F
+    found = differences(lambda e: error_between(after(moved(belief, e)), centre))
+    assert full(F) == pytest.approx(found, abs=1e-7)
 
 
 def test_a_noisy_reading_acts_as_a_bias_that_lasts_for_it():
@@ -123,12 +129,52 @@ def test_correction_is_that_of_the_textbook():
     S = H @ P @ H.T + np.eye(4)
     K = P @ H.T @ np.linalg.inv(S)
     expected = moved(belief, K @ innovation)
-    assert invariant.squared_distance(belief, H, innovation, variance) == pytest.approx(
-        innovation @ np.linalg.inv(S) @ innovation
-    )
-    invariant.correct(belief, H, innovation, variance)
+    assert not invariant.correct(belief, H, innovation, variance, np.inf, 0)
     assert belief.covariance == pytest.approx((np.eye(SIZE) - K @ H) @ P, abs=1e-9)
     assert belief.position == pytest.approx(expected.position, abs=1e-15)
+
+
+def test_an_innovation_beyond_the_gate_is_taken_for_a_movement_of_that_size():
+    rng = np.random.default_rng(1)
+    first, at = some_belief(rng, 1e-9), invariant.FEET
+    H, variance = invariant.foot_rows(first, 0), np.ones(6)
+    S = H @ first.covariance @ H.T + np.eye(6)
+    innovation = rng.uniform(1, 2, 6) * 1e-3
+    distance = innovation @ np.linalg.solve(S, innovation)
+    within, beyond, told = copy_of(first), copy_of(first), copy_of(first)
+    assert not invariant.correct(within, H, innovation, variance, 1.001 * distance, at)
+    assert invariant.correct(beyond, H, innovation, variance, 0.999 * distance, at)
+    told.covariance[range(at, at + 6), range(at, at + 6)] += innovation**2
+    invariant.correct(told, H, innovation, variance, np.inf, at)
+    assert beyond.covariance == pytest.approx(told.covariance, abs=1e-12)
+    assert beyond.position == pytest.approx(told.position, abs=1e-15)
+
+
+def test_advance_is_predict_and_spread():
+    rng = np.random.default_rng(4)
+    one, other = (some_belief(np.random.default_rng(4)) for _ in range(2))
+    F = invariant.predict(one, np.ones(3), np.ones(3), GRAVITY, PERIOD)
+    start, variance, walk = one.covariance.copy(), rng.uniform(1, 2, 6), rng.uniform(1, 2, SIZE)
+    invariant.spread(one, F, variance, walk)
+    invariant.advance(other, np.ones(3), np.ones(3), GRAVITY, PERIOD, variance, walk)
+    assert other.covariance == pytest.approx(one.covariance) and other.position == pytest.approx(one.position)
+    noise = np.hstack([F[:, 9:15]])
+    noise[9:15] = 0.0
+    expected = full(F) @ start @ full(F).T + noise @ np.diag(variance) @ noise.T + np.diag(walk)
+    assert one.covariance == pytest.approx(expected)
+
+
+def test_floor_and_foothold_put_a_foot_where_they_say():
+    belief = some_belief(np.random.default_rng(5), 0.1)
+    normal, certain = np.array([0.6, 0.0, 0.8]), np.full(3, 1e-12)
+    invariant.lay_flat(belief, 1, normal, 0.3, certain)
+    assert normal @ belief.foot_position[1] == pytest.approx(0.3, abs=0.02)
+    invariant.lay_flat(belief, 1, normal, 0.3, certain)
+    assert belief.foot_rotation[1][:, 2] == pytest.approx(normal, abs=1e-3)
+    place = np.array([0.1, 0.2, 0.3]), belief.foot_rotation[0].copy()
+    for _ in range(5):
+        invariant.put_on_foothold(belief, 0, *place, certain)
+    assert (place[1].T @ (belief.foot_position[0] - place[0]))[:2] == pytest.approx(np.zeros(2), abs=1e-3)
 
 
 def test_a_new_foot_is_as_uncertain_as_the_body_and_the_sight_of_it():
@@ -185,7 +231,7 @@ class Simulation:
             error = scale * self.sight * rng.standard_normal(6)
             seen.append((position + error[:3], pin.exp3(error[3:]) @ rotation))
             innovation, rows = invariant.foot_innovation(self.belief, k, *seen[k]), invariant.foot_rows(self.belief, k)
-            invariant.correct(self.belief, rows, innovation, np.square(scale * self.sight))
+            invariant.correct(self.belief, rows, innovation, np.square(scale * self.sight), np.inf, 0)
         return gyro, accelerometer, seen
 
 
@@ -216,7 +262,7 @@ def test_small_errors_are_those_of_least_squares_over_all_readings():
         whitened = np.linalg.inv(np.linalg.cholesky(Q))
         now, after = slice(SIZE * tick, SIZE * (tick + 1)), slice(SIZE * (tick + 1), SIZE * (tick + 2))
         rows = np.zeros((SIZE, SIZE * (ticks + 1)))
-        rows[:, now], rows[:, after] = -whitened @ F, whitened
+        rows[:, now], rows[:, after] = -whitened @ full(F), whitened
         equations.append(rows)
         right.append(np.zeros(SIZE))
         for k in range(FEET):
