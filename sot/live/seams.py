@@ -61,7 +61,8 @@ def _joined(first: Capture, second: Capture) -> Capture:
         if one.frames <= 2 * seam:
             raise InputError(f"{one.name}: a seam needs clips of more than {2.0 * SEAM_TIME:g} s")
     start = first.frames - seam
-    positions, rotations = _moved(second, first.positions[start, 0], first.rotations[start, 0])
+    hips = _hips(first.parents)
+    positions, rotations = _moved(second, hips, first.positions[start, hips], first.rotations[start, hips])
     share = minimum_jerk(np.linspace(0.0, 1.0, seam))
     blended = _blended(
         first.parents, share, first.positions[start:], first.rotations[start:], positions[:seam], rotations[:seam]
@@ -77,12 +78,16 @@ def _joined(first: Capture, second: Capture) -> Capture:
     )
 
 
-def _moved(capture: Capture, position: Array, rotation: Array) -> tuple[Array, Array]:
-    """Positions and rotations of a capture whose root starts over a position (3,), and faces as a rotation (3, 3)."""
-    turned = rotation @ capture.rotations[0, 0].T
+def _hips(parents: tuple[int, ...]) -> int:
+    """The first joint from which trunk and legs part; above it there may be a root that stays where it is."""
+    return next((j for j in range(len(parents)) if parents.count(j) >= 3), 0)
+
+
+def _moved(capture: Capture, hips: int, position: Array, rotation: Array) -> tuple[Array, Array]:
+    """Positions and rotations of a capture whose hips start over a position (3,), and face as a rotation (3, 3)."""
+    turned = rotation @ capture.rotations[0, hips].T
     heading = Rotation.from_euler("z", np.arctan2(turned[1, 0] - turned[0, 1], turned[0, 0] + turned[1, 1]))
-    turn = heading.as_matrix()
-    start = capture.positions[0, 0]
+    turn, start = heading.as_matrix(), capture.positions[0, hips]
     there = np.append(position[:2], start[2])
     return (capture.positions - start) @ turn.T + there, turn @ capture.rotations
 
@@ -95,9 +100,9 @@ def _blended(
     for j in range(len(parents)):
         way = Rotation.from_matrix(rotations[:, j].transpose(0, 2, 1) @ turns[:, j]).as_rotvec()
         between[:, j] = rotations[:, j] @ Rotation.from_rotvec(share[:, None] * way).as_matrix()
-    weight, places = share[:, None], np.empty_like(positions)
+    weight, places, hips = share[:, None], np.empty_like(positions), _hips(parents)
     for j, parent in enumerate(parents):
-        if parent < 0:
+        if parent < 0 or j <= hips:
             places[:, j] = (1.0 - weight) * positions[:, j] + weight * others[:, j]
             continue
         offset, other = (
