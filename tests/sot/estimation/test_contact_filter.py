@@ -137,7 +137,7 @@ def test_footholds_take_drift_away(robot):
     motion, moved = SteppingMotion(robot), pin.SE3(np.eye(3), np.array([0.02, 0.0, 0.0]))
     beside = SteppingMotion(robot, place=moved)
     noise = replace(FilterNoise.of(robot, Sensors()), start_position=0.03)
-    without, told = (ContactFilter(robot, Sensors(), noise=noise) for _ in range(2))
+    without, told = (ContactFilter(robot, Sensors(), noise=noise, footholds=True) for _ in range(2))
     for estimator in (without, told):
         estimator.reset(*motion.state(PERIOD))
         for k in range(1, 190):
