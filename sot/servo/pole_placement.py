@@ -1,7 +1,7 @@
 """A damping controller of one plane: pole placement on the pendulum with a compliant joint, Kim & Oh 4.3."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import pi, sqrt
 
 import numpy as np
@@ -21,6 +21,8 @@ DISTURBANCE_RATE = 0.1
 """Standard deviation by which the moment of a disturbance is taken to wander in 1 s, in m g l."""
 ZMP_NOISE = 0.0026
 """Standard deviation of the measured zero-moment point, in l: 2 mm for 0.78 m."""
+MIN_LAG = 1e-3
+"""Least lag, and half of the least delay, that a design takes the robot to have [s]."""
 MIN_MARGIN = 0.5
 """Least distance of the loop's measured response from the point where it would oscillate, min |1 + L|."""
 
@@ -118,7 +120,9 @@ def design_damping(pendulum: Pendulum, damping_ratio: float, period: float, form
         raise InputError(f"a joint of {pendulum.stiffness:g} N m/rad is too soft to stand on")
     fall = sqrt(pendulum.length / GRAVITY)
     filtered = form == "filtered"
-    system = pendulum.filtered_states(FILTER_TIME * fall) if filtered else pendulum.printed_states()
+    # Every design has a lag and a delay among its states, so that those of two supports can be blended.
+    sensed = replace(pendulum, lag=max(pendulum.lag, MIN_LAG), delay=max(pendulum.delay, 2.0 * MIN_LAG))
+    system = sensed.filtered_states(FILTER_TIME * fall) if filtered else sensed.printed_states()
     n = len(system.A)
     wander = DISTURBANCE_RATE * pendulum.weight * pendulum.length
     if filtered:  # a moment that wanders, as a state

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sot.errors import InputError
+from sot.servo.damping import DampingController
 from sot.servo.identified import (
     Identified,
     IdentifiedCase,
@@ -87,4 +88,5 @@ def test_what_comes_with_the_project_fits_what_was_measured():
             errors = fit_errors(one.pendulum, below)
             assert errors.gain_db < 1.5
             assert errors.phase_deg < 8.0
-        read_identified(path).designs(0.72, 0.005)
+        planes, _ = read_identified(path).designs(0.72, 0.005)
+        DampingController(planes, lambda t: 0.5, np.array([0.1, 0.1]))(0.0, np.zeros(2))
