@@ -28,11 +28,14 @@ class LeastForces(Task):
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``φ = φ_wished``, zero where no contact wishes for any."""
-        count = tick.force_count
+        count, wish = 0, False
+        for contact in tick.contacts:
+            count += contact.force_count
+            wish = wish or contact.wish > 0.0
         if count != len(self._A):
             self._A, self._nothing, self.selects = np.eye(count), np.zeros(count), slice(0, count)
         wanted = self._nothing
-        if any(contact.wish for contact in tick.contacts):
+        if wish:
             asked = [(contact.wish, contact.load, contact.mode) for contact in tick.contacts]
             if asked != self._asked:
                 self._asked, self._wishes = asked, np.concatenate([contact.wishes() for contact in tick.contacts])

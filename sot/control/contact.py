@@ -272,11 +272,14 @@ class Contact:
             self.arrival_acceleration = None
         return arrival, left
 
-    def write_rows(self, tick: Tick, wanted: Array, place: Array, map: Array, motion: Array, scale: float) -> bool:
+    def write_rows(
+        self, tick: Tick, at: FrameState, wanted: Array, place: Array, map: Array, motion: Array, scale: float
+    ) -> bool:
         """Write what the contact asks for at a tick.
 
         Args:
             tick: The state.
+            at: `motion` at it.
             wanted: `acceleration` less the drift of `motion`, shape (6,).
             place: The first surface's origin, shape (3,).
             map: `wrench_map`, shape (6, k).
@@ -286,7 +289,7 @@ class Contact:
         Returns:
             Whether the wrench map is finite.
         """
-        at, axes = self.motion(tick), tick.surface_axes(self.on)
+        axes = tick.surface_axes(self.on)
         arrival, left = self._arrival_to_fade()
         valid: bool
         if self.mode == "fixed" and self.form == "pyramid":

@@ -111,8 +111,11 @@ class Layout:
             own = rows[k]
             weight, wanted = own.weight, own.lower
             if unit:
-                if not (own.selects is not None and own.A.shape[1] < equality.A.shape[1]):
-                    equality.A = self._widened(own.A) if task.variable == "acceleration" else own.A
+                columns = own.A.shape[1]
+                if columns == equality.A.shape[1]:
+                    equality.A = own.A
+                elif own.selects is None:  # selected columns are what they were
+                    equality.A = self._widened(own.A)
                 equality.scale = weight * unit
             else:
                 equality.A, offset = form.torque_rows(own)
@@ -180,7 +183,7 @@ class ContactRows:
             contact.is_footing and np.array_equal(contact.on.placement.rotation, np.eye(3))
         )
         columns = slice(form.nv + own.start, form.nv + own.stop)
-        self._on_motion = form.motion[:, columns]
+        self._on_motion, self._scale = form.motion[:, columns], -form.units.force
         block = Block(f"Contact {contact.name}", "m/s²", 1.0, True, _ROWS_NOT_PLACED, labels=contact.held_axis_names)
         self._held = builder.add_equality(
             block, Equality(np.empty((len(self._axes), form.nv)), np.empty(len(self._axes)))
@@ -204,8 +207,9 @@ class ContactRows:
     def write(self, tick: Tick) -> None:
         """Write its rows at a tick."""
         contact, held = self._contact, self._held
-        valid = contact.write_rows(tick, self._wanted, self._place, self._map, self._on_motion, -self._units.force)
-        held.A, held.b = contact.motion(tick).jacobian, self._wanted
+        at = contact.motion(tick)
+        valid = contact.write_rows(tick, at, self._wanted, self._place, self._map, self._on_motion, self._scale)
+        held.A, held.b = at.jacobian, self._wanted
         if self._turns_axes:
             axes = np.kron(np.eye(2), tick.surface_axes(contact.on).rotation.T)
             held.A, held.b = axes @ held.A, axes @ held.b

@@ -93,7 +93,7 @@ class Tick:
         # Live views of where Pinocchio writes: to ask it for them anew takes longer than to compute what is in them.
         self.M, self.com = data.M, data.com[0]
         self._forces, self._base, self._A_g = data.nle, data.oMi[1].rotation, data.Ag
-        self._coulomb_speeds = coulomb_speeds(self.robot)
+        self._joint_losses = np.stack([self.robot.damping, self.robot.friction, coulomb_speeds(self.robot)])
         self._J, self.mass = data.J, self.robot.mass
         self.h, self.com_jacobian = np.empty(system.nv), np.empty((3, system.nv))
         self.com_velocity, self.com_drift, self.momentum = np.empty(3), np.empty(3), np.empty(6)
@@ -157,7 +157,7 @@ class Tick:
         if self._carrying is not None:
             self._carrying.update(self.mass - self._carrying.thing_mass)
         self.finite = write_bias_and_com(
-            *(self._forces, self._base, self._A_g, self.mass, v, robot.damping, robot.friction, self._coulomb_speeds),
+            *(self._forces, self._base, self._A_g, self.mass, v, self._joint_losses),
             *(self.h, self.com_jacobian, self.com_velocity, self.com_drift, self.momentum),
         )
         if self._carrying is not None:

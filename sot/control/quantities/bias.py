@@ -36,9 +36,7 @@ def write_bias_and_com(
     A_g: Array,
     mass: float,
     v: Array,
-    damping: Array,
-    friction: Array,
-    coulomb_speeds: Array,
+    losses: Array,
     h: Array,
     com_jacobian: Array,
     com_velocity: Array,
@@ -47,15 +45,16 @@ def write_bias_and_com(
 ) -> bool:
     """Write h with joint losses, the CoM's Jacobian, velocity and drift, and the momentum about it.
 
-    From Pinocchio's forces and A_g, which may be another's in a system of robot and things.
+    From Pinocchio's forces and A_g, which may be another's in a system of robot and things, and the joints' damping,
+    friction and the speeds over which that changes sign, `losses` (3, na).
 
     Returns:
         Whether the state that these come from is finite: one value of it that is not makes a sum of them so.
     """
     h[:] = forces
     total = 0.0
-    for k in range(len(damping)):
-        h[6 + k] += damping[k] * v[6 + k] + friction[k] * np.tanh(v[6 + k] / coulomb_speeds[k])
+    for k in range(losses.shape[1]):
+        h[6 + k] += losses[0, k] * v[6 + k] + losses[1, k] * np.tanh(v[6 + k] / losses[2, k])
     for i in range(6):
         momentum[i] = 0.0
     for k in range(len(v)):  # column by column, as A_g lies in memory

@@ -235,7 +235,7 @@ def test_what_a_contact_writes_is_what_it_says(robot, form, mode):
     at, G = contact.motion(tick), contact.wrench_map(tick)
     wanted, place = np.empty(6), np.empty(3)
     map, motion = np.empty(G.shape), np.empty((robot.nv, G.shape[1]))
-    assert contact.write_rows(tick, wanted, place, map, motion, -3.0)
+    assert contact.write_rows(tick, at, wanted, place, map, motion, -3.0)
     np.testing.assert_allclose(wanted, contact.acceleration(tick) - at.drift, atol=1e-12)
     np.testing.assert_array_equal(place, at.position)
     np.testing.assert_allclose(map, G, atol=1e-15)

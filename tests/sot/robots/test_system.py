@@ -72,7 +72,7 @@ def test_one_model_for_both_libraries(robot, things):
 def friction(tick):
     out = np.zeros(tick.system.nv)
     robot = tick.robot
-    out[6 : robot.nv] = robot.friction * np.tanh(tick.v[6 : robot.nv] / tick._coulomb_speeds)
+    out[6 : robot.nv] = robot.friction * np.tanh(tick.v[6 : robot.nv] / tick._joint_losses[2])
     return out
 
 
