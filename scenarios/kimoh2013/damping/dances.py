@@ -138,7 +138,7 @@ def controller_figures(
     for k, (name, make) in enumerate(controllers.items()):
         tell(name, k / len(controllers))
         done = run(make(), World(robot, 1.0 / motion.rate, hardware=hardware), motion)
-        log = done.log
+        log = done.log.trimmed()
         off = log.zmp_measured - log.zmp_planned
         off = off[np.isfinite(off).all(axis=1)]
         end = log.com[-1, :2] - motion.sample(float(log.time[-1])).com[:2]

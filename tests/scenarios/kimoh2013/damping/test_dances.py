@@ -10,6 +10,7 @@ from scenarios.kimoh2013.damping import dances
 from scenarios.replay import Replay
 from sot.errors import InputError
 from sot.hardware.compliance import FootCompliance
+from sot.hardware.servo import JointTargets
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.servo.stabiliser import DcmGains
@@ -51,6 +52,22 @@ def test_a_row_says_how_a_run_ended_and_how_far_it_was_off(stand):
     dances.print_dances({**figures, "open": fallen}, console)
     text = console.export_text()
     assert "fell at 1.2 s" in text and "upright" in text
+
+
+def test_a_robot_that_falls_is_told_with_when():
+    stand = Motion.standing(Robot.load("hrp2"), 2.0, 500.0)
+    leaning = stand.robot.rest[7:].copy()
+    leaning[[stand.robot.joints.index(name) for name in ("RLEG4", "LLEG4")]] -= 0.4  # onto its heels, and over
+
+    class Leaning:
+        period = 0.002
+
+        def __call__(self, t, q, v, readings):
+            return JointTargets(leaning, np.zeros(len(leaning)))
+
+    figures = dances.controller_figures(stand, SOFT, {"leaning": Leaning}, lambda words, share: None)
+    assert 0.2 < figures["leaning"]["fell_at_s"] < 2.0
+    assert np.isfinite([figures["leaning"]["zmp_rms_m"], figures["leaning"]["com_off_at_end_m"]]).all()
 
 
 def test_feet_too_soft_for_the_dance_are_refused():
