@@ -83,7 +83,7 @@ def test_the_papers_form_is_refused_by_its_margin():
 def test_what_comes_with_the_project_fits_what_was_measured():
     for path in identified_robots().values():
         for one in read_identified(path).cases.values():
-            # On one foot the lifted leg sways by itself at 10 Hz, which no pendulum knows of.
+            # On one foot the response rises again at 10 Hz, which no pendulum's does.
             below = FrequencyResponse(*(series[one.measured.frequency < 9.0] for series in one.measured))
             errors = fit_errors(one.pendulum, below)
             assert errors.gain_db < 1.5
