@@ -23,7 +23,7 @@ class AdmittanceGains:
         leak: rate at which the offsets go back.
     """
 
-    ankle: float = 3.6
+    ankle: float = 1.8
     leg: float = 0.3
     leak: float = 0.3
 
