@@ -20,7 +20,7 @@ SAMPLING_RATE = 200.0
 FREQUENCIES = tuple(np.geomspace(0.2, 10.0, 19).tolist())
 """[Hz]."""
 REST_S = 2.0
-"""Time before the first sine [s]."""
+"""Time before the first sine, and after one that was broken off [s]."""
 MIN_RAMP_S = 1.0
 """Shortest time in which a sine comes up [s]; it takes a cycle at least."""
 WINDOW_CYCLES, MIN_WINDOW_S = 1, 2.0
@@ -73,6 +73,11 @@ class SwayingRobot:
         self._zmp = zmp
         return self._shift
 
+    def rest(self) -> None:
+        """Let it stand still for a while."""
+        for _ in range(round(REST_S * SAMPLING_RATE)):
+            self.step(0.0)
+
     def step(self, shift: float) -> float:
         """Command a shift [m] for one period; returns the zero-moment point before it [m].
 
@@ -108,8 +113,7 @@ def sweep(
     """
     robot = SwayingRobot(stance, compliance, plane)
     room = float(stance.reach[robot.axis])
-    for _ in range(round(REST_S * SAMPLING_RATE)):
-        robot.step(0.0)
+    robot.rest()
     gain, rows = 1.0, []
     for k, frequency in enumerate(FREQUENCIES):
         amplitude = AIM_SHARE * room / gain
@@ -119,6 +123,8 @@ def sweep(
             if found.complete and MIN_SHARE * room <= gain * amplitude <= MAX_SHARE * room:
                 break
             amplitude *= min(max(AIM_SHARE * room / (gain * amplitude), 0.2), 3.0) if found.complete else 0.3
+            if not found.complete:  # what it was shaken up to would break off the next one, too
+                robot.rest()
         else:
             raise InputError(f"{plane}, {stance.support} support: no amplitude suits at {frequency:.2f} Hz")
         rows.append((found.ratio * stance.length, amplitude, gain * amplitude, found.distortion))
