@@ -22,7 +22,7 @@ from sot.errors import InputError
 from sot.estimation import LEVEL_GROUND, Estimator, Footing
 from sot.hardware.readings import Readings
 from sot.hardware.servo import JointTargets
-from sot.motion.feet.contacts import Phase, phase_indices
+from sot.motion.feet.contacts import Phase, phase_at
 from sot.motion.trajectory import Motion, Reference
 
 Array = np.ndarray
@@ -272,7 +272,7 @@ class TargetDriver:
             log.foot_ramp[k, i] = float(slides or stands)
 
     def _phase(self, t: float) -> Phase:
-        return self._motion.phases[int(phase_indices(self._motion.phases, np.array([t]))[0])]
+        return phase_at(self._motion.phases, t)
 
     def _footings(self, t: float) -> dict[str, Footing]:
         """The feet that are to stand now, on level ground."""

@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from sot.errors import InputError
+from sot.gravity import GRAVITY
 from sot.robots.robot import Robot
 
 BUSH_HEIGHT_RATIO = 1.0 / 3.0
@@ -47,7 +48,7 @@ class FootCompliance:
 
     def relaxation_time(self, robot: Robot) -> float:
         """Damping over stiffness [s]."""
-        return self.loss * sqrt(pendulum_length(robot) / np.linalg.norm(robot.model.gravity.linear))
+        return self.loss * sqrt(pendulum_length(robot) / GRAVITY)
 
 
 def bush_position(robot: Robot, foot: str) -> np.ndarray:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pinocchio as pin
 
+from sot.gravity import GRAVITY
 from sot.robots.robot import Robot
 
 Array = np.ndarray
@@ -72,4 +73,4 @@ def _toppling_moment(robot: Robot) -> float:
     com = pin.centerOfMass(robot.model, data, robot.rest)
     pin.updateFramePlacements(robot.model, data)
     ankle = data.oMf[robot.point("left_ankle")].translation
-    return robot.mass * float(np.linalg.norm(robot.model.gravity.linear)) * float(com[2] - ankle[2])
+    return robot.mass * GRAVITY * float(com[2] - ankle[2])

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from sot.motion.feet.contacts import Phase
+from sot.gravity import GRAVITY
+from sot.motion.feet.contacts import phase_at
+from sot.motion.feet.footfalls import Footfalls
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
 
@@ -46,37 +48,39 @@ class LoadSharing:
 
     def __init__(self, motion: Motion) -> None:
         robot = motion.robot
-        self._phases, self._starts = motion.phases, np.array([phase.start for phase in motion.phases])
-        gravity = float(np.linalg.norm(robot.model.gravity.linear))
-        self._ramp = LOAD_RAMP_TIME * float(np.sqrt(motion.com[0, 2] / gravity))
-        soles = {foot: robot.sole(foot)[:, :2] for foot in robot.feet}
-        self.middles = {foot: 0.5 * (sole.min(axis=0) + sole.max(axis=0)) for foot, sole in soles.items()}
-        self._middles = {foot: np.append(middle, 0.0) for foot, middle in self.middles.items()}
-        self._soles = {foot: _without_rim(sole) for foot, sole in soles.items()}
+        self._phases, self._ramp = motion.phases, load_ramp(motion)
+        self._stances = {foot: Footfalls(motion.phases, foot) for foot in robot.feet}
+        self._begin, self._end = motion.phases[0].start, motion.phases[-1].end
+        self.middles = {foot: _middle(robot.sole(foot)) for foot in robot.feet}
+        """Middle of each foot's sole (3,) in its frame [m]."""
+        self._soles = {foot: _without_rim(robot.sole(foot)[:, :2]) for foot in robot.feet}
 
     def feet(self, t: float) -> Mapping[str, pin.SE3]:
         """Feet that stand at a time [s], and where the plan has their frames."""
-        return self._phases[self._phase(t)].feet
+        return phase_at(self._phases, t).feet
 
     def limits(self, t: float) -> dict[str, float]:
         """Largest share of the load that each standing foot may carry at a time [s]."""
-        k = self._phase(t)
         shares = {}
-        for foot in self._phases[k].feet:
-            x = min((t - self._stands_since(k, foot)) / self._ramp, (self._stands_until(k, foot) - t) / self._ramp, 1.0)
+        for foot in self.feet(t):
+            stance = self._stances[foot].nearest_stance(t)
+            assert stance is not None  # it stands
+            since = t - stance.start if stance.start > self._begin else np.inf
+            left = stance.end - t if stance.end < self._end else np.inf
+            x = min(since / self._ramp, left / self._ramp, 1.0)
             shares[foot] = 3.0 * x**2 - 2.0 * x**3 if x > 0.0 else 0.0
         return shares
 
     def __call__(self, t: float, zmp: Array, force: Array) -> dict[str, FootLoad]:
         """Loads of the standing feet at a time [s] for a zero-moment point (2,) [m] and a force (3,) [N], world."""
         feet = self.feet(t)
-        middles = {foot: pose.act(self._middles[foot])[:2] for foot, pose in feet.items()}
+        middles = {foot: pose.act(self.middles[foot])[:2] for foot, pose in feet.items()}
         shares = self._shares(t, zmp, middles)
         rest = zmp - sum((shares[foot] * middles[foot] for foot in feet), np.zeros(2))
         loads = {}
         for foot, pose in feet.items():
             off = pose.rotation.T[:2, :2] @ rest  # feet are level, or nearly so
-            x, y = self._soles[foot].nearest_point(self.middles[foot] + off)
+            x, y = self._soles[foot].nearest_point(self.middles[foot][:2] + off)
             own = shares[foot] * (pose.rotation.T @ force)
             loads[foot] = FootLoad(own, np.array([y * own[2], -x * own[2], x * own[1] - y * own[0]]))
         return loads
@@ -94,19 +98,15 @@ class LoadSharing:
             x = min(max(x, 1.0 - limits[first]), limits[second])
         return {first: 1.0 - x, second: x}
 
-    def _phase(self, t: float) -> int:
-        return min(max(int(np.searchsorted(self._starts, t, side="right")) - 1, 0), len(self._phases) - 1)
 
-    def _stands_since(self, k: int, foot: str) -> float:
-        phases: list[Phase] = list(self._phases)
-        while k >= 0 and foot in phases[k].feet:
-            k -= 1
-        return phases[k].end if k >= 0 else -np.inf
+def load_ramp(motion: Motion) -> float:
+    """Time within which a foot gives its load away, or takes it [s]."""
+    return LOAD_RAMP_TIME * float(np.sqrt(motion.com[0, 2] / GRAVITY))
 
-    def _stands_until(self, k: int, foot: str) -> float:
-        while k < len(self._phases) and foot in self._phases[k].feet:
-            k += 1
-        return self._phases[k].start if k < len(self._phases) else np.inf
+
+def _middle(corners: Array) -> Array:
+    """Middle (3,) of a sole (n, 3) that lies in the plane z = 0 of its frame."""
+    return np.append(0.5 * (corners.min(axis=0) + corners.max(axis=0))[:2], 0.0)
 
 
 def _without_rim(corners: Array) -> Polygon:

@@ -1,8 +1,7 @@
 """Whether compliant feet can carry what stands on them."""
 
-import numpy as np
-
 from sot.errors import InputError
+from sot.gravity import GRAVITY
 from sot.hardware.compliance import FootCompliance, bush_position
 from sot.motion.feet.contacts import phase_indices
 from sot.motion.trajectory import Motion
@@ -18,7 +17,7 @@ def refuse_soft_feet(compliance: FootCompliance, motion: Motion) -> None:
         InputError: it is not; the least that can stand is said.
     """
     robot = motion.robot
-    weight = robot.mass * float(np.linalg.norm(robot.model.gravity.linear))
+    weight = robot.mass * GRAVITY
     bush = bush_position(robot, robot.feet[0])[2]
     rows = phase_indices(motion.phases, motion.times)
     for index, phase in enumerate(motion.phases):

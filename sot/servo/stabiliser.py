@@ -22,8 +22,6 @@ Array = np.ndarray
 
 DCM_GAIN = 1.15
 """Rate at which the divergent component converges, in √(g / l): 4/s for 0.8 m."""
-
-
 MIN_SHARE = 1e-3
 """Least weight of a foot that stands where the plan is seen from: of two that come and go at once, each has one."""
 

@@ -14,7 +14,6 @@ from scenarios.replay import ProgressCallback, Replay, reference_motion
 from sim.drivers import PositionController
 from sim.loop import run
 from sim.world import World
-from sot.gravity import GRAVITY
 from sot.hardware.compliance import FootCompliance
 from sot.hardware.hardware import Hardware
 from sot.hardware.sensors import Sensors
@@ -24,7 +23,7 @@ from sot.robots.robot import Robot
 from sot.servo.admittance import AdmittanceGains
 from sot.servo.damping import DampingController, PlaneDesigns, single_support_share
 from sot.servo.identified import Identified
-from sot.servo.load_sharing import LOAD_RAMP_TIME
+from sot.servo.load_sharing import load_ramp
 from sot.servo.soft_feet import refuse_soft_feet
 from sot.servo.stabiliser import DcmGains, Stabiliser
 
@@ -77,8 +76,7 @@ def dance_figures(
 
 
 def _damping(planes: tuple[PlaneDesigns, PlaneDesigns], motion: Motion) -> DampingController:
-    ramp = LOAD_RAMP_TIME * float(np.sqrt(motion.com[0, 2] / GRAVITY))
-    share = single_support_share(motion.phases, ramp)
+    share = single_support_share(motion.phases, load_ramp(motion))
     return DampingController(planes, share, stance_of(motion.robot, "double").reach)
 
 

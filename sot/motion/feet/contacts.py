@@ -1,5 +1,6 @@
 """Contact phases: which foot stands where, and when; and the support polygon of a phase."""
 
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -46,3 +47,8 @@ def support_polygon(robot: Robot, phase: Phase) -> Polygon:
 def phase_indices(phases: Sequence[Phase], times: np.ndarray) -> np.ndarray:
     """Index (T,) of the phase at each time (T,) [s]."""
     return np.clip(np.searchsorted([phase.start for phase in phases], times, side="right") - 1, 0, len(phases) - 1)
+
+
+def phase_at(phases: Sequence[Phase], t: float) -> Phase:
+    """The phase at a time [s]; the first before it begins, the last after it has ended."""
+    return phases[max(bisect_right(phases, t, key=lambda phase: phase.start) - 1, 0)]

@@ -44,7 +44,7 @@ def test_loads_add_up_to_force_and_zero_moment_point(where, turn):
         for foot, pose in standing().phases[0].feet.items()
     }
     sharing = LoadSharing(standing([Phase(0.0, 4.0, feet)]))
-    left, right = (feet[foot].act(np.append(sharing.middles[foot], 0.0))[:2] for foot in feet)
+    left, right = (feet[foot].act(sharing.middles[foot])[:2] for foot in feet)
     zmp = where * left + (1.0 - where) * right + 0.01 * np.array([np.cos(turn), np.sin(turn)])
     at, force = zmp_of(sharing(1.0, zmp, FORCE), feet)
     np.testing.assert_allclose(at, zmp, atol=1e-9)
