@@ -8,7 +8,6 @@ import numpy as np
 from sot.gravity import GRAVITY
 from sot.robots.robot import Robot
 from sot.servo.load_sharing import FootLoad
-from sot.servo.posture_correction import FootOffset
 
 Array = np.ndarray
 
@@ -47,11 +46,12 @@ class FootAdmittance:
         rate = float(np.sqrt(GRAVITY / length))
         self._gains = period * rate * np.array([gains.ankle, gains.ankle, gains.leg])
         self._kept = 1.0 - gains.leak * rate * period
-        self.offsets = {foot: FootOffset() for foot in robot.feet}
+        self.offsets = {foot: np.zeros(3) for foot in robot.feet}
+        """Roll, pitch [rad] and height [m] of each foot, (3,)."""
 
     def __call__(
         self, wanted: Mapping[str, FootLoad], measured: Mapping[str, Array], compliance: Mapping[str, Array]
-    ) -> dict[str, FootOffset]:
+    ) -> dict[str, Array]:
         """Offsets after another period.
 
         Args:
@@ -62,12 +62,8 @@ class FootAdmittance:
         lacks = {foot: load.force[2] - measured[foot][2] for foot, load in wanted.items()}
         common = sum(lacks.values()) / max(len(lacks), 1)
         for foot, offset in self.offsets.items():
-            offset.roll *= self._kept
-            offset.pitch *= self._kept
-            offset.height *= self._kept
+            offset *= self._kept
             if foot in wanted:
-                moment, steps = wanted[foot].moment - measured[foot][3:], self._gains * compliance[foot]
-                offset.roll -= steps[0] * moment[0]
-                offset.pitch -= steps[1] * moment[1]
-                offset.height -= steps[2] * (lacks[foot] - common)
+                moment = wanted[foot].moment - measured[foot][3:]
+                offset -= self._gains * compliance[foot] * np.array([moment[0], moment[1], lacks[foot] - common])
         return self.offsets

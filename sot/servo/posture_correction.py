@@ -1,12 +1,11 @@
 """Joint targets of a planned posture whose centre of mass and feet are to be a little elsewhere."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
-from sot.hardware.compliance import bush_position
+from sot.hardware.compliance import bush_position, sole_in_foot
 from sot.hardware.servo import JointTargets, Servo
 from sot.robots.robot import Robot
 
@@ -16,20 +15,6 @@ DAMPING = 1e-3
 """Damping of the legs' inverse: a stretched knee has a say."""
 STEPS_AT_START = 8
 """Newton steps at the first call, which has no offsets of the last tick to begin with."""
-
-
-@dataclass(slots=True)
-class FootOffset:
-    """How a foot is to be off its planned pose.
-
-    Attributes:
-        roll, pitch: about the foot's x and y axes through its bush [rad].
-        height: along its z axis [m].
-    """
-
-    roll: float = 0.0
-    pitch: float = 0.0
-    height: float = 0.0
 
 
 class PostureCorrection:
@@ -51,13 +36,14 @@ class PostureCorrection:
         self._offset, self._shift = np.zeros(robot.na), np.zeros(3)
         self._started = False
 
-    def __call__(self, q: Array, v: Array, com_shift: Array, offsets: Mapping[str, FootOffset]) -> JointTargets:
+    def __call__(self, q: Array, v: Array, com_shift: Array, offsets: Mapping[str, Array]) -> JointTargets:
         """Targets of a planned state.
 
         Args:
             q, v: planned (nq,), (nv,).
             com_shift: of the centre of mass off its plan (2,) [m].
-            offsets: of the feet that are to be off theirs.
+            offsets: foot -> roll, pitch [rad] and height [m] by which it is to be off its plan (3,): turned about its
+                bush and moved along its z axis, as `sole_in_foot` has it.
         """
         for _ in range(1 if self._started else STEPS_AT_START):
             before = self._offset.copy()
@@ -66,7 +52,7 @@ class PostureCorrection:
         self._started = True
         return JointTargets(q[7:] + self._offset, v[6:] + rate)
 
-    def _step(self, q: Array, com_shift: Array, offsets: Mapping[str, FootOffset]) -> None:
+    def _step(self, q: Array, com_shift: Array, offsets: Mapping[str, Array]) -> None:
         """One Newton step of legs and base."""
         model, planned, moved = self._robot.model, self._planned, self._moved
         com = pin.centerOfMass(model, planned, q)
@@ -77,7 +63,9 @@ class PostureCorrection:
         pin.computeJointJacobians(model, moved, reached)
         pin.updateFramePlacements(model, moved)
         for foot, frame in self._frames.items():
-            wanted, own = self._wanted(foot, planned.oMf[frame], offsets.get(foot)), moved.oMf[frame]
+            wanted, own = planned.oMf[frame], moved.oMf[frame]
+            if foot in offsets:
+                wanted = wanted * sole_in_foot(self._bushes[foot], offsets[foot])
             turn = pin.log3(wanted.rotation @ own.rotation.T)
             error = np.concatenate([wanted.translation - own.translation, turn])
             leg = self._legs[foot]
@@ -85,13 +73,6 @@ class PostureCorrection:
             self._offset[leg - 6] += J.T @ np.linalg.solve(J @ J.T + DAMPING**2 * np.eye(6), error)
         # All of the body but the legs moves with the base, so that a few ticks bring the centre of mass there.
         self._shift[:2] += com[:2] + com_shift - pin.centerOfMass(model, moved, reached)[:2]
-
-    def _wanted(self, foot: str, planned: pin.SE3, offset: FootOffset | None) -> pin.SE3:
-        if offset is None:
-            return planned
-        bush = self._bushes[foot]
-        turn = pin.exp3(np.array([offset.roll, offset.pitch, 0.0]))
-        return planned * pin.SE3(turn, bush - turn @ bush + np.array([0.0, 0.0, offset.height]))
 
 
 def _leg(robot: Robot, frame: int) -> Array:

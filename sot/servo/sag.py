@@ -5,7 +5,6 @@ import numpy as np
 from sot.hardware.compliance import FootCompliance
 from sot.rotation import cross
 from sot.servo.load_sharing import FootLoad
-from sot.servo.posture_correction import FootOffset
 
 Array = np.ndarray
 
@@ -15,8 +14,8 @@ def bush_compliance(compliance: FootCompliance) -> Array:
     return 1.0 / np.array([compliance.roll, compliance.pitch, compliance.vertical])
 
 
-def sag_offset(load: FootLoad, compliance: Array, bush: Array) -> FootOffset:
-    """What a foot is to be turned and lowered by so that its load deflects it back to the plan.
+def sag_offset(load: FootLoad, compliance: Array, bush: Array) -> Array:
+    """Roll, pitch and height (3,) that a foot is to be off by so that its load deflects it back to the plan [rad, m].
 
     The moment about the bush, M + (o − b) × F, turns the sole by M / K against the foot; as the sole lies flat, the
     foot turns by −M / K against the floor, and all of the robot with it. An upright pendulum multiplies that by
@@ -28,5 +27,4 @@ def sag_offset(load: FootLoad, compliance: Array, bush: Array) -> FootOffset:
         bush: its middle b (3,) in the foot frame [m].
     """
     x, y, _ = load.moment - cross(bush, load.force)
-    roll, pitch, height = compliance.tolist()
-    return FootOffset(-x * roll, -y * pitch, -load.force[2] * height)
+    return -compliance * np.array([x, y, load.force[2]])

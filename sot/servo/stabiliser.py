@@ -15,7 +15,7 @@ from sot.motion.trajectory import Motion, MotionSample
 from sot.servo.admittance import AdmittanceGains, FootAdmittance
 from sot.servo.compliance_estimate import ComplianceEstimate
 from sot.servo.load_sharing import LoadSharing
-from sot.servo.posture_correction import FootOffset, PostureCorrection, leg_compliance
+from sot.servo.posture_correction import PostureCorrection, leg_compliance
 from sot.servo.sag import bush_compliance, sag_offset
 
 Array = np.ndarray
@@ -101,7 +101,7 @@ class Stabiliser:
         measured = any(wrench.any() for wrench in readings.foot_wrench.values())  # nothing is before the first step
         if self._estimate is not None and measured:
             self._compliance = self._estimate(readings)
-        offsets = {foot: FootOffset() for foot in robot.feet}
+        offsets = {foot: np.zeros(3) for foot in robot.feet}
         if self._compliance.any():
             for foot, load in self._loads(t, plan.zmp, force).items():
                 offsets[foot] = sag_offset(load, self._compliance, self._bushes[foot])
@@ -110,8 +110,7 @@ class Stabiliser:
             wanted = self._loads(t, plan.zmp + (1.0 + self._dcm.convergence) * off, force)
             compliance = {foot: own + self._compliance for foot, own in self._legs.items()}
             for foot, offset in self._admittance(wanted, readings.foot_wrench, compliance).items():
-                own = offsets[foot]
-                offsets[foot] = FootOffset(own.roll + offset.roll, own.pitch + offset.pitch, own.height + offset.height)
+                offsets[foot] += offset
         shift = np.zeros(2)
         if self._damping is not None and measured:
             feet = self._loads.feet(t)

@@ -20,8 +20,8 @@ def settled(gains, wanted, seconds=3.0):
     for _ in range(round(seconds / PERIOD)):
         for foot, offset in admittance(wanted, measured, dict.fromkeys(robot.feet, 1.0 / STIFFNESS)).items():
             if foot in wanted:
-                measured[foot][2] = 280.0 - STIFFNESS[2] * offset.height
-                measured[foot][3:5] = -STIFFNESS[0] * offset.roll, -STIFFNESS[1] * offset.pitch
+                measured[foot][2] = 280.0 - STIFFNESS[2] * offset[2]
+                measured[foot][3:5] = -STIFFNESS[:2] * offset[:2]
         gone.append(measured["left_foot"][4] / wanted["left_foot"].moment[1])
     return measured, np.array(gone)
 

@@ -7,7 +7,7 @@ import pytest
 from sot.hardware.compliance import bush_position
 from sot.hardware.servo import Servo
 from sot.robots.robot import Robot, shipped_robot_names
-from sot.servo.posture_correction import FootOffset, PostureCorrection, leg_compliance
+from sot.servo.posture_correction import PostureCorrection, leg_compliance
 
 FEET = ("left_foot", "right_foot")
 
@@ -44,17 +44,17 @@ def test_the_centre_of_mass_shifts_over_feet_that_stay(robot):
 
 
 def test_a_foot_turns_about_its_bush_and_moves_along_its_axis(robot):
-    offset = FootOffset(roll=0.02, pitch=-0.03, height=-0.002)
+    roll, pitch, height = 0.02, -0.03, -0.002
     correct = PostureCorrection(robot, 0.001)
     for _ in range(10):
-        targets = correct(robot.rest, np.zeros(robot.nv), np.zeros(2), {"left_foot": offset})
+        targets = correct(robot.rest, np.zeros(robot.nv), np.zeros(2), {"left_foot": np.array([roll, pitch, height])})
     feet, _ = feet_and_com(robot, robot.rest)
     moved, _ = feet_and_com(robot, np.concatenate([robot.rest[:7], targets.position]))
     seen = feet["right_foot"] * moved["right_foot"].inverse() * moved["left_foot"]
     bush = bush_position(robot, "left_foot")
     off = feet["left_foot"].actInv(seen.act(bush)) - bush
-    np.testing.assert_allclose(off, [0.0, 0.0, offset.height], atol=1e-7)
-    turn = pin.exp3(np.array([offset.roll, offset.pitch, 0.0]))
+    np.testing.assert_allclose(off, [0.0, 0.0, height], atol=1e-7)
+    turn = pin.exp3(np.array([roll, 0.0, 0.0])) @ pin.exp3(np.array([0.0, pitch, 0.0]))
     np.testing.assert_allclose(feet["left_foot"].rotation.T @ seen.rotation, turn, atol=1e-7)
 
 

@@ -14,14 +14,14 @@ def test_the_springs_under_a_load_undo_the_offset():
     compliance = FootCompliance(700.0, 500.0, 2e5)
     load = FootLoad(np.array([20.0, -15.0, 400.0]), np.array([9.0, -14.0, 1.0]))
     offset = sag_offset(load, bush_compliance(compliance), BUSH)
-    sole_against_foot = -np.array([offset.roll, offset.pitch])
+    sole_against_foot = -offset[:2]
     moment = load.moment + np.cross(-BUSH, load.force)
     np.testing.assert_allclose([700.0, 500.0] * sole_against_foot, moment[:2])
-    np.testing.assert_allclose(-2e5 * offset.height, load.force[2])
+    np.testing.assert_allclose(-2e5 * offset[2], load.force[2])
 
 
 def test_a_sole_that_cannot_move_up_does_not():
     offset = sag_offset(
         FootLoad(np.array([0.0, 0.0, 400.0]), np.zeros(3)), bush_compliance(FootCompliance(700.0, 500.0)), BUSH
     )
-    assert offset.height == 0.0
+    assert offset[2] == 0.0
