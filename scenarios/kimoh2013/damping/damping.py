@@ -41,7 +41,6 @@ class DampingOptions:
         form: one of `sot.servo.pole_placement.FORMS`.
         identified: file of the robot's pendulums; the one that comes with the project unless given.
         seeds: how many pushes of each kind.
-        impulses: whether the largest impulses are looked for, too.
     """
 
     study: str
@@ -50,7 +49,6 @@ class DampingOptions:
     form: str = "filtered"
     identified: Path | None = None
     seeds: int = 5
-    impulses: bool = True
 
     @property
     def takes_clip(self) -> bool:
@@ -124,8 +122,7 @@ def _push(
                 continue
             raise InputError(f"{robot.label}: {plane}-{support} was not identified")
         frequencies[plane, support] = identified.cases[plane, support].pendulum.natural_frequency / (2.0 * pi)
-    told = options.seeds, options.impulses, tell
-    figures, sways = push_figures(robot, compliance, controllers, frequencies, *told)
+    figures, sways = push_figures(robot, compliance, controllers, frequencies, options.seeds, tell)
     out.mkdir(parents=True, exist_ok=True)
     draw_sways(out / SWAY_FILE, robot.label, sways)
     return {"cases": figures}

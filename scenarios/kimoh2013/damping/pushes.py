@@ -54,7 +54,6 @@ def push_figures(
     controllers: Sequence[Controller],
     frequencies: Mapping[tuple[str, str], float],
     seeds: int,
-    impulses: bool,
     tell: Callable[[str, float | None], object],
 ) -> tuple[dict[str, Any], dict[str, dict[str, Sway]]]:
     """Push a robot in each case under each controller.
@@ -65,7 +64,6 @@ def push_figures(
         controllers: in turn.
         frequencies: natural frequency by plane and support [Hz], of the cases to be pushed.
         seeds: pushes of each kind.
-        impulses: whether the largest impulses survived are looked for, in double support.
         tell: told of the progress.
 
     Returns:
@@ -91,7 +89,7 @@ def push_figures(
                 "asked": one.ratio,
                 "margin": one.margins.get(name),
             }
-            if impulses and support == "double" and one in (controllers[0], strongest):
+            if support == "double" and one in (controllers[0], strongest):
                 tell(f"pushing {name} to the limit, {one.name}", k / len(frequencies))
                 figures[name][one.name]["survived_n_s"] = {
                     words: survived_impulse(stance, compliance, one.planes, axis, sign)
