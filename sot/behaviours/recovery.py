@@ -9,9 +9,9 @@ import pinocchio as pin
 from sot.behaviours.displacement import Displacement
 from sot.behaviours.stepping import SteppingSchedule
 from sot.behaviours.stride import Stride
+from sot.behaviours.support_height import divergence_rate, support_height
 from sot.control.stack import Stack
 from sot.control.tick import Tick
-from sot.gravity import GRAVITY
 from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
@@ -169,7 +169,7 @@ class RecoverySchedule(SteppingSchedule):
 
     def _dcm_and_error(self, tick: Tick) -> tuple[Array, float]:
         """ξ with angular momentum (2,) [m], and its distance from the plan as displaced by the feet [m]."""
-        t, omega = tick.t, _divergence_rate(tick)
+        t, omega = tick.t, divergence_rate(tick, support_height(tick))
         com, velocity, _, _ = self._motion.balance(t)
         xi = (
             tick.com[:2]
@@ -225,12 +225,7 @@ class RecoverySchedule(SteppingSchedule):
         return tick.frame(foot).floor_projection(self._robot.sole(foot))
 
 
-def _divergence_rate(tick: Tick) -> float:
-    """Rate ω at which ξ diverges [1/s]."""
-    return float(np.sqrt(GRAVITY / max(tick.com[2], 0.1)))
-
-
 def _predicted_dcm(tick: Tick, xi: Array, support: Polygon, span: float) -> Array:
     """ξ (2,) after a time [s], if the zero-moment point in the support does what it can [m]."""
     z = support.inset(ZMP_MARGIN).nearest_point(xi)
-    return z + (xi - z) * np.exp(_divergence_rate(tick) * span)
+    return z + (xi - z) * np.exp(divergence_rate(tick, support_height(tick)) * span)
