@@ -13,7 +13,7 @@ from scenarios.stacks import stepping_schedule, stepping_stack
 from sim.hardware.sole_frames import sole_frames
 from sim.log import FOOT_FIXED, RunLog
 from sim.reporting import report
-from sot.motion.climb import climb
+from sot.motion import climb
 from sot.motion.feet.contacts import planted_phases
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot

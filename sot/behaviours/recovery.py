@@ -45,7 +45,8 @@ HOME_DISTANCE = 0.02
 
 @dataclass(slots=True)
 class _Step:
-    """A needed or running step: the foot and the one that stands, start and landing place [m], swing time [s]."""
+    """A needed or running step: the foot and the one that stands, start and landing place [m], swing time [s], and the
+    height of the ground [m]."""
 
     foot: str
     beside: str
@@ -54,6 +55,7 @@ class _Step:
     place: Array
     swing_time: float
     stances_before: int
+    ground: float
     trajectory: Stride | None = None
 
 
@@ -111,7 +113,9 @@ class RecoverySchedule(SteppingSchedule):
         step, begun = self._step, []
         if step is not None and step.trajectory is None:
             lift, land = t + self.ramp, t + self.ramp + step.swing_time
-            step.trajectory = stack.contact(step.foot).path = Stride(step.start, step.rotation, lift, land, STEP_HEIGHT)
+            step.trajectory = stack.contact(step.foot).path = Stride(
+                step.start, step.rotation, lift, land, STEP_HEIGHT, step.ground
+            )
             step.trajectory.redirect(lift, step.place)
             self.add_step(step.foot, lift, land)
             begun = [f"{step.foot} steps"]
@@ -165,7 +169,8 @@ class RecoverySchedule(SteppingSchedule):
 
     def _new_step(self, tick: Tick, foot: str, beside: str, place: Array, span: float) -> _Step:
         frame = tick.frame(foot)
-        return _Step(foot, beside, frame.position.copy(), frame.rotation.copy(), place, span, self.stances_begun(foot))
+        begun, ground = self.stances_begun(foot), support_height(tick)
+        return _Step(foot, beside, frame.position.copy(), frame.rotation.copy(), place, span, begun, ground)
 
     def _dcm_and_error(self, tick: Tick) -> tuple[Array, float]:
         """ξ with angular momentum (2,) [m], and its distance from the plan as displaced by the feet [m]."""

@@ -29,6 +29,7 @@ UP = np.array([0.0, 0.0, 1.0])
 BALANCE_ROUNDS = 2  # of balance and inverse kinematics: the second knows the body's height and momentum
 NEWTON_STEPS = 4  # of inverse kinematics at each knot, from the knot before
 REACH_TOLERANCE = 1e-2  # m and rad, before the last Newton step, of what is within reach
+ROUNDING = 1e-9  # rad
 RANGE_TOLERANCE = 1e-3  # rad, by which a joint may be beyond its range
 HOMEWARD_SHARE = (
     0.1  # of the way to the rest posture in a Newton step, within the null space of feet and centre of mass
@@ -151,10 +152,11 @@ def _configurations_following(
 
 def _step_within(robot: Robot, q: Array, J: Array, error: Array, home: Array) -> Array:
     """Newton step (nv,) for ``J step = error``, and home otherwise; joints stay at the ends of their ranges."""
-    step = home + np.linalg.pinv(J, rcond=1e-6) @ (error - J @ home)
-    room = robot.lower - q[7:], robot.upper - q[7:]
-    held = np.concatenate([np.zeros(6, dtype=bool), (step[6:] < room[0]) | (step[6:] > room[1])])
-    if held.any():
-        fixed = np.where(held, np.concatenate([np.zeros(6), np.clip(step[6:], *room)]), home)
-        step = fixed + np.linalg.pinv(np.where(held, 0.0, J), rcond=1e-6) @ (error - J @ fixed)
-    return step
+    held, fixed = np.zeros(robot.nv, dtype=bool), home
+    while True:
+        step: Array = fixed + np.linalg.pinv(np.where(held, 0.0, J), rcond=1e-6) @ (error - J @ fixed)
+        ends = np.concatenate([step[:6], np.clip(q[7:] + step[6:], robot.lower, robot.upper) - q[7:]])
+        if (beyond := ~held & (np.abs(step - ends) > ROUNDING)).any():
+            held, fixed = held | beyond, np.where(beyond, ends, fixed)
+        else:
+            return step
