@@ -34,6 +34,7 @@ from scenarios.replay import (
 from scenarios.robots.bench import bench_robots, robot_pieces, show_robots
 from scenarios.robots.commands import robot_app
 from scenarios.showing import print_remarks, progress, show_report
+from scenarios.stairs import options as stairs_cli
 from scenarios.studies import MOTION_SCENARIOS, default_solver, is_file, run_scenario
 from scenarios.suite import SUITES, bench_suite, suite_pieces
 from scenarios.suite import show as show_suite
@@ -173,6 +174,9 @@ def run_command(
     form: damping_cli.Form = None,
     identified: damping_cli.IdentifiedFile = None,
     seeds: damping_cli.Seeds = None,
+    rise: stairs_cli.Rise = None,
+    depth: stairs_cli.Depth = None,
+    treads: stairs_cli.Treads = None,
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/NAME by default.")] = None,
 ) -> int:
     """Run a scenario; record it and report on it."""
@@ -180,6 +184,7 @@ def run_command(
     handling = options.handling_options(scenario, study, mass, *told)
     pendulum = case, damping_ratio, form, identified, seeds
     swaying = damping_cli.damping_options(scenario, study, *pendulum)
+    climbing = stairs_cli.stairs_options(scenario, rise, depth, treads, seed)
     if study is not None and handling is None and swaying is None:
         raise InputError(f"{scenario} takes no {study}: it has no studies to choose from")
     pushes, changed = tuple(parse_push(text) for text in push or ()), parse_mismatch(mismatch)
@@ -202,9 +207,9 @@ def run_command(
     )
     folder = out or Path("runs") / Path(scenario).stem
     with progress() as tell:
-        report, show_own = run_scenario(scenario, clip, request, folder, tell, handling or swaying)
+        report, show_own = run_scenario(scenario, clip, request, folder, tell, handling or swaying or climbing)
     status = FELL if report.get("fell") else DONE
-    if handling is not None or scenario in MOTION_SCENARIOS or is_file(scenario):
+    if handling is not None or climbing is not None or scenario in MOTION_SCENARIOS or is_file(scenario):
         status = show_report(report, folder)
     if show_own:
         show_own(report, output)
