@@ -8,8 +8,8 @@ import pytest
 
 from sot.errors import InputError
 from sot.motion import read, recognise
-from sot.motion.human.bvh import read_bvh
 from sot.motion.human.capture import Capture, find_legs
+from sot.motion.human.formats.bvh import read_bvh
 from sot.motion.human.world import UP_AXES, to_world, up_axis
 from tests.sot.motion.human.clips import Change, changed_groove, lying, seated, short_groove, x_up
 

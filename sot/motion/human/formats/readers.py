@@ -4,9 +4,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from sot.errors import InputError
-from sot.motion.human.acclaim import read_acclaim
-from sot.motion.human.bvh import read_bvh
 from sot.motion.human.capture import Capture
+from sot.motion.human.formats.acclaim import read_acclaim
+from sot.motion.human.formats.bvh import read_bvh
 from sot.motion.human.world import to_world
 
 READERS: dict[str, Callable[[Path], Capture]] = {
