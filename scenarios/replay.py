@@ -34,7 +34,7 @@ from sot.motion import Human, read, recognise
 from sot.motion.feet import contact_file
 from sot.motion.performance import Performance
 from sot.motion.plan import Plan, plan
-from sot.motion.trajectory import Motion
+from sot.motion.trajectory import Motion, is_motion_file
 from sot.robots.robot import Robot
 from sot.robots.system import System
 from sot.robots.things.thing import Thing
@@ -357,14 +357,15 @@ def reference_motion(request: Replay, robot: Robot, tell: ProgressCallback) -> t
     Raises:
         InputError: a clip, its part, steps or a motion that cannot be used.
     """
-    if Path(request.clip).suffix != ".npz":
+    clip = clips.find_clip(request.clip)
+    if not (clip.suffix == ".npz" and is_motion_file(clip)):
         planned = _plan_of_clip(request, robot, tell)
         return planned.motion, planned
     if request.start or request.duration is not None:
         raise InputError(
             f"{request.clip}: a planned motion starts and ends at rest and is replayed whole; cut the clip"
         )
-    return Motion.load(clips.find_clip(request.clip), robot), None
+    return Motion.load(clip, robot), None
 
 
 def _plan_of_clip(request: Replay, robot: Robot, tell: ProgressCallback) -> Plan:

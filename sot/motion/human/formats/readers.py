@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from sot.errors import InputError
+from sot.git_lfs import refuse_pointer
 from sot.motion.human.capture import Capture
 from sot.motion.human.formats.acclaim import read_acclaim
 from sot.motion.human.formats.bvh import read_bvh
@@ -15,6 +16,11 @@ READERS: dict[str, Callable[[Path], Capture]] = {
     ".bvh": read_bvh,
 }
 
+FBX_ADVICE = (
+    "FBX is not read: make a BVH of it in Blender, by File > Import > FBX and, with the armature selected,"
+    " File > Export > Motion Capture (.bvh)"
+)
+
 
 def read(path: str | Path, up: str | None = None) -> Capture:
     """Read a motion file, chosen by its ending, into metres, Z up, first heading +X; see `world.to_world`.
@@ -25,7 +31,10 @@ def read(path: str | Path, up: str | None = None) -> Capture:
         InputError: no such file, an ending without a reader, or contents that are not a human motion.
     """
     path = Path(path)
+    refuse_pointer(path)
     reader = READERS.get(path.suffix.lower())
+    if path.suffix.lower() == ".fbx":
+        raise InputError(f"{path}: {FBX_ADVICE}")
     if reader is None:
         raise InputError(f"{path}: cannot read a motion from '{path.suffix}'; supported: {', '.join(sorted(READERS))}")
     return to_world(reader(path), up)

@@ -150,6 +150,8 @@ def test_refuses_what_is_no_file(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="No such file"):
         read(tmp_path / "absent.bvh")
     with pytest.raises(InputError, match=r"supported: .*\.bvh"):
+        read(tmp_path / "clip.mp4")
+    with pytest.raises(InputError, match=r"make a BVH of it in Blender"):
         read(tmp_path / "clip.fbx")
 
 
