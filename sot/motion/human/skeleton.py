@@ -7,6 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from sot.errors import InputError
+from sot.motion.human.anatomy import check_anatomy
 from sot.motion.human.calibration import calibrate, common_ancestor, farthest_below, joint_and_ancestors
 from sot.motion.human.capture import Capture
 from sot.motion.human.human import SIDES, Human
@@ -45,10 +46,11 @@ def recognise(capture: Capture, mapping: str | Path | Mapping[str, str] | None =
 
     Raises:
         InputError: unknown names, names that contradict the hierarchy or the way the body faces, or a body that no
-            human has.
+            human has, or that bends as none does.
     """
-    human = calibrate(capture, named_joints(capture, mapping)).human(capture)
-    return standing(on_level_floor(check_plausible(without_jumps(human))))
+    joints = named_joints(capture, mapping)
+    human = check_plausible(without_jumps(calibrate(capture, joints).human(capture)))
+    return standing(on_level_floor(check_anatomy(human, capture, joints)))
 
 
 def named_joints(capture: Capture, mapping: str | Path | Mapping[str, str] | None = None) -> dict[str, int]:

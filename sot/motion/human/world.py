@@ -58,7 +58,9 @@ def to_world(recorded: Capture, up: str | None = None) -> Capture:
     hips = positions[0, [leg.hip for leg in legs]].mean(axis=0)
     feet = positions[:, [joint for leg in legs for joint in (leg.knee, leg.ankle, leg.tip)], 2].min(axis=1)
     origin = np.array([hips[0], hips[1], np.percentile(feet, FLOOR_PERCENTILE)])
-    return replace(recorded, positions=positions - origin, rotations=rotations)
+    late = first / recorded.rate
+    remarks = tuple(replace(one, start=one.start - late, end=one.end - late) for one in recorded.remarks)
+    return replace(recorded, positions=positions - origin, rotations=rotations, remarks=remarks)
 
 
 def _metres_per_unit(capture: Capture, legs: tuple[Leg, Leg]) -> float:
