@@ -7,6 +7,7 @@ from sot.errors import InputError
 from sot.git_lfs import refuse_pointer
 from sot.motion.human.capture import Capture
 from sot.motion.human.formats.acclaim import read_acclaim
+from sot.motion.human.formats.amass import read_amass
 from sot.motion.human.formats.bvh import read_bvh
 from sot.motion.human.world import to_world
 
@@ -14,6 +15,7 @@ READERS: dict[str, Callable[[Path], Capture]] = {
     ".amc": read_acclaim,
     ".asf": read_acclaim,
     ".bvh": read_bvh,
+    ".npz": read_amass,
 }
 
 FBX_ADVICE = (
