@@ -9,6 +9,7 @@ from sot.motion.human.capture import Capture
 from sot.motion.human.formats.acclaim import read_acclaim
 from sot.motion.human.formats.amass import read_amass
 from sot.motion.human.formats.bvh import read_bvh
+from sot.motion.human.formats.c3d import read_c3d
 from sot.motion.human.formats.mvnx import read_mvnx
 from sot.motion.human.world import to_world
 
@@ -16,6 +17,7 @@ READERS: dict[str, Callable[[Path], Capture]] = {
     ".amc": read_acclaim,
     ".asf": read_acclaim,
     ".bvh": read_bvh,
+    ".c3d": read_c3d,
     ".mvnx": read_mvnx,
     ".npz": read_amass,
 }
