@@ -67,7 +67,8 @@ class Replay:
         pushes: forces on the robot while it dances.
         mismatch: how the simulated robot and floor differ from what the controller knows.
         edits: file of edits of the dance.
-        up: the up axis of the clip's file, one of `sot.motion.human.world.UP_AXES`; found in the clip by default.
+        up, forward: axes of the clip's file, of `sot.motion.human.world.UP_AXES`; found in the clip by default.
+        unit: of the clip's file, one of `sot.motion.human.world.METRES_PER_UNIT`; found in the clip by default.
         plant: one of `scenarios.inputs.plant.PLANTS`: whether joints take torques or have servos that take positions.
         compliance: of the robot's feet; rigid by default.
         stabiliser: one of `scenarios.inputs.plant.STABILISERS`, for a robot with servos.
@@ -89,6 +90,8 @@ class Replay:
     contacts: Path | None = None
     edits: Path | None = None
     up: str | None = None
+    forward: str | None = None
+    unit: str | None = None
     plant: str = "torque"
     compliance: FootCompliance | None = None
     stabiliser: str = "dcm"
@@ -377,7 +380,8 @@ def _plan_of_clip(request: Replay, robot: Robot, tell: ProgressCallback) -> Plan
 
 
 def _human_of_clip(request: Replay) -> Human:
-    human = recognise(read(clips.find_clip(request.clip), request.up), request.mapping)
+    capture = read(clips.find_clip(request.clip), request.up, request.forward, request.unit)
+    human = recognise(capture, request.mapping)
     if request.start or request.duration is not None:
         return human.slice(request.start, request.duration)
     return human

@@ -72,6 +72,16 @@ def test_bad_clip(text, folder, capsys):
     assert [path.name for path in folder.iterdir()] == ["clip.bvh"]
 
 
+def test_an_unknown_skeleton_has_its_mapping_printed_to_be_completed(folder, capsys):
+    (folder / "clip.bvh").write_text(groove_bvh().replace(" LeftLeg\n", " Genou\n"))
+    status = cli.main(["retarget", "clip.bvh"])
+    printed = capsys.readouterr()
+    assert status == cli.BAD_INPUT and printed.err.count("\n") == 1
+    (folder / "mapping.toml").write_text(printed.out.replace('left_knee = ""', 'left_knee = "Genou"'))
+    assert "left_elbow" in printed.out
+    assert cli.main(["retarget", "clip.bvh", "--duration", "0.3", "--mapping", "mapping.toml"]) == cli.DONE
+
+
 BAD_STACKS = {
     "syntax": ("def stack(robot motion):\n    pass\n", "mine.py:1: "),
     "raises when loaded": ("import math\nmath.sqrt(-1)\n", "mine.py:2: ValueError"),

@@ -14,6 +14,7 @@ from sot.motion.human.human import SIDES, Human
 from sot.motion.human.mending import on_level_floor, without_jumps
 from sot.motion.human.plausibility import check_plausible
 from sot.motion.human.postures import standing
+from sot.motion.human.unknown_skeleton import unknown_skeleton
 from sot.toml_file import read_toml
 
 LIMB_JOINTS = {"leg": ("hip", "knee", "ankle"), "arm": ("shoulder", "elbow", "wrist")}
@@ -57,7 +58,8 @@ def named_joints(capture: Capture, mapping: str | Path | Mapping[str, str] | Non
     """Canonical joint -> joint of a capture, as `recognise` names them.
 
     Raises:
-        InputError: unknown names, or names that contradict the hierarchy.
+        UnknownSkeletonError: unknown names; it has a mapping to be completed.
+        InputError: a mapping that does not fit, or names that contradict the hierarchy.
     """
     return _joints_from_mapping(capture, mapping) if mapping is not None else _joints_from_conventions(capture)
 
@@ -109,7 +111,7 @@ def _joints_from_conventions(capture: Capture) -> dict[str, int]:
     table: dict[str, int] = {}
     for index, name in enumerate(capture.joints):
         table.setdefault(_plain_name(name), index)
-    closest, reason = list(CANONICAL_JOINTS), ""
+    closest, reason, partly = list(CANONICAL_JOINTS), "", dict[str, int]()
     for names in naming_conventions().values():
         for prefix in _possible_prefixes(table, names):
             joints = {
@@ -124,12 +126,12 @@ def _joints_from_conventions(capture: Capture) -> dict[str, int]:
             if not missing and not wrong:
                 return joints
             if len(missing) < len(closest):
-                closest, reason = missing, wrong
-    lacking = f"not found: {', '.join(closest)}" if closest else reason
-    raise InputError(
-        f"{capture.name}: unknown skeleton ({lacking}); write a mapping file with lines like"
-        f' left_knee = "Their name" for {", ".join(CANONICAL_JOINTS)}; its joints are {", ".join(capture.joints)}'
-    )
+                closest, reason, partly = missing, wrong, joints
+    aliases = {
+        joint: [alias for names in naming_conventions().values() for alias in names.get(joint, [])]
+        for joint in CANONICAL_JOINTS
+    }
+    raise unknown_skeleton(capture, aliases, partly, reason)
 
 
 def _plain_name(name: str) -> str:

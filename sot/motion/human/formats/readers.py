@@ -28,10 +28,14 @@ FBX_ADVICE = (
 )
 
 
-def read(path: str | Path, up: str | None = None) -> Capture:
+def read(path: str | Path, up: str | None = None, forward: str | None = None, unit: str | None = None) -> Capture:
     """Read a motion file, chosen by its ending, into metres, Z up, first heading +X; see `world.to_world`.
 
-    up: the file's up axis, one of `world.UP_AXES`; found in the clip by default.
+    Args:
+        path: The file.
+        up: Its up axis, one of `world.UP_AXES`; found in the clip by default.
+        forward: Its axis that becomes +X; the heading of the first frame by default.
+        unit: Its unit, one of `world.METRES_PER_UNIT`; found by the length of the legs by default.
 
     Raises:
         InputError: no such file, an ending without a reader, or contents that are not a human motion.
@@ -43,4 +47,4 @@ def read(path: str | Path, up: str | None = None) -> Capture:
         raise InputError(f"{path}: {FBX_ADVICE}")
     if reader is None:
         raise InputError(f"{path}: cannot read a motion from '{path.suffix}'; supported: {', '.join(sorted(READERS))}")
-    return to_world(reader(path), up)
+    return to_world(reader(path), up, forward, unit)
