@@ -11,6 +11,7 @@ from sot.motion.human.anatomy import check_anatomy
 from sot.motion.human.calibration import calibrate, common_ancestor, farthest_below, joint_and_ancestors
 from sot.motion.human.capture import Capture
 from sot.motion.human.human import SIDES, Human
+from sot.motion.human.lost_frames import with_lost_frames_bridged
 from sot.motion.human.mending import on_level_floor, without_jumps
 from sot.motion.human.plausibility import check_plausible
 from sot.motion.human.postures import standing
@@ -42,15 +43,15 @@ def recognise(capture: Capture, mapping: str | Path | Mapping[str, str] | None =
     lies along hips and shoulders and Z along the trunk, and the head is level and looks where the chest does, all on
     average.
 
-    Frames that jump are bridged, a floor that drifts is levelled (`mending`), and who lies is turned upright
-    (`postures`); the human's remarks say so.
+    Frames that jump or were lost are bridged, a floor that drifts or slopes is levelled (`mending`), and who lies is
+    turned upright (`postures`); the human's remarks say so.
 
     Raises:
         InputError: unknown names, names that contradict the hierarchy or the way the body faces, or a body that no
             human has, or that bends as none does.
     """
     joints = named_joints(capture, mapping)
-    human = check_plausible(without_jumps(calibrate(capture, joints).human(capture)))
+    human = check_plausible(without_jumps(with_lost_frames_bridged(calibrate(capture, joints).human(capture))))
     return standing(on_level_floor(check_anatomy(human, capture, joints)))
 
 
