@@ -15,6 +15,7 @@ from scenarios import viewer
 from scenarios.bench import benchmark_figures, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.inputs import plant_options
+from scenarios.inputs.clip_options import ForwardAxis, MappingFile, Unit, UpAxis
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.inputs.plant import parse_feet_compliance
 from scenarios.kimoh2013.damping import options as damping_cli
@@ -39,7 +40,7 @@ from scenarios.studies import MOTION_SCENARIOS, default_solver, is_file, run_sce
 from scenarios.suite import SUITES, bench_suite, suite_pieces
 from scenarios.suite import show as show_suite
 from scenarios.terminal import BAD_INPUT, DONE, FAILED, FELL, INTERRUPTED, messages, output
-from sot.errors import InputError
+from sot.errors import InputError, UnknownSkeletonError
 from sot.robots.robot import Robot
 
 TRACEBACK_VARIABLE = "SOT_TRACEBACK"
@@ -53,7 +54,7 @@ app.add_typer(robot_app, name="robot")
 app.command("live")(live_command)
 app.command("stream")(stream_command)
 
-Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .npz) or a name of `sot list clips`.")]
+Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .c3d, .mvnx, .npz) or a name of `sot list clips`.")]
 RobotName = Annotated[str, typer.Option("--robot", help="A name of `sot list robots`, or a robot file (.toml).")]
 SolverName = Annotated[str, typer.Option("--solver", help="A name of `sot list solvers`.")]
 Feet = Annotated[str, typer.Option(help="auto: they step if the dancer's do; steps; planted: they stay.")]
@@ -73,11 +74,6 @@ MismatchText = Annotated[
 ]
 Contacts = Annotated[Path | None, typer.Option(help="File (.toml) of the steps, as `sot retarget -o` writes it.")]
 EditFile = Annotated[Path | None, typer.Option("--edit", help="File (.toml) of edits of the dance: docs/editing.md.")]
-UpAxis = Annotated[
-    str | None,
-    typer.Option("--up", help="Up axis of the clip's file: x, y, z, -x, -y or -z; found in the clip by default."),
-]
-MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
 
 
 @app.command("replay")
@@ -92,6 +88,8 @@ def replay_command(
     rate: Rate = 1000.0,
     mapping: MappingFile = None,
     up: UpAxis = None,
+    forward: ForwardAxis = None,
+    unit: Unit = None,
     contacts: Contacts = None,
     edit: EditFile = None,
     push: Pushes = None,
@@ -126,6 +124,8 @@ def replay_command(
         contacts,
         edit,
         up,
+        forward,
+        unit,
         plant,
         soft,
         stabiliser,
@@ -227,13 +227,25 @@ def retarget_command(
     rate: Rate = 1000.0,
     mapping: MappingFile = None,
     up: UpAxis = None,
+    forward: ForwardAxis = None,
+    unit: Unit = None,
     contacts: Contacts = None,
     out: Annotated[Path, typer.Option("--out", "-o", help="File to write.")] = Path("motion.npz"),
 ) -> int:
     """Plan a robot's motion for a clip, without physics, and write it (.npz), or the dancer's steps (.toml), to a file
     that `sot replay` takes."""
     request = Replay(
-        clip, robot, feet=feet, start=start, duration=duration, rate=rate, mapping=mapping, contacts=contacts, up=up
+        clip,
+        robot,
+        feet=feet,
+        start=start,
+        duration=duration,
+        rate=rate,
+        mapping=mapping,
+        contacts=contacts,
+        up=up,
+        forward=forward,
+        unit=unit,
     )
     with progress() as tell:
         planned = retarget(request, out, tell)
@@ -343,6 +355,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return int(app(arguments, prog_name="sot", standalone_mode=False) or DONE)
     except InputError as error:
+        if isinstance(error, UnknownSkeletonError):
+            print(error.mapping, end="")
         return _print_error(BAD_INPUT, str(error))
     except typer.TyperException as error:
         return _print_error(BAD_INPUT, f"{_error_message(error)}; `sot --help` and `sot COMMAND --help` say what goes")

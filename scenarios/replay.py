@@ -34,7 +34,7 @@ from sot.motion import Human, read, recognise
 from sot.motion.feet import contact_file
 from sot.motion.performance import Performance
 from sot.motion.plan import Plan, plan
-from sot.motion.trajectory import Motion
+from sot.motion.trajectory import Motion, is_motion_file
 from sot.robots.robot import Robot
 from sot.robots.system import System
 from sot.robots.things.thing import Thing
@@ -67,7 +67,8 @@ class Replay:
         pushes: forces on the robot while it dances.
         mismatch: how the simulated robot and floor differ from what the controller knows.
         edits: file of edits of the dance.
-        up: the up axis of the clip's file, one of `sot.motion.human.world.UP_AXES`; found in the clip by default.
+        up, forward: axes of the clip's file, of `sot.motion.human.world.UP_AXES`; found in the clip by default.
+        unit: of the clip's file, one of `sot.motion.human.world.METRES_PER_UNIT`; found in the clip by default.
         plant: one of `scenarios.inputs.plant.PLANTS`: whether joints take torques or have servos that take positions.
         compliance: of the robot's feet; rigid by default.
         stabiliser: one of `scenarios.inputs.plant.STABILISERS`, for a robot with servos.
@@ -89,6 +90,8 @@ class Replay:
     contacts: Path | None = None
     edits: Path | None = None
     up: str | None = None
+    forward: str | None = None
+    unit: str | None = None
     plant: str = "torque"
     compliance: FootCompliance | None = None
     stabiliser: str = "dcm"
@@ -361,14 +364,15 @@ def reference_motion(request: Replay, robot: Robot, tell: ProgressCallback) -> t
     Raises:
         InputError: a clip, its part, steps or a motion that cannot be used.
     """
-    if Path(request.clip).suffix != ".npz":
+    clip = clips.find_clip(request.clip)
+    if not (clip.suffix == ".npz" and is_motion_file(clip)):
         planned = _plan_of_clip(request, robot, tell)
         return planned.motion, planned
     if request.start or request.duration is not None:
         raise InputError(
             f"{request.clip}: a planned motion starts and ends at rest and is replayed whole; cut the clip"
         )
-    return Motion.load(clips.find_clip(request.clip), robot), None
+    return Motion.load(clip, robot), None
 
 
 def _plan_of_clip(request: Replay, robot: Robot, tell: ProgressCallback) -> Plan:
@@ -380,7 +384,8 @@ def _plan_of_clip(request: Replay, robot: Robot, tell: ProgressCallback) -> Plan
 
 
 def _human_of_clip(request: Replay) -> Human:
-    human = recognise(read(clips.find_clip(request.clip), request.up), request.mapping)
+    capture = read(clips.find_clip(request.clip), request.up, request.forward, request.unit)
+    human = recognise(capture, request.mapping)
     if request.start or request.duration is not None:
         return human.slice(request.start, request.duration)
     return human

@@ -1,4 +1,4 @@
-"""The one error that a user's input can cause."""
+"""The one error that a user's input can cause, and those of its kinds that carry something more."""
 
 
 class InputError(Exception):
@@ -6,6 +6,18 @@ class InputError(Exception):
 
     The command line prints it without a traceback and exits with status 2.
     """
+
+
+class UnknownSkeletonError(InputError):
+    """Joints of a clip under names that nobody knows.
+
+    Attributes:
+        mapping: text of a mapping file (TOML), to be completed.
+    """
+
+    def __init__(self, message: str, mapping: str):
+        super().__init__(message)
+        self.mapping = mapping
 
 
 class InvalidRowsError(InputError):

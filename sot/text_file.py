@@ -4,6 +4,7 @@ import codecs
 from pathlib import Path
 
 from sot.errors import InputError
+from sot.git_lfs import refuse_pointer
 
 BYTE_ORDER_MARKS = (
     (codecs.BOM_UTF8, "utf-8"),
@@ -24,8 +25,9 @@ def read_text(path: Path) -> str:
     zeros, Shift-JIS where that gives Japanese, or Windows' Western (1252), which gives something for every byte.
 
     Raises:
-        InputError: the file cannot be read, is no text, or is not in the encoding that its mark promises.
+        InputError: the file cannot be read, is no text, a pointer to it, or not in the encoding that its mark promises.
     """
+    refuse_pointer(path)
     try:
         data = path.read_bytes()
     except OSError as error:

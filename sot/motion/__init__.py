@@ -3,8 +3,8 @@
 from sot.motion.climb import climb
 from sot.motion.edit import Edit
 from sot.motion.human.capture import Capture
+from sot.motion.human.formats.readers import read
 from sot.motion.human.human import SEGMENTS, Human
-from sot.motion.human.readers import read
 from sot.motion.human.skeleton import recognise
 from sot.motion.plan import Plan, plan
 from sot.motion.trajectory import Motion, MotionSample, Track

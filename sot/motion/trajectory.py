@@ -1,7 +1,6 @@
 """A robot motion over time, and the paths of the robot's points along it."""
 
 import itertools
-import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,6 +11,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from sot.array_file import array_names, read_arrays
 from sot.control.pose import Pose
 from sot.errors import InputError
 from sot.motion.feet.contacts import Phase, planted_phases
@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 SAMPLE_TOLERANCE = 1e-6
 """Distance from a sample, as a share of the sampling period, within which a time counts as that sample's."""
 SAVED_FIELDS = ("q", "v", "a", "com", "com_velocity", "com_acceleration", "zmp", "momentum")
+_NEEDED = {"robot", "joints", "rate", "phase_times", "phase_stands", "phase_slides", "phase_feet", *SAVED_FIELDS}
 
 
 class MotionSample(NamedTuple):
@@ -314,16 +315,16 @@ class Motion:
         return Motion(robot, float(content["rate"]), **columns, phases=_checked_phases(Path(path), content, robot))
 
 
+def is_motion_file(path: Path) -> bool:
+    """Whether a file holds a motion that `Motion.save` wrote, whole or not."""
+    return not _NEEDED.isdisjoint(array_names(path))
+
+
 def _read_arrays(path: Path) -> Mapping[str, Array]:
-    needed = {"robot", "joints", "rate", "phase_times", "phase_stands", "phase_slides", "phase_feet", *SAVED_FIELDS}
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            missing = sorted(needed - set(file.files))
-            if missing:
-                raise InputError(f"{path}: not a motion file, it lacks {', '.join(missing)}")
-            return {key: file[key] for key in needed}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, AttributeError) as error:
-        raise InputError(f"{path}: cannot be read as a motion (.npz): {error}") from None
+    arrays = read_arrays(path, "a motion")
+    if missing := sorted(_NEEDED - set(arrays)):
+        raise InputError(f"{path}: not a motion file, it lacks {', '.join(missing)}")
+    return arrays
 
 
 def _checked_columns(path: Path, content: Mapping[str, Array], robot: Robot) -> dict[str, Array]:

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.skipif(not CASES.is_dir(), reason="needs ../shared/case
         ("b10c_xup", None, None),
         ("b15_chair", None, "The dancer sits from 0.00 to 1.97 s"),
         ("b15_lie", None, "The dancer lies from 0.00 to 1.97 s"),
-        ("b15_oneleg", None, None),
+        ("b15_oneleg", None, "The dancer stands on the left leg from 0.00 to 1.97 s"),
         ("b16_kanji", MAPPING, None),
         ("b16b_kanji_sjis", MAPPING, None),
         ("b22_spike", None, "The tracker jumps by 3.00 m at 1.00 s"),

@@ -72,6 +72,16 @@ def test_bad_clip(text, folder, capsys):
     assert [path.name for path in folder.iterdir()] == ["clip.bvh"]
 
 
+def test_an_unknown_skeleton_has_its_mapping_printed_to_be_completed(folder, capsys):
+    (folder / "clip.bvh").write_text(groove_bvh().replace(" LeftLeg\n", " Genou\n"))
+    status = cli.main(["retarget", "clip.bvh"])
+    printed = capsys.readouterr()
+    assert status == cli.BAD_INPUT and printed.err.count("\n") == 1
+    (folder / "mapping.toml").write_text(printed.out.replace('left_knee = ""', 'left_knee = "Genou"'))
+    assert "left_elbow" in printed.out
+    assert cli.main(["retarget", "clip.bvh", "--duration", "0.3", "--mapping", "mapping.toml"]) == cli.DONE
+
+
 BAD_STACKS = {
     "syntax": ("def stack(robot motion):\n    pass\n", "mine.py:1: "),
     "raises when loaded": ("import math\nmath.sqrt(-1)\n", "mine.py:2: ValueError"),
@@ -188,7 +198,6 @@ BAD_ARGUMENTS = {
     "kind": (["list", "dogs"], "dogs"),
     "recording": (["view", "nowhere.rrd"], "nowhere.rrd: no such recording"),
     "motion's ending": (["retarget", "groove", "-o", "motion.txt"], "ends in .npz"),
-    "part of a motion": (["replay", "motion.npz", "--start", "1"], "replayed whole"),
     "motion file": (["replay", "motion.npz"], "motion.npz"),
 }
 
@@ -292,6 +301,9 @@ def test_retargets_to_a_motion_that_can_be_replayed(folder, capsys):
     motion = Motion.load(folder / "motion.npz")
     assert motion.robot.name == "hrp2"
     assert np.isfinite(motion.q).all()
+    capsys.readouterr()
+    status, said = lines(["replay", "motion.npz", "--start", "1"], capsys)
+    assert status == cli.BAD_INPUT and "replayed whole" in said
     assert cli.main(["replay", "motion.npz", "--rate", "500"]) == cli.DONE
     report = json.loads((folder / "runs/motion" / REPORT_FILE).read_text())
     assert report["likeness"]["segment_deg"] is None

@@ -11,7 +11,7 @@ from scenarios.inputs.stack_file import load_module
 from sot.errors import InputError
 from sot.motion import read, recognise
 from sot.motion.feet import contact_file
-from sot.motion.human.bvh import read_bvh
+from sot.motion.human.formats.bvh import read_bvh
 from sot.text_file import read_text
 from sot.toml_file import read_toml
 from tests.sot.motion.human.clips import short_groove

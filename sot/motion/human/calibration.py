@@ -40,7 +40,7 @@ class Calibration:
         on = {"pelvis": self.pelvis, "chest": self.chest, "head": self.joints["head"]}
         frames = {body: capture.rotations[:, joint] @ self.to_body[body] for body, joint in on.items()}
         points["head_top"] = points["head"] + self.head_height * frames["head"][:, :, 2]
-        return Human(capture.name, capture.rate, points, frames)
+        return Human(capture.name, capture.rate, points, frames, remarks=capture.remarks)
 
 
 def calibrate(capture: Capture, joints: dict[str, int]) -> Calibration:

@@ -1,10 +1,14 @@
 """A recorded human: joint positions and rotations over time, and the legs in a tree of joints."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from sot.errors import InputError
+from sot.motion.human.human import Remark
+
+MIN_LEG_SHARE = 0.6  # of thigh and shank, of the length of the chain from hip to toes
 
 
 @dataclass(frozen=True)
@@ -20,6 +24,7 @@ class Capture:
         rotations: (T, J, 3, 3) from joint to world. How a joint's axes lie in its body is up to the file.
         zero_pose: (J, 3) positions in the file's own axes and unit where no joint is turned, if the file has such a
             pose. It may be a posture, or none at all.
+        remarks: on what was lost in the recording, in its own time.
     """
 
     name: str
@@ -29,6 +34,7 @@ class Capture:
     positions: np.ndarray
     rotations: np.ndarray
     zero_pose: np.ndarray | None = None
+    remarks: tuple[Remark, ...] = ()
 
     @property
     def frames(self) -> int:
@@ -82,10 +88,23 @@ def find_legs(capture: Capture) -> tuple[Leg, Leg]:
                     best = max(best, (float(reach[one[0]]), one, other))
     if best[0] < 1e-6:
         raise InputError(f"{capture.name}: no human motion, for its {len(parents)} joints hold no pair of legs")
-    return _leg_of_chain(best[1], bone), _leg_of_chain(best[2], bone)
+    return _leg_of_chain(best[1], capture.positions), _leg_of_chain(best[2], capture.positions)
 
 
-def _leg_of_chain(chain: list[int], bone: np.ndarray) -> Leg:
-    """The leg in a chain of joints: its two neighbouring bones that are longest together are thigh and shank."""
-    knee = max(range(1, len(chain) - 1), key=lambda i: bone[chain[i]] + bone[chain[i + 1]])
-    return Leg(hip=chain[knee - 1], knee=chain[knee], ankle=chain[knee + 1], tip=chain[-1])
+def _leg_of_chain(chain: list[int], positions: np.ndarray) -> Leg:
+    """The leg in a chain of joints: its two neighbouring bones that are longest together are thigh and shank.
+
+    Where these are the lesser part of the chain, its bones are split, as by MakeHuman: joints that hardly ever bend
+    are left out until they are not.
+    """
+    links = list(chain)
+    while True:
+        bone = [np.linalg.norm(positions[:, b] - positions[:, a], axis=1) for a, b in pairwise(links)]
+        length = [float(np.median(one)) for one in bone]
+        knee = max(range(1, len(links) - 1), key=lambda i: length[i - 1] + length[i])
+        if length[knee - 1] + length[knee] > MIN_LEG_SHARE * sum(length) or len(links) <= 4:
+            return Leg(hip=links[knee - 1], knee=links[knee], ankle=links[knee + 1], tip=links[-1])
+        inner = range(1, len(links) - 1)
+        whole = [np.linalg.norm(positions[:, links[i + 1]] - positions[:, links[i - 1]], axis=1) for i in inner]
+        lost = [float(np.mean(bone[i - 1] + bone[i] - straight)) for i, straight in zip(inner, whole, strict=True)]
+        del links[1 + int(np.argmin(lost))]

@@ -1,4 +1,4 @@
-"""Faults of a tracker, found and mended: frames that jump, and a floor that drifts."""
+"""Faults of a tracker, found and mended: frames that jump, and a floor that drifts or slopes."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -24,6 +24,8 @@ DRIFT_WINDOW = 2.0  # s, over which a drifting floor is taken for an even slope
 DRIFT_KNOTS = 4  # in a window
 MIN_DRIFT = 0.1  # leg lengths: what drifts less is left alone
 MAX_DRIFT_SCATTER = 0.05  # leg lengths, of most standing feet about the floor that they stand on
+MIN_SLOPE_SPREAD, MAX_SLOPE = 0.4, 0.25  # leg lengths, of places where feet stand about their mean; of a ramp
+MAX_SLOPE_SCATTER = 0.15  # of the height of a slope, of most standing feet about it: stairs are steps, not a plane
 MIN_DRIFT_SHARE = 0.6  # of the floor's slope, that feet which stand on it have to share: on stairs they do not
 
 
@@ -61,7 +63,7 @@ def without_jumps(human: Human) -> Human:
         when = human.start + (first + 1) / rate
         size = moves[first].max()
         remarks.append(Remark(when, when, f"The recording jumps by {size:.2f} m at {when:.2f} s: is it cut there?"))
-    mended = _bridged(human, away) if away.any() else human
+    mended = bridged(human, away) if away.any() else human
     return replace(mended, remarks=(*human.remarks, *remarks)) if remarks else human
 
 
@@ -89,18 +91,18 @@ def _jumps(points: Array, moves: Array, fast: Flags, longest: int) -> Iterator[t
                 yield first, None
 
 
-def _bridged(human: Human, away: Flags) -> Human:
+def bridged(human: Human, away: Flags) -> Human:
     """The human with the flagged frames interpolated from those beside them, or held at an end of the clip."""
     kept = np.flatnonzero(~away)
     times = np.clip(np.arange(human.count), kept[0], kept[-1])
 
-    def bridged(values: Array) -> Array:
+    def between(values: Array) -> Array:
         result: Array = interp1d(kept, values[kept], axis=0)(times)
         return result
 
     return replace(
         human,
-        points={name: np.where(away[:, None], bridged(place), place) for name, place in human.points.items()},
+        points={name: np.where(away[:, None], between(place), place) for name, place in human.points.items()},
         frames={
             body: np.where(
                 away[:, None, None],
@@ -113,26 +115,77 @@ def _bridged(human: Human, away: Flags) -> Human:
 
 
 def on_level_floor(human: Human) -> Human:
-    """The human above a floor that stays level, with a remark, where its tracker's drifts up or down.
+    """The human above a level floor, with a remark, where its tracker's drifts up or down, or where it slopes.
 
     A floor drifts if the feet that stand on it, still along the floor, rise or fall together with it all the time: on
-    stairs and ramps a foot stays at its height while it stands.
+    stairs and ramps a foot stays at its height while it stands. It slopes if the places at which they stand lie in a
+    plane that does.
     """
-    drift = _floor_drift(human)
-    if drift is None:
-        return human
-    rise = float(drift[-1] - drift[0]) if abs(drift[-1] - drift[0]) > 0.5 * np.ptp(drift) else 0.0
-    way = (
-        f"{'up' if rise > 0.0 else 'down'} by {100 * abs(rise):.0f} cm" if rise else f"by {100 * np.ptp(drift):.0f} cm"
-    )
     end = human.start + human.duration
-    words = f"The recorded floor drifts {way} from {human.start:.2f} to {end:.2f} s: the robot dances on a level one."
-    level = np.column_stack([np.zeros((human.count, 2)), drift])
+    drift = _floor_drift(human)
+    if drift is not None:
+        rise = float(drift[-1] - drift[0]) if abs(drift[-1] - drift[0]) > 0.5 * np.ptp(drift) else 0.0
+        way = f"{'up ' if rise > 0.0 else 'down ' if rise else ''}by {100 * (abs(rise) or np.ptp(drift)):.0f} cm"
+        words = (
+            f"The recorded floor drifts {way} from {human.start:.2f} to {end:.2f} s: the robot dances on a level one."
+        )
+        return _lowered(human, drift, Remark(human.start, end, words))
+    plane = _floor_slope(human)
+    if plane is None:
+        return human
+    height, slope = plane
+    words = (
+        f"The recorded floor slopes by {100 * slope:.0f} %, {np.ptp(height):.2f} m over the way from {human.start:.2f}"
+        f" to {end:.2f} s: the robot dances on a level one."
+    )
+    return _lowered(human, height, Remark(human.start, end, words))
+
+
+def _lowered(human: Human, height: Array, remark: Remark) -> Human:
+    level = np.column_stack([np.zeros((human.count, 2)), height])
     return replace(
         human,
         points={name: place - level for name, place in human.points.items()},
-        remarks=(*human.remarks, Remark(human.start, end, words)),
+        remarks=(*human.remarks, remark),
     )
+
+
+def _floor_slope(human: Human) -> tuple[Array, float] | None:
+    """Height (T,) of a sloping floor below the human [m], over its mean, and its slope; None if it is level."""
+    leg, rate = human.leg, human.rate
+    smooth = human.low_passed(NOISE_HZ)
+    stands, places = [], []
+    for side in SIDES:
+        toe = smooth.points[f"{side}_toe"]
+        speed = np.linalg.norm(np.gradient(toe, axis=0), axis=1) * rate
+        stands.append(speed < PLANTED_SPEED * leg)
+        places.append(toe)
+    ground = np.concatenate([place[still] for place, still in zip(places, stands, strict=True)])
+    if len(ground) < 0.25 * human.count:
+        return None
+    middle = ground.mean(axis=0)
+    columns = ground[:, :2] - middle[:2]
+    spreads, ways = np.linalg.eigh(columns.T @ columns / len(columns))
+    ways = ways[:, spreads > (MIN_SLOPE_SPREAD * leg) ** 2]  # where feet were hardly apart, they tell no slope
+    if not ways.size:
+        return None
+    trust = np.ones(len(ground))
+    for _ in range(3):  # feet that are held in the air do not count
+        gradient = ways @ np.linalg.lstsq(trust[:, None] * (columns @ ways), trust * (ground[:, 2] - middle[2]))[0]
+        off = np.abs(ground[:, 2] - middle[2] - columns @ gradient)
+        trust = np.clip(1.0 - (off / (6.0 * max(float(np.median(off)), 1e-4))) ** 2, 0.0, None)
+    slope = float(np.linalg.norm(gradient))
+    along = columns @ gradient
+    scatter = float(np.percentile(off, 80.0))
+    spread = np.ptp(np.percentile(along, [2.0, 98.0]))
+    if (
+        spread < MIN_DRIFT * leg
+        or slope > MAX_SLOPE
+        or scatter > min(MAX_DRIFT_SCATTER * leg, MAX_SLOPE_SCATTER * spread)
+    ):
+        return None
+    feet = 0.5 * (smooth.points["left_ankle"] + smooth.points["right_ankle"])
+    return (feet[:, :2] - middle[:2]) @ gradient, slope
 
 
 def _floor_drift(human: Human) -> Array | None:

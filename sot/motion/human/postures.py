@@ -1,5 +1,6 @@
-"""Where a human does not stand on its feet: it lies, or sits. The robot stands, and says so."""
+"""Where a human does not stand on its feet: it lies, sits, crawls or climbs. The robot stands, and says so."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -7,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from sot.gravity import GRAVITY
+from sot.motion.human.carried import OffFloor, hands_down, kneeling, leg_stood_on, stretches_off_floor
 from sot.motion.human.human import SIDES, Human, Remark
 from sot.smooth import low_passed, minimum_jerk
 
@@ -23,50 +26,96 @@ MIN_POSTURE_DURATION = 3.0  # times √(leg / g): what lasts less is a move, not
 RISE_DURATION = 2.0  # times √(leg / g), in which the robot's human is turned upright before and after
 FOLLOWING_HZ = 1.0  # how fast the height follows the lower foot of who is turned upright
 TRUNK_SHARE, THIGHS_SHARE = 0.68, 0.2  # of a human's mass, head and arms included; the rest is in shanks and feet
+LEG_POINTS = ("hip", "knee", "ankle", "toe")
 TRUNK_CENTRE = 0.55  # of the way from waist to neck
 
 
 def standing(human: Human) -> Human:
-    """The human turned upright where it lies or is upside down, with a remark for each stretch of that or of sitting.
+    """The human on its feet on the floor, with a remark for each stretch in which it is not.
 
-    Who sits stays as it is: its hips are as low as they are, and the robot's as low as it can have them.
+    Who lies, leans on both hands or is upside down is turned upright, of who crawls the trunk is, and who climbs or
+    floats is put on the floor. Who sits, kneels or puts a hand down stays as it is: its hips are as low as they are,
+    and the robot's as low as it can have them.
     """
-    shortest = MIN_POSTURE_DURATION * human.leg_time
-    lying, inverted, sitting = (_lasting(flags, shortest * human.rate) for flags in _postures(human))
-    remarks = [
-        Remark(
-            human.start + first / human.rate,
-            human.start + (last - 1) / human.rate,
-            f"The dancer {verb} from {human.start + first / human.rate:.2f} to"
-            f" {human.start + (last - 1) / human.rate:.2f} s; the robot {instead}.",
-            on_feet=False,
-        )
-        for found, verb, instead in (
-            (lying, "lies", "stands, as if the dancer had been turned upright"),
-            (inverted, "is upside down", "stands, as if the dancer had been turned upright"),
-            (sitting, "sits", "stands, its knees bent as far as that allows"),
-        )
-        for first, last in found
+    shortest = MIN_POSTURE_DURATION * human.leg_time * human.rate
+    lies, inverted, crawls, sits = _postures(human)
+    hand, _ = hands_down(human)
+    low = lies | sits | crawls
+    as_upright, bent = (
+        "stands, as if the dancer had been turned upright",
+        "stands, its knees bent as far as that allows",
+    )
+    remarks, stretches = [], dict[str, list[tuple[int, int]]]()
+    for flags, verb, instead, on_feet in (
+        (lies, "lies", as_upright, False),
+        (inverted & ~crawls, "is upside down", as_upright, False),
+        (crawls, "crawls", "stands, its trunk upright", False),
+        (sits, "sits", bent, False),
+        (kneeling(human) & ~low, "kneels", bent, False),
+        (hand & ~low & ~inverted, "has a hand on the floor", "stands, its hands above it", True),
+    ):
+        stretches[verb] = _lasting(flags, shortest)
+        remarks += [
+            _remark(human, first, end, f"The dancer {verb}", instead, on_feet) for first, end in stretches[verb]
+        ]
+    carried = [
+        one
+        for one in stretches_off_floor(human)
+        if not any(first < one.end and one.first < end for found in stretches.values() for first, end in found)
     ]
+    remarks += [_off_floor_remark(human, one) for one in carried]
+    if side := leg_stood_on(human):
+        remarks.append(
+            _remark(human, 0, human.count, f"The dancer stands on the {side} leg", "does where it steps", True)
+        )
     if not remarks:
         return human
-    upright = _turned_upright(human, [*lying, *inverted]) if lying or inverted else human
-    return replace(upright, remarks=(*human.remarks, *sorted(remarks, key=lambda remark: remark.start)))
+    for found, turned in (
+        ([(one.first, one.end) for one in carried], ()),
+        ([*stretches["lies"], *stretches["is upside down"]], tuple(human.points)),
+        (stretches["crawls"], tuple(name for name in human.points if not name.endswith(LEG_POINTS))),
+    ):
+        human = _on_floor(human, found, turned) if found else human
+    return replace(human, remarks=(*human.remarks, *sorted(remarks, key=lambda remark: remark.start)))
 
 
-def _postures(human: Human) -> tuple[Flags, Flags, Flags]:
-    """The frames (T,) in which a human lies, in which it is upside down, and in which it sits."""
+def _remark(human: Human, first: int, end: int, what: str, instead: str, on_feet: bool) -> Remark:
+    start, until = human.start + first / human.rate, human.start + (end - 1) / human.rate
+    return Remark(start, until, f"{what} from {start:.2f} to {until:.2f} s; the robot {instead}.", on_feet)
+
+
+def _off_floor_remark(human: Human, one: OffFloor) -> Remark:
+    if one.stands:
+        what = f"The dancer stands up to {one.height:.2f} m above the floor, as who climbs does,"
+        return _remark(human, one.first, one.end, what, "stays on the floor", False)
+    needed = GRAVITY * ((one.end - one.first) / human.rate) ** 2 / 8.0
+    what = (
+        f"Both feet are off the floor, and the body rises by {max(one.rise, 0.0):.2f} m where a leap as long takes"
+        f" {needed:.2f} m,"
+    )
+    return _remark(human, one.first, one.end, what, "stays on the floor", False)
+
+
+def _postures(human: Human) -> tuple[Flags, Flags, Flags, Flags]:
+    """The frames (T,) in which a human lies or leans on its hands, is upside down, is on hands and knees, and sits."""
     points, leg = human.points, human.leg
     trunk = points["neck"] - points["waist"]
     tilt = np.arctan2(np.linalg.norm(trunk[:, :2], axis=1), trunk[:, 2])
     height = points["waist"][:, 2] / leg
-    lies: Flags = (tilt > MIN_RECLINED_TILT) & (height < LYING_HEIGHT)
-    inverted: Flags = (tilt > MIN_UPSIDE_DOWN_TILT) & ~lies
+    reclines = tilt > MIN_RECLINED_TILT
+    legs = points["waist"] - np.mean([points[f"{side}_ankle"] for side in SIDES], axis=0)
+    leg_tilt = np.arctan2(np.linalg.norm(legs[:, :2], axis=1), legs[:, 2])
+    both_hands = hands_down(human)[1]
+    lies: Flags = reclines & (
+        (height < LYING_HEIGHT) | (both_hands & (leg_tilt > MIN_RECLINED_TILT) & (legs[:, 2] > 0.0))
+    )
+    inverted: Flags = (tilt > MIN_UPSIDE_DOWN_TILT) & (legs[:, 2] < 0.0) & ~lies
+    crawls: Flags = reclines & both_hands & kneeling(human) & ~lies & ~inverted
     thighs = [points[f"{side}_hip"] - points[f"{side}_knee"] for side in SIDES]
     level = np.all([np.arctan2(np.linalg.norm(t[:, :2], axis=1), t[:, 2]) > MIN_RECLINED_TILT for t in thighs], axis=0)
     carried = (height < FLOOR_SITTING_HEIGHT) | (_beside_feet(human) > MIN_UNSUPPORTED_DISTANCE * leg)
     sits: Flags = (tilt <= MIN_RECLINED_TILT) & level & (height < SITTING_HEIGHT) & carried
-    return lies, inverted, sits
+    return lies, inverted, crawls, sits
 
 
 def _beside_feet(human: Human) -> Array:
@@ -109,20 +158,22 @@ def _lasting(flags: Flags, shortest: float) -> list[tuple[int, int]]:
     return [(first, last) for first, last in runs if last - first >= min(shortest, len(flags))]
 
 
-def _turned_upright(human: Human, lying: list[tuple[int, int]]) -> Human:
-    """The human turned about its waist so that its trunk is upright, its lower foot on the floor, while it lies."""
+def _on_floor(human: Human, stretches: list[tuple[int, int]], turned: Sequence[str]) -> Human:
+    """The human with its lower foot on the floor in some stretches, and the points that are named, with all bodies,
+    turned about its waist until the trunk is upright."""
     rising = max(1.0, RISE_DURATION * human.leg_time * human.rate)
     frames, share = np.arange(human.count), np.zeros(human.count)
-    for first, last in lying:
+    for first, last in stretches:
         outside = np.maximum(first - frames, frames - (last - 1)).clip(min=0)
         share = np.maximum(share, minimum_jerk(1.0 - outside / rising))
     waist = human.points["waist"]
     trunk = human.points["neck"] - waist
     axis = np.column_stack([trunk[:, 1], -trunk[:, 0], np.zeros(human.count)])
     size = np.linalg.norm(axis, axis=1)
-    angle = np.arctan2(size, trunk[:, 2])
+    angle = np.arctan2(size, trunk[:, 2]) if turned else np.zeros(human.count)
     turn = Rotation.from_rotvec((share * angle / np.maximum(size, 1e-9))[:, None] * axis).as_matrix()
-    points = {name: waist + np.einsum("tij,tj->ti", turn, place - waist) for name, place in human.points.items()}
+    points = dict(human.points)
+    points |= {name: waist + np.einsum("tij,tj->ti", turn, points[name] - waist) for name in turned}
     lowest = np.min([points[f"{side}_{joint}"][:, 2] for side in SIDES for joint in ("ankle", "toe")], axis=0)
     if 0.5 * human.rate > FOLLOWING_HZ:
         lowest = low_passed(lowest, human.rate, FOLLOWING_HZ)

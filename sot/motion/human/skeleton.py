@@ -7,12 +7,15 @@ from itertools import pairwise
 from pathlib import Path
 
 from sot.errors import InputError
+from sot.motion.human.anatomy import check_anatomy
 from sot.motion.human.calibration import calibrate, common_ancestor, farthest_below, joint_and_ancestors
 from sot.motion.human.capture import Capture
 from sot.motion.human.human import SIDES, Human
+from sot.motion.human.lost_frames import with_lost_frames_bridged
 from sot.motion.human.mending import on_level_floor, without_jumps
 from sot.motion.human.plausibility import check_plausible
 from sot.motion.human.postures import standing
+from sot.motion.human.unknown_skeleton import unknown_skeleton
 from sot.toml_file import read_toml
 
 LIMB_JOINTS = {"leg": ("hip", "knee", "ankle"), "arm": ("shoulder", "elbow", "wrist")}
@@ -40,22 +43,24 @@ def recognise(capture: Capture, mapping: str | Path | Mapping[str, str] | None =
     lies along hips and shoulders and Z along the trunk, and the head is level and looks where the chest does, all on
     average.
 
-    Frames that jump are bridged, a floor that drifts is levelled (`mending`), and who lies is turned upright
-    (`postures`); the human's remarks say so.
+    Frames that jump or were lost are bridged, a floor that drifts or slopes is levelled (`mending`), and who lies is
+    turned upright (`postures`); the human's remarks say so.
 
     Raises:
         InputError: unknown names, names that contradict the hierarchy or the way the body faces, or a body that no
-            human has.
+            human has, or that bends as none does.
     """
-    human = calibrate(capture, named_joints(capture, mapping)).human(capture)
-    return standing(on_level_floor(check_plausible(without_jumps(human))))
+    joints = named_joints(capture, mapping)
+    human = check_plausible(without_jumps(with_lost_frames_bridged(calibrate(capture, joints).human(capture))))
+    return standing(on_level_floor(check_anatomy(human, capture, joints)))
 
 
 def named_joints(capture: Capture, mapping: str | Path | Mapping[str, str] | None = None) -> dict[str, int]:
     """Canonical joint -> joint of a capture, as `recognise` names them.
 
     Raises:
-        InputError: unknown names, or names that contradict the hierarchy.
+        UnknownSkeletonError: unknown names; it has a mapping to be completed.
+        InputError: a mapping that does not fit, or names that contradict the hierarchy.
     """
     return _joints_from_mapping(capture, mapping) if mapping is not None else _joints_from_conventions(capture)
 
@@ -107,7 +112,7 @@ def _joints_from_conventions(capture: Capture) -> dict[str, int]:
     table: dict[str, int] = {}
     for index, name in enumerate(capture.joints):
         table.setdefault(_plain_name(name), index)
-    closest, reason = list(CANONICAL_JOINTS), ""
+    closest, reason, partly = list(CANONICAL_JOINTS), "", dict[str, int]()
     for names in naming_conventions().values():
         for prefix in _possible_prefixes(table, names):
             joints = {
@@ -122,12 +127,12 @@ def _joints_from_conventions(capture: Capture) -> dict[str, int]:
             if not missing and not wrong:
                 return joints
             if len(missing) < len(closest):
-                closest, reason = missing, wrong
-    lacking = f"not found: {', '.join(closest)}" if closest else reason
-    raise InputError(
-        f"{capture.name}: unknown skeleton ({lacking}); write a mapping file with lines like"
-        f' left_knee = "Their name" for {", ".join(CANONICAL_JOINTS)}; its joints are {", ".join(capture.joints)}'
-    )
+                closest, reason, partly = missing, wrong, joints
+    aliases = {
+        joint: [alias for names in naming_conventions().values() for alias in names.get(joint, [])]
+        for joint in CANONICAL_JOINTS
+    }
+    raise unknown_skeleton(capture, aliases, partly, reason)
 
 
 def _plain_name(name: str) -> str:

@@ -10,27 +10,21 @@ from sot.motion.human.capture import Capture, Leg, find_legs
 
 HUMAN_LEG_RANGE_M = (0.6, 1.1)  # hip to ankle of a human who can dance
 AVERAGE_LEG_M = 0.85
-KNOWN_METRES_PER_UNIT = (
-    1.0,
-    0.01,
-    0.001,
-    0.0254,
-    0.0254 / 0.45,
-    0.3048,
-)  # m, cm, mm, inch, inch/0.45 (CMU), foot
+METRES_PER_UNIT = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "cmu": 0.0254 / 0.45, "ft": 0.3048}
+"""Name of a unit -> metres; CMU counts in inches / 0.45."""
 REFERENCE_POSE_JUMP_SPEED = 9.0  # m/s; a joint moves faster from one frame to the next only out of a reference pose
 COORDINATE_LIMIT = 1e6  # in file units: a kilometre in the smallest unit
 FLOOR_PERCENTILE = 3.0  # of the lowest point of the feet: neither a jump nor a dip of noise moves the floor
 
 UP_AXES = {sign + axis: (k, 1.0 if not sign else -1.0) for sign in ("", "-") for k, axis in enumerate("xyz")}
-"""Name of each axis of a file that may be up -> its index and sign."""
+"""Name of each axis of a file that may be up, or forward -> its index and sign."""
 CLEARLY_UPRIGHT = 0.8  # cosine of a body to an axis, on average, from which on the clip itself shows that it is up
 POSTURE_COSINE = 0.9  # of trunk and legs to each other and to an axis, in a zero pose that is a posture
 LYING_EXTENT = 0.75  # leg lengths: all that is recorded of who lies is within this height above the floor
 FLOOR_TOLERANCE = 0.2  # leg lengths, between the origin of a file and its floor
 
 
-def to_world(recorded: Capture, up: str | None = None) -> Capture:
+def to_world(recorded: Capture, up: str | None = None, forward: str | None = None, unit: str | None = None) -> Capture:
     """Turn a capture in its file's own units and axes into one in the project's.
 
     Needs no joint names, only a pair of legs: the longest two chains of equal bones that hang off one joint. Their
@@ -38,27 +32,43 @@ def to_world(recorded: Capture, up: str | None = None) -> Capture:
     `up_axis`). A reference pose that precedes the motion is dropped. The first frame ends up heading +X with its mid
     hips over the origin; the lowest point of the feet is at z = 0.
 
-    up: the file's up axis, one of `UP_AXES`, instead of the one that the clip shows.
+    Args:
+        recorded: What a file holds.
+        up: The file's up axis, one of `UP_AXES`, instead of the one that the clip shows.
+        forward: The file's axis that becomes +X, instead of the first frame's heading.
+        unit: The file's unit, one of `METRES_PER_UNIT`, instead of the one that the legs show.
 
     Raises:
-        InputError: no pair of legs, numbers too large to be a motion, or another axis.
+        InputError: no pair of legs, numbers too large to be a motion, or another axis or unit.
     """
+    ways = {name: _checked_axis(f"{name} axis", way) for name, way in (("up", up), ("forward", forward)) if way}
+    if unit is not None and unit.lower() not in METRES_PER_UNIT:
+        raise InputError(f"unit '{unit}' is not known: choose one of {', '.join(METRES_PER_UNIT)}")
     if not np.abs(recorded.positions).max() < COORDINATE_LIMIT:
         raise InputError(f"{recorded.name}: its positions are too large to be a human motion")
     legs = find_legs(recorded)
-    scale = _metres_per_unit(recorded, legs)
+    scale = METRES_PER_UNIT[unit.lower()] if unit else _metres_per_unit(recorded, legs)
     positions = recorded.positions * scale
     first = _first_moving_frame(positions, recorded.rate)
     positions, rotations = positions[first:], recorded.rotations[first:]
 
-    upright = _rotation_to_z_up(UP_AXES[_checked_axis(up)] if up else up_axis(recorded, legs, scale))
-    turn = _rotation_to_face_x(positions @ upright.T, legs) @ upright
+    vertical = ways.get("up") or up_axis(recorded, legs, scale)
+    upright = _rotation_to_z_up(vertical)
+    if "forward" in ways:
+        axis, sign = ways["forward"]
+        if axis == vertical[0]:
+            raise InputError(f"{recorded.name}: the forward axis '{forward}' lies along the up axis; name another")
+        turn = _rotation_to_x(sign * upright[:, axis]) @ upright
+    else:
+        turn = _rotation_to_x(_first_heading(positions @ upright.T, legs)) @ upright
     positions, rotations = positions @ turn.T, turn @ rotations
 
     hips = positions[0, [leg.hip for leg in legs]].mean(axis=0)
     feet = positions[:, [joint for leg in legs for joint in (leg.knee, leg.ankle, leg.tip)], 2].min(axis=1)
     origin = np.array([hips[0], hips[1], np.percentile(feet, FLOOR_PERCENTILE)])
-    return replace(recorded, positions=positions - origin, rotations=rotations)
+    late = first / recorded.rate
+    remarks = tuple(replace(one, start=one.start - late, end=one.end - late) for one in recorded.remarks)
+    return replace(recorded, positions=positions - origin, rotations=rotations, remarks=remarks)
 
 
 def _metres_per_unit(capture: Capture, legs: tuple[Leg, Leg]) -> float:
@@ -71,7 +81,7 @@ def _metres_per_unit(capture: Capture, legs: tuple[Leg, Leg]) -> float:
         ]
     )
     leg_length = 2.0 * float(length)
-    for unit in KNOWN_METRES_PER_UNIT:
+    for unit in METRES_PER_UNIT.values():
         if HUMAN_LEG_RANGE_M[0] <= leg_length * unit <= HUMAN_LEG_RANGE_M[1]:
             return unit
     return AVERAGE_LEG_M / leg_length
@@ -161,10 +171,10 @@ def _lies(recorded: Capture, legs: tuple[Leg, Leg], scale: float, up: tuple[int,
     return bool(flat and on_floor and np.abs(feet).min() > FLOOR_TOLERANCE * leg)
 
 
-def _checked_axis(name: str) -> str:
+def _checked_axis(kind: str, name: str) -> tuple[int, float]:
     if name.lower() not in UP_AXES:
-        raise InputError(f"up axis '{name}' is not known: choose one of {', '.join(UP_AXES)}")
-    return name.lower()
+        raise InputError(f"{kind} '{name}' is not known: choose one of {', '.join(UP_AXES)}")
+    return UP_AXES[name.lower()]
 
 
 def _rotation_to_z_up(up: tuple[int, float]) -> np.ndarray:
@@ -174,8 +184,8 @@ def _rotation_to_z_up(up: tuple[int, float]) -> np.ndarray:
     return np.array(turns.get(axis, [[1, 0, 0], [0, sign, 0], [0, 0, sign]]), dtype=float)
 
 
-def _rotation_to_face_x(positions: np.ndarray, legs: tuple[Leg, Leg]) -> np.ndarray:
-    """(3, 3) rotation about Z that makes the first frame's pelvis face +X."""
+def _first_heading(positions: np.ndarray, legs: tuple[Leg, Leg]) -> np.ndarray:
+    """(2,) direction that the first frame's pelvis faces, Z up."""
     one, other = legs
     lateral = positions[:, one.hip] - positions[:, other.hip]
     front = np.stack([lateral[:, 1], -lateral[:, 0]], axis=1)  # ahead if `one` is the left leg
@@ -188,6 +198,12 @@ def _rotation_to_face_x(positions: np.ndarray, legs: tuple[Leg, Leg]) -> np.ndar
     )
     if np.sum(front * pointing[:, :2]) < 0:
         front = -front
-    heading = np.arctan2(front[0, 1], front[0, 0])
+    heading: np.ndarray = front[0]
+    return heading
+
+
+def _rotation_to_x(direction: np.ndarray) -> np.ndarray:
+    """(3, 3) rotation about Z that turns a direction (2,) or (3,) to +X, seen from above."""
+    heading = np.arctan2(direction[1], direction[0])
     c, s = np.cos(heading), np.sin(heading)
     return np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from sot.errors import InputError
 from sot.motion import Capture, read
-from sot.motion.human.bvh import read_bvh
 from sot.motion.human.capture import find_legs
+from sot.motion.human.formats.bvh import read_bvh
 from sot.motion.human.world import to_world
 
 ROOT = Path(__file__).parents[4]

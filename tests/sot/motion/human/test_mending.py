@@ -9,7 +9,7 @@ import pytest
 from sot.motion import Human, read, recognise
 from sot.motion.human.mending import on_level_floor, without_jumps
 from tests.sot.motion.human.clips import Change, changed_groove, drifting, jumping
-from tests.sot.motion.human.humans import dancer
+from tests.sot.motion.human.humans import dancer, walker
 
 
 @pytest.fixture(scope="module")
@@ -110,3 +110,31 @@ def test_remarks_keep_the_clips_time_when_it_is_sliced(danced: Callable[[Change]
 def test_a_dance_on_the_spot_is_left_alone(plain: Human) -> None:
     assert plain.remarks == ()
     assert on_level_floor(without_jumps(plain)) is plain
+
+
+def sloping(human: Human, slope: float) -> Human:
+    """The human on a ramp along its way, upright as who walks on one is."""
+    points = dict(human.points)
+    for side in ("left", "right"):
+        rise = slope * points[f"{side}_ankle"][:, :1] * [0.0, 0.0, 1.0]
+        for joint in ("ankle", "toe"):
+            points[f"{side}_{joint}"] = points[f"{side}_{joint}"] + rise
+    body = slope * 0.5 * (human.points["left_ankle"][:, :1] + human.points["right_ankle"][:, :1]) * [0.0, 0.0, 1.0]
+    for name in points:
+        if not name.endswith(("ankle", "toe")):
+            points[name] = points[name] + body
+    return replace(human, points=points)
+
+
+@pytest.mark.parametrize("slope", [0.08, -0.12])
+def test_a_floor_that_slopes_is_levelled_and_told(slope: float) -> None:
+    human = walker(steps=8, stride=0.35)
+    level = on_level_floor(sloping(human, slope))
+    (told,) = level.remarks
+    assert told.words.startswith(f"The recorded floor slopes by {100 * abs(slope):.0f} %")
+    assert np.ptp(level.points["waist"][:, 2]) < 0.25 * abs(slope) * np.ptp(human.points["waist"][:, 0])
+
+
+def test_who_walks_on_a_level_floor_stays_there() -> None:
+    human = walker(steps=8, stride=0.35)
+    assert on_level_floor(human) is human

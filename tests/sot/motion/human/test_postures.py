@@ -1,5 +1,6 @@
 """Who sits or lies: told, and turned upright; and who only squats."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,12 +8,13 @@ import numpy as np
 import pytest
 
 from sot.errors import InputError
+from sot.gravity import GRAVITY
 from sot.motion import Human, Plan, plan, read, recognise
 from sot.motion.human.plausibility import check_plausible
 from sot.motion.human.postures import standing
 from sot.robots.robot import Robot
 from tests.sot.motion.human.clips import Change, changed_groove, lying, on_one_leg, seated
-from tests.sot.motion.human.humans import dancer
+from tests.sot.motion.human.humans import dancer, walker
 
 
 def danced(tmp_path: Path, change: Change) -> Human:
@@ -92,7 +94,6 @@ def test_a_deep_squat_over_the_feet_is_no_seat(lean: float) -> None:
 
 def test_who_stands_on_one_leg_throughout_is_danced_on_one(tmp_path: Path) -> None:
     found = planned(danced(tmp_path, on_one_leg))
-    assert found.remarks == []
     middle = [phase for phase in found.motion.phases if phase.start < 1.5 < phase.end]
     assert [set(phase.feet) for phase in middle] == [{"left_foot"}]
 
@@ -119,3 +120,96 @@ def test_what_no_body_can_is_refused() -> None:
     with pytest.raises(InputError, match=r"its waist moves at 30 m/s"):
         check_plausible(replace(human, points={name: place + run for name, place in human.points.items()}))
     assert check_plausible(human) is human
+
+
+def posed(drop: float, trunk_tilt: float, wrists: float, move: Callable[[dict[str, np.ndarray]], None]) -> Human:
+    """A dancer whose hips are lower, whose trunk leans ahead [rad], and whose wrists are at a height [m]."""
+    human = dancer(3.0)
+    points = dict(human.points)
+    for name in points:
+        if not name.endswith(("ankle", "toe", "knee")):
+            points[name] = points[name] - [0.0, 0.0, drop]
+    c, s = np.cos(trunk_tilt), np.sin(trunk_tilt)
+    turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    waist = points["waist"]
+    for name in points:
+        if not name.endswith(("hip", "knee", "ankle", "toe", "waist")):
+            points[name] = waist + (points[name] - waist) @ turn.T
+    for side in ("left", "right"):
+        points[f"{side}_wrist"] = points[f"{side}_wrist"] * [1.0, 1.0, 0.0] + [0.0, 0.0, wrists]
+    move(points)
+    return replace(human, points=points, frames={body: turn @ r for body, r in human.frames.items()})
+
+
+def on_knees(points: dict[str, np.ndarray]) -> None:
+    for side in ("left", "right"):
+        points[f"{side}_knee"] = points[f"{side}_hip"] - [0.0, 0.0, 0.38]
+        points[f"{side}_ankle"] = points[f"{side}_knee"] - [0.37, 0.0, 0.0]
+        points[f"{side}_toe"] = points[f"{side}_ankle"] - [0.1, 0.0, 0.05]
+
+
+@pytest.mark.parametrize(
+    ("drop", "tilt", "wrists", "move", "words", "upright"),
+    [
+        (0.35, 1.5, 0.06, on_knees, "crawls from 0.00 to 3.00 s; the robot stands, its trunk upright", True),
+        (0.35, 0.1, 0.6, on_knees, "kneels from 0.00 to 3.00 s; the robot stands, its knees", True),
+        (0.1, 2.0, 0.06, lambda points: None, "has a hand on the floor from 0.00 to 3.00 s; the robot stands", False),
+    ],
+)
+def test_hands_and_knees_on_the_floor_are_told(
+    drop: float, tilt: float, wrists: float, move: Callable, words: str, upright: bool
+) -> None:
+    up = standing(posed(drop, tilt, wrists, move))
+    assert [one.words.startswith(f"The dancer {words}") for one in up.remarks] == [True]
+    trunk = up.segment_direction("trunk")[:, 2]
+    assert (trunk.min() > 0.9) if upright else (trunk.max() < 0.0)
+
+
+def lifted(human: Human, lift: np.ndarray) -> Human:
+    return replace(human, points={name: place + np.outer(lift, [0, 0, 1]) for name, place in human.points.items()})
+
+
+def test_who_floats_is_told_and_put_on_the_floor() -> None:
+    human = dancer(6.0)
+    up = lifted(human, 0.3 * np.clip(np.minimum(human.times - 1.5, 4.5 - human.times) / 0.3, 0.0, 1.0))
+    swing = 0.3 * np.sin(8.0 * human.times)[:, None] * [1.0, 0.0, 0.0]  # feet that stand on nothing
+    up = replace(up, points={name: place + swing for name, place in up.points.items()})
+    found = standing(up)
+    (told,) = found.remarks
+    assert told.words.startswith("Both feet are off the floor, and the body rises by 0.")
+    assert 1.5 < told.start < 1.7 and 4.3 < told.end < 4.5 and not told.on_feet
+    middle = slice(round(2.5 * human.rate), round(3.5 * human.rate))
+    assert np.abs(found.points["left_toe"][middle, 2] - human.points["left_toe"][middle, 2]).max() < 0.05
+
+
+@pytest.mark.parametrize("seconds", [0.3, 0.5, 0.7])
+def test_a_leap_as_high_as_gravity_has_it_is_none(seconds: float) -> None:
+    human = dancer(4.0)
+    t = np.clip(human.times - 2.0, 0.0, seconds)
+    leap = lifted(human, 0.5 * GRAVITY * t * (seconds - t))
+    assert leap.points["waist"][:, 2].max() - human.points["waist"][:, 2].max() > 0.05
+    assert standing(leap) is leap
+
+
+def test_who_climbs_is_told_and_steps_on_the_floor() -> None:
+    human = walker(steps=6, stride=0.0)
+    height = np.zeros(human.count)
+    points = {name: place.copy() for name, place in human.points.items()}
+    for k in range(6):
+        start = 0.8 * (k + 0.5)
+        rise = 0.25 * np.clip((human.times - start) / 0.5, 0.0, 1.0)
+        height += rise
+        side = "left" if k % 2 == 0 else "right"
+        for joint in ("ankle", "toe"):
+            points[f"{side}_{joint}"][:, 2] += 2.0 * rise if k else rise
+    for name in points:
+        if not name.endswith(("ankle", "toe")):
+            points[name][:, 2] += height
+    up = standing(replace(human, points=points))
+    assert "m above the floor, as who climbs does, from" in up.remarks[-1].words
+    assert min(up.points[f"{side}_toe"][-1, 2] for side in ("left", "right")) < 0.15
+
+
+def test_who_stands_on_one_leg_all_the_time_is_told(tmp_path: Path) -> None:
+    (told,) = danced(tmp_path, on_one_leg).remarks
+    assert told.words == "The dancer stands on the left leg from 0.00 to 1.98 s; the robot does where it steps."

@@ -1,5 +1,6 @@
 """Any skeleton under canonical names, with the bodies' frames calibrated, and a human's own operations."""
 
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sot.errors import InputError
+from sot.errors import InputError, UnknownSkeletonError
 from sot.motion import SEGMENTS, Capture, Human, read, recognise
 from sot.motion.human.skeleton import CANONICAL_JOINTS, naming_conventions
 
@@ -92,10 +93,25 @@ def test_wrists_and_toes_need_no_name(capture: Capture, human: Human) -> None:
     assert other.arm > human.arm  # to the end of the hand
 
 
+def test_names_that_are_nearly_known_are_offered(capture: Capture) -> None:
+    strange = renamed(capture, {"LeftForeArm": "Left-Fore_Arm2", "Head": 'the "Head"\t'})
+    with pytest.raises(UnknownSkeletonError, match='left_elbow may be "Left-Fore_Arm2"') as error:
+        recognise(strange)
+    assert 'left_elbow = ""  # may be "Left-Fore_Arm2"' in error.value.mapping
+    assert tomllib.loads(error.value.mapping)["right_elbow"] == "RightForeArm"
+
+
 def test_unknown_names_ask_for_a_mapping(capture: Capture, tmp_path: Path) -> None:
     strange = renamed(capture, {"LeftLeg": "Genou gauche", "Head": "Tête"})
-    with pytest.raises(InputError, match=r"unknown skeleton \(not found: head, left_knee\); write a mapping file"):
+    with pytest.raises(UnknownSkeletonError, match=r"unknown skeleton \(not found: head, left_knee\)") as error:
         recognise(strange)
+    assert 'left_knee may be "Genou gauche"; complete the mapping' in str(error.value)
+    assert "\n" not in str(error.value)
+    draft = tomllib.loads(error.value.mapping)
+    assert draft["left_ankle"] == "LeftFoot" and draft["left_knee"] == draft["head"] == ""
+    assert '"Tête"' in error.value.mapping.splitlines()[-1]
+    completed = draft | {"left_knee": "Genou gauche", "head": "Tête"}
+    np.testing.assert_array_equal(recognise(strange, completed).points["head"], recognise(capture).points["head"])
     table = {joint: names[0] for joint, names in naming_conventions()["motionbuilder"].items()}
     table |= {"left_knee": "Genou gauche", "head": "Tête"}
     file = tmp_path / "skeleton.toml"

@@ -8,8 +8,8 @@ import pytest
 
 from sot.errors import InputError
 from sot.motion import read, recognise
-from sot.motion.human.bvh import read_bvh
 from sot.motion.human.capture import Capture, find_legs
+from sot.motion.human.formats.bvh import read_bvh
 from sot.motion.human.world import UP_AXES, to_world, up_axis
 from tests.sot.motion.human.clips import Change, changed_groove, lying, seated, short_groove, x_up
 
@@ -68,3 +68,23 @@ def test_the_up_axis_can_be_asked_for(tmp_path: Path) -> None:
     assert read(path, up="-y").positions[0, 0, 2] != pytest.approx(read(path).positions[0, 0, 2])
     with pytest.raises(InputError, match="up axis 'w' is not known: choose one of x, y, z, -x, -y, -z"):
         read(path, up="w")
+
+
+def test_the_forward_axis_can_be_asked_for(tmp_path: Path) -> None:
+    """The dancer faces the file's Z: what is asked to be forward is turned to +X, and the dancer with it."""
+    path = written(tmp_path, short_groove(30))
+    heading = {way: recognise(read(path, forward=way)).pelvis_frame()[0, :2, 0] for way in ("z", "-z", "x")}
+    np.testing.assert_allclose(heading["z"], [1.0, 0.0], atol=0.05)
+    np.testing.assert_allclose(heading["-z"], [-1.0, 0.0], atol=0.05)
+    np.testing.assert_allclose(heading["x"], [0.0, -1.0], atol=0.05)  # its X is the dancer's left
+    with pytest.raises(InputError, match="forward axis 'y' lies along the up axis"):
+        read(path, forward="y")
+
+
+def test_the_unit_can_be_asked_for(tmp_path: Path) -> None:
+    path = written(tmp_path, short_groove(30))
+    leg = recognise(read(path)).leg
+    assert recognise(read(path, unit="cm")).leg == pytest.approx(leg)
+    assert recognise(read(path, unit="mm")).leg == pytest.approx(0.1 * leg)
+    with pytest.raises(InputError, match="unit 'furlong' is not known: choose one of m, cm, mm, in, cmu, ft"):
+        read(path, unit="furlong")

@@ -9,7 +9,7 @@ import numpy as np
 
 from sot.errors import InputError
 from sot.motion.human.capture import Capture
-from sot.motion.human.text import AXES, RATE_RANGE_HZ, parse_numbers, read_lines, rotate_about_own_axis
+from sot.motion.human.formats.text import AXES, RATE_RANGE_HZ, parse_numbers, read_lines, rotate_about_own_axis
 
 DEFAULT_RATE_HZ = 120.0  # Hz, of CMU's and most other files, which do not say it
 ROOT = "root"

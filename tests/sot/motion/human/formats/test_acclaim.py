@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from sot.errors import InputError
 from sot.motion import read
-from sot.motion.human.acclaim import DEFAULT_RATE_HZ, read_acclaim
-from sot.motion.human.bvh import read_bvh
+from sot.motion.human.formats.acclaim import DEFAULT_RATE_HZ, read_acclaim
+from sot.motion.human.formats.bvh import read_bvh
 
 ASF = """# a comment
 :version 1.10

@@ -9,7 +9,7 @@ import numpy as np
 
 from sot.errors import InputError
 from sot.motion.human.capture import Capture
-from sot.motion.human.text import AXES, RATE_RANGE_HZ, parse_numbers, read_lines, rotate_about_own_axis
+from sot.motion.human.formats.text import AXES, RATE_RANGE_HZ, parse_numbers, read_lines, rotate_about_own_axis
 
 MISSING_FRAMES_ALLOWED = 2  # a header may promise so many too many: converters that drop a frame forget to count again
 
@@ -25,8 +25,9 @@ class _Joint:
 def read_bvh(path: str | Path) -> Capture:
     """Read a .bvh file as it stands: its own unit and axes, every frame.
 
-    Channels may come in any number and order on each joint; a position channel replaces that component of OFFSET. The
-    frame count in the header is not trusted: all the frames there are get read.
+    Channels may come in any number and order on each joint; a position channel replaces that component of OFFSET, and
+    the angles that SOMA writes behind an OFFSET are of a pose that is not needed. The frame count in the header is not
+    trusted: all the frames there are get read.
 
     Raises:
         InputError: naming the file and line that cannot be read, and why.
@@ -86,7 +87,7 @@ def _parse_hierarchy(path: Path, lines: list[str]) -> tuple[list[_Joint], int]:
             if closed.offset is None:
                 raise InputError(f"{where}: joint '{closed.name}' has no OFFSET")
         elif key == "OFFSET" and open_joints:
-            joints[open_joints[-1]].offset = parse_numbers(where, words[1:], 3)
+            joints[open_joints[-1]].offset = parse_numbers(where, words[1:], 6 if len(words) == 7 else 3)[:3]
         elif key == "CHANNELS" and open_joints:
             joints[open_joints[-1]].channels = _parse_channels(where, words[1:])
         elif key == "MOTION" and joints and not open_joints:

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from sot.errors import InputError
 from sot.motion import read
-from sot.motion.human.bvh import read_bvh
+from sot.motion.human.formats.bvh import read_bvh
 from tests.sot.motion.human.clips import short_groove
 
-ROOT = Path(__file__).parents[4]
+ROOT = Path(__file__).parents[5]
 GROOVE = ROOT / "scenarios/inputs/data/groove.bvh"
 MOCAP = ROOT / "../shared/mocap"
 ARM = """HIERARCHY
@@ -150,6 +150,8 @@ def test_refuses_what_is_no_file(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="No such file"):
         read(tmp_path / "absent.bvh")
     with pytest.raises(InputError, match=r"supported: .*\.bvh"):
+        read(tmp_path / "clip.mp4")
+    with pytest.raises(InputError, match=r"make a BVH of it in Blender"):
         read(tmp_path / "clip.fbx")
 
 

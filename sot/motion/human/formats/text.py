@@ -11,6 +11,7 @@ from sot.text_file import read_text
 
 RATE_RANGE_HZ = (5.0, 2000.0)  # what a motion capture system can plausibly have recorded
 AXES = "XYZ"
+MAX_QUOTED = 80  # characters of a line that a message shows
 
 
 def read_lines(path: Path, kind: str) -> list[str]:
@@ -40,7 +41,9 @@ def parse_numbers(where: str, words: Sequence[str], count: int) -> tuple[float, 
         found = ()
     if len(found) != count or not all(map(math.isfinite, found)):
         wanted = "a number" if count == 1 else f"{count} numbers"
-        raise InputError(f"{where}: expected {wanted}, found '{' '.join(words)}'")
+        held = " ".join(words)
+        held = f"'{held}'" if len(held) <= MAX_QUOTED else f"{len(words)}, '{held[:MAX_QUOTED]}…'"
+        raise InputError(f"{where}: expected {wanted}, found {held}")
     return found
 
 

@@ -1,0 +1,22 @@
+"""Options of the command line on a clip's file: what the file does not say."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sot.motion.human.world import METRES_PER_UNIT
+
+UpAxis = Annotated[
+    str | None,
+    typer.Option("--up", help="Up axis of the clip's file: x, y, z, -x, -y or -z; found in the clip by default."),
+]
+ForwardAxis = Annotated[
+    str | None,
+    typer.Option("--forward", help="Axis of the clip's file to dance along; the first frame's heading by default."),
+]
+Unit = Annotated[
+    str | None,
+    typer.Option("--unit", help=f"Unit of the clip's file: {', '.join(METRES_PER_UNIT)}; found by default."),
+]
+MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
