@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from sot.gravity import GRAVITY
-from sot.hardware.compliance import FootCompliance, bush_position
+from sot.hardware.compliance import DEFAULT_LOSS, FootCompliance, bush_position
 from sot.hardware.readings import Readings, measured_zmp
 from sot.hardware.servo import JointTargets, Servo
 from sot.motion.trajectory import Motion, MotionSample
@@ -91,7 +91,9 @@ class Stabiliser:
         self._compliance = bush_compliance(compliance) if isinstance(compliance, FootCompliance) else np.zeros(3)
         self._estimate = ComplianceEstimate(robot, length, self._bushes) if compliance == "estimated" else None
         self._legs = leg_compliance(robot, servo or Servo.of(robot))
-        self._admittance = FootAdmittance(robot, length, dcm.feet, period) if dcm else None
+        known = compliance if isinstance(compliance, FootCompliance) else None
+        relaxation = known.relaxation_time(robot) if known else DEFAULT_LOSS / float(self._omega)
+        self._admittance = FootAdmittance(robot, length, dcm.feet, relaxation, period) if dcm else None
 
     def __call__(self, t: float, q: Array, v: Array, readings: Readings) -> JointTargets:
         """One tick, see `PositionController`."""
