@@ -122,13 +122,12 @@ class Stabiliser:
     def divergent_component(self, t: float, q: Array, v: Array) -> Array:
         """ξ of a state (2,), moved and turned along with the feet that stand from where they are to their plan [m]."""
         robot, data = self._motion.robot, self._data
-        pin.centerOfMass(robot.model, data, q, v)
-        pin.updateFramePlacements(robot.model, data)
+        pin.centerOfMass(robot.model, data, q, v, False)
         xi = (data.com[0] + data.vcom[0] / self._omega)[:2]
         feet, limits = self._loads.feet(t), self._loads.limits(t)
         seen, total = np.zeros(2), 0.0
         for foot, planned in feet.items():
-            place, share = data.oMf[robot.point(foot)], max(limits[foot], MIN_SHARE)
+            place, share = pin.updateFramePlacement(robot.model, data, robot.point(foot)), max(limits[foot], MIN_SHARE)
             turn = planned.rotation @ place.rotation.T
             c, s = turn[0, 0] + turn[1, 1], turn[1, 0] - turn[0, 1]
             turned = np.array([[c, -s], [s, c]]) @ (xi - place.translation[:2]) / np.hypot(c, s)
