@@ -89,6 +89,7 @@ def sway_modes(
     stiffness = np.array([static_force(step) - static_force(-step) for step in steps]).T / (2.0 * DIFFERENCE)
     mass = pin.crba(model, data, q)
     mass = np.triu(mass) + np.triu(mass, 1).T
+    mass[6:, 6:] += np.diag(servo.rotor - robot.armature)
     damping = np.diag(np.concatenate([np.zeros(6), servo.damping + robot.damping]))
     com = pin.jacobianCenterOfMass(model, data, q).copy()
     pin.computeJointJacobians(model, data, q)
