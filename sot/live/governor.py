@@ -1,10 +1,12 @@
 """A motion that follows targets as fast as range, velocity, acceleration and jerk allow, never stretching time."""
 
 import numpy as np
+import quadprog
 from numpy.typing import NDArray
 
 from solvers.compiled import compiled
 from sot.acceleration_bounds import AccelerationBounds
+from sot.live.planted_legs import PlantedLegs
 from sot.motion.body.limits import Limits
 from sot.robots.robot import Robot
 
@@ -28,6 +30,9 @@ MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION = 4.0, 6.0
 """Bounds of the pelvis' velocity [rad/s] and acceleration [rad/s²]: the whole upper body turns with it."""
 MAX_CHEST_ACCELERATION = 8.0
 """The same of the joints below the chest, which carry arms and head."""
+ACCEPTED_LEG_EXCESS = 0.1
+"""Acceleration of a leg's joint beyond its bounds that costs as much as the whole acceleration of the pelvis [rad/s²]:
+there always is an answer."""
 
 
 class Governor:
@@ -37,18 +42,21 @@ class Governor:
 
         v* = ẏ_t + sign(e) min(λ |e|, √(2 b |e|)),    ÿ* = k (v* − ẏ),
 
-    and ÿ* is kept within Kim (14) in its viable form and changes by no more than the jerk allows.
+    and ÿ* is kept within Kim (14) in its viable form and changes by no more than the jerk allows. Legs follow from the
+    base: of its accelerations the nearest is taken with which their joints keep the same bounds, too. Were each of its
+    coordinates governed by itself, it would be led to mixtures that no standing legs reach.
 
     Args:
         robot: who moves.
         limits: of the coordinates y.
+        legs: of the robot, that stand.
         start: coordinates to start from, at rest (nv,).
         period: between its steps [s].
     """
 
-    def __init__(self, robot: Robot, limits: Limits, start: Array, period: float) -> None:
+    def __init__(self, robot: Robot, limits: Limits, legs: PlantedLegs, start: Array, period: float) -> None:
         self.y, self.dy, self.ddy = start.copy(), np.zeros_like(start), np.zeros_like(start)
-        self._period = period
+        self._period, self._legs = period, legs
         velocity, acceleration = USABLE_VELOCITY_SHARE * limits.velocity, limits.acceleration.copy()
         velocity[:3], acceleration[:3] = MAX_HIP_SPEED, MAX_HIP_ACCELERATION
         velocity[3:6], acceleration[3:6] = MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION
@@ -60,13 +68,14 @@ class Governor:
             velocity,
             acceleration,
         )
-        self._bounds = AccelerationBounds(
-            limits.lower, limits.upper, velocity, BRAKING_SHARE * acceleration, acceleration
-        )
+        brake = acceleration.copy()
+        brake[legs.columns] = np.minimum(brake[legs.columns], MAX_PELVIS_ACCELERATION)  # it has to slow down with them
+        self._bounds = AccelerationBounds(limits.lower, limits.upper, velocity, BRAKING_SHARE * brake, acceleration)
+        self._scale = acceleration[:6]
+        self._H = np.diag(np.concatenate([np.ones(6), np.full(len(legs.columns), ACCEPTED_LEG_EXCESS**-2)]))
 
-    def step(self, target: Array, velocity: Array, greatest_height: float = np.inf) -> None:
-        """Go on by a period towards a target (nv,) that moves with a velocity (nv,), the base below a height [m]."""
-        self._bounds.upper[2] = greatest_height
+    def step(self, target: Array, velocity: Array) -> None:
+        """Go on by a period towards a target (nv,) that moves with a velocity (nv,)."""
         rate = self.dy + 0.5 * JERK_TIME * self.ddy  # once the acceleration of now has come to an end
         low, high = self._bounds(self.y + JERK_TIME * rate, rate, self._period)
         wanted = _wanted_accelerations(
@@ -80,10 +89,31 @@ class Governor:
             self._acceleration,
         )
         T, change = self._period, self._acceleration * (self._period / JERK_TIME)
-        curve = np.clip(wanted, self.ddy - change, self.ddy + change)
+        least, most = np.clip((low, high), self.ddy - change, self.ddy + change)
+        curve = np.clip(wanted, least, most)
+        legs = self._legs.columns
+        curve[:6] = self._base_acceleration(curve[:6], least[:6], most[:6], low[legs], high[legs])
         self.y = self.y + T * self.dy + T**2 * (self.ddy / 3.0 + curve / 6.0)
         self.dy = self.dy + 0.5 * T * (self.ddy + curve)
         self.ddy = curve
+        self.y, self.dy, self.ddy = self._legs(self.y, self.dy, self.ddy)
+
+    def _base_acceleration(self, wanted: Array, least: Array, most: Array, low: Array, high: Array) -> Array:
+        """The base's acceleration (6,) nearest to a wanted one, with which the legs' (k,) are within bounds.
+
+        They are solved for with the excess s of the legs: low − s <= A ÿ + b <= high + s, least <= ÿ <= most.
+        """
+        A, b = self._legs.accelerations(self.y, self.dy)
+        legs = A @ wanted + b
+        if (legs >= low).all() and (legs <= high).all():
+            return wanted
+        scale, width = self._scale, 1e-6  # a box without any width has dependent constraints
+        A = A * scale
+        one, zero, excess = np.eye(6), np.zeros((6, len(A))), np.eye(len(A))
+        rows = np.vstack([np.hstack(pair) for pair in ((one, zero), (-one, zero), (A, excess), (-A, excess))])
+        bounds = np.concatenate([least / scale - width, -most / scale - width, low - b, b - high])
+        x = quadprog.solve_qp(self._H, np.append(wanted / scale, np.zeros(len(A))), rows.T, bounds)[0]
+        return np.clip(scale * x[:6], least, most)
 
 
 @compiled

@@ -60,14 +60,14 @@ class LiveReference:
         self.robot = robot
         self._data = robot.model.createData()
         self.rest = from_configuration(robot.rest[None])[0]
-        self._governor = Governor(robot, limits, self.rest, PERIOD)
         self._points: dict[str, int] = {}
         (self._phase,) = planted_phases(robot, inf)
         com = pin.centerOfMass(robot.model, self._data, robot.rest).copy()
         foot = robot.sole(robot.feet[0])
         support = support_polygon(robot, self._phase)
         self._preview = ComPreview(support, np.ptp(foot[:, :2], axis=0), com[:2], float(com[2]))
-        self._legs = PlantedLegs(robot, self._phase, self.rest)
+        legs = PlantedLegs(robot, self._phase, self.rest)
+        self._governor = Governor(robot, limits, legs, self.rest, PERIOD)
         self._wanted = com[:2].copy()
         self._knots: list[Knot] = []
         self._knots.append(self._knot())
@@ -92,11 +92,7 @@ class LiveReference:
         self._step(target, velocity)
 
     def _step(self, target: Array, velocity: Array) -> None:
-        greatest = self._legs.greatest_height(self._governor.y)
-        if target[2] > greatest:  # the person may rise on; what the legs hold back has no speed
-            target, velocity = target.copy(), velocity.copy()
-            target[2], velocity[2] = greatest, min(velocity[2], 0.0)
-        self._governor.step(target, velocity, greatest)
+        self._governor.step(target, velocity)
         if (len(self._knots) - 1) % KNOTS_PER_PLAN == 0:
             self._preview.plan(self._wanted)
         self._preview.advance(PERIOD)
@@ -104,7 +100,7 @@ class LiveReference:
 
     def _knot(self) -> Knot:
         governor, model, data, plan = self._governor, self.robot.model, self._data, self._preview
-        y, dy, ddy = self._legs(governor.y, governor.dy, governor.ddy)
+        y, dy, ddy = governor.y, governor.dy, governor.ddy
         q, v, a = pinocchio_state(y, dy, ddy)
         pin.computeCentroidalMomentumTimeVariation(model, data, q, v, a)
         momentum, turn = data.hg.angular.copy(), data.dhg.angular.copy()
