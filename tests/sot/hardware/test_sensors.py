@@ -30,9 +30,9 @@ def test_a_data_sheet_in_its_own_units():
 
 def test_rates_are_as_noisy_as_the_difference_of_two_rounded_angles():
     rng, channel = np.random.default_rng(0), sensor_preset("mti630").joint_velocity
-    angles = rng.uniform(0.0, 1.0, 20_000) + np.array([[0.0], [1e-3]])  # 1 rad/s, read every millisecond
-    first, second = ENCODER_STEP * np.round(angles / ENCODER_STEP)
-    assert np.std((second - first) / 1e-3) == pytest.approx(channel.noise, rel=0.05)
+    angle, rate = rng.uniform(0.0, 1.0, (2, 20_000))
+    first, second = ENCODER_STEP * np.round(np.stack([angle, angle + 1e-3 * rate]) / ENCODER_STEP)
+    assert np.std((second - first) / 1e-3 - rate) == pytest.approx(channel.noise, rel=0.05)
 
 
 def test_white_noise_of_a_first_order_filter():
