@@ -4,6 +4,7 @@ import json
 import os
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -37,7 +38,7 @@ from scenarios.robots.commands import robot_app
 from scenarios.showing import print_remarks, progress, show_report
 from scenarios.stairs import options as stairs_cli
 from scenarios.studies import MOTION_SCENARIOS, default_solver, is_file, run_scenario
-from scenarios.suite import SUITES, bench_suite, suite_pieces
+from scenarios.suite import SUITES, bench_suite, columns_of, suite_pieces
 from scenarios.suite import show as show_suite
 from scenarios.terminal import BAD_INPUT, DONE, FAILED, FELL, INTERRUPTED, messages, output
 from sot.errors import InputError, UnknownSkeletonError
@@ -324,9 +325,13 @@ def bench_command(
     feet: Annotated[str, typer.Option(help="With --suite: what `sot replay --feet` takes.")] = "auto",
     mocap: Annotated[Path | None, typer.Option(help="With --suite or --robots: a folder of more clips.")] = None,
     out: Annotated[Path | None, typer.Option(help="With either: folder to keep recordings and reports in.")] = None,
+    state: plant_options.StateName = "true",
+    sensors: plant_options.SensorsName = "ideal",
 ) -> int:
     """Dance a clip and say what a tick costs, phase by phase; or dance a suite of clips and say how they went."""
-    common = Replay("", robot, solver=solver, rate=rate, feet=feet)
+    common = Replay("", robot, solver=solver, rate=rate, feet=feet, state=state, sensors=sensors)
+    if suite is None and (state, sensors) != ("true", "ideal"):
+        raise InputError("--state and --sensors: only a suite is danced on an estimated state; add --suite dance")
     if robots:
         check_writable(out or Path())
         make_solver(solver)
@@ -379,11 +384,11 @@ def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | No
         raise InputError(f"unknown suite '{suite}': choose one of {', '.join(SUITES)}")
     check_writable(out or Path())
     make_solver(request.solver)
-    Robot.load(request.robot)
-    chosen = suite_pieces(mocap)
+    request.hardware(Robot.load(request.robot))
+    chosen, columns = suite_pieces(mocap), columns_of(request)
     with progress() as tell:
-        table = bench_suite(request, chosen, out, tell)
-    return _shown_table(table, show_suite, as_json)
+        table = bench_suite(request, chosen, out, tell, columns)
+    return _shown_table(table, partial(show_suite, columns=columns), as_json)
 
 
 def _shown_table(table: dict[str, Any], show: Callable[[dict[str, Any], Console], None], as_json: bool) -> int:
