@@ -1,48 +1,49 @@
 """The command line, `sot`: its exit status is 0 done and upright, 1 fallen, 2 bad usage or input, 3 anything else."""
 
-import json
 import os
 import sys
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from scenarios import viewer
-from scenarios.bench import benchmark_figures, read_figures
-from scenarios.bench import show as show_bench
+from scenarios.bench_command import bench_command
 from scenarios.inputs import plant_options
-from scenarios.inputs.clip_options import ForwardAxis, MappingFile, Unit, UpAxis
+from scenarios.inputs.clip_options import (
+    Clip,
+    Contacts,
+    Duration,
+    EditFile,
+    Feet,
+    ForwardAxis,
+    MappingFile,
+    Start,
+    Unit,
+    UpAxis,
+)
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.inputs.plant import parse_feet_compliance
+from scenarios.inputs.run_options import MismatchText, Pushes, Rate, RobotName, SolverName
 from scenarios.kimoh2013.damping import options as damping_cli
 from scenarios.listing import Kind, list_rows
 from scenarios.live.commands import live_command, stream_command
 from scenarios.otani2017 import options
 from scenarios.page import write_page
-from scenarios.peers import read_peer_figures
 from scenarios.replay import (
     RECORDING_FILE,
     Replay,
-    check_writable,
-    make_solver,
     replay,
     retarget,
 )
-from scenarios.robots.bench import bench_robots, robot_pieces, show_robots
 from scenarios.robots.commands import robot_app
 from scenarios.showing import print_remarks, progress, show_report
 from scenarios.stairs import options as stairs_cli
 from scenarios.studies import MOTION_SCENARIOS, default_solver, is_file, run_scenario
-from scenarios.suite import SUITES, bench_suite, columns_of, suite_pieces
-from scenarios.suite import show as show_suite
 from scenarios.terminal import BAD_INPUT, DONE, FAILED, FELL, INTERRUPTED, messages, output
 from sot.errors import InputError, UnknownSkeletonError
-from sot.robots.robot import Robot
 
 TRACEBACK_VARIABLE = "SOT_TRACEBACK"
 
@@ -54,27 +55,7 @@ app = typer.Typer(
 app.add_typer(robot_app, name="robot")
 app.command("live")(live_command)
 app.command("stream")(stream_command)
-
-Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .c3d, .mvnx, .npz) or a name of `sot list clips`.")]
-RobotName = Annotated[str, typer.Option("--robot", help="A name of `sot list robots`, or a robot file (.toml).")]
-SolverName = Annotated[str, typer.Option("--solver", help="A name of `sot list solvers`.")]
-Feet = Annotated[str, typer.Option(help="auto: they step if the dancer's do; steps; planted: they stay.")]
-Start = Annotated[float, typer.Option(help="Where in the clip to start [s].", min=0.0)]
-Duration = Annotated[float | None, typer.Option(help="How much of the clip to play [s]; to its end by default.")]
-Rate = Annotated[float, typer.Option(help="Control ticks per second.", min=100.0, max=2000.0)]
-Pushes = Annotated[
-    list[str] | None,
-    typer.Option("--push", help='A push, like "t=5 force=80,0,0 duration=0.1 body=chest" [s, N]; may be repeated.'),
-]
-MismatchText = Annotated[
-    str,
-    typer.Option(
-        "--mismatch",
-        help='What the controller is not told, like "mass=1.1 damping=2 delay=0.002 noise=0.05 friction=0.5 seed=1".',
-    ),
-]
-Contacts = Annotated[Path | None, typer.Option(help="File (.toml) of the steps, as `sot retarget -o` writes it.")]
-EditFile = Annotated[Path | None, typer.Option("--edit", help="File (.toml) of edits of the dance: docs/editing.md.")]
+app.command("bench")(bench_command)
 
 
 @app.command("replay")
@@ -306,55 +287,6 @@ def list_command(kind: Annotated[Kind, typer.Argument(help="What to list.")]) ->
     return DONE
 
 
-@app.command("bench")
-def bench_command(
-    clip: Clip = "groove",
-    robot: RobotName = "hrp2",
-    solver: SolverName = "cascade",
-    start: Start = 0.0,
-    duration: Duration = None,
-    rate: Rate = 1000.0,
-    against: Annotated[Path | None, typer.Option(help="Figures to compare with, of `sot bench --json`.")] = None,
-    peer: Annotated[
-        list[Path] | None,
-        typer.Option(help="Figures to stand beside, of benchmarks/peer_tsid.py or peer_ticks.py; may be repeated."),
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="The figures as JSON instead of a table.")] = False,
-    suite: Annotated[str | None, typer.Option(help="dance: many clips, and a row of figures each.")] = None,
-    robots: Annotated[bool, typer.Option("--robots", help="All named robots, and a row of figures a dance.")] = False,
-    feet: Annotated[str, typer.Option(help="With --suite: what `sot replay --feet` takes.")] = "auto",
-    mocap: Annotated[Path | None, typer.Option(help="With --suite or --robots: a folder of more clips.")] = None,
-    out: Annotated[Path | None, typer.Option(help="With either: folder to keep recordings and reports in.")] = None,
-    state: plant_options.StateName = "true",
-    sensors: plant_options.SensorsName = "ideal",
-) -> int:
-    """Dance a clip and say what a tick costs, phase by phase; or dance a suite of clips and say how they went."""
-    common = Replay("", robot, solver=solver, rate=rate, feet=feet, state=state, sensors=sensors)
-    if suite is None and (state, sensors) != ("true", "ideal"):
-        raise InputError("--state and --sensors: only a suite is danced on an estimated state; add --suite dance")
-    if robots:
-        check_writable(out or Path())
-        make_solver(solver)
-        dances = robot_pieces(mocap)
-        with progress() as tell:
-            table = bench_robots(common, dances, out, tell)
-        return _shown_table(table, show_robots, as_json)
-    if suite is not None:
-        return _bench_suite(common, suite, mocap, out, as_json)
-    if against and peer:
-        raise InputError("--against and --peer: one table compares two runs, the other one shows peers; choose one")
-    others = read_figures(against) if against else None
-    peers = [read_peer_figures(path) for path in peer or ()]
-    request = Replay(clip, robot, solver=solver, start=start, duration=duration, rate=rate)
-    with progress() as tell:
-        figures = benchmark_figures(request, tell) | ({"peers": peers} if peers else {})
-    if as_json:
-        print(json.dumps(figures, indent=2))
-    else:
-        show_bench(figures, output, others)
-    return FELL if figures["fell"] else DONE
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit status; errors are one line each, on stderr."""
     try:
@@ -377,27 +309,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _without_command(context: typer.Context) -> None:
     if context.invoked_subcommand is None:
         print(context.get_help())
-
-
-def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | None, as_json: bool) -> int:
-    if suite not in SUITES:
-        raise InputError(f"unknown suite '{suite}': choose one of {', '.join(SUITES)}")
-    check_writable(out or Path())
-    make_solver(request.solver)
-    request.hardware(Robot.load(request.robot))
-    chosen, columns = suite_pieces(mocap), columns_of(request)
-    with progress() as tell:
-        table = bench_suite(request, chosen, out, tell, columns)
-    return _shown_table(table, partial(show_suite, columns=columns), as_json)
-
-
-def _shown_table(table: dict[str, Any], show: Callable[[dict[str, Any], Console], None], as_json: bool) -> int:
-    """Print a table of dances, and say by which status it ended."""
-    if as_json:
-        print(json.dumps(table, indent=2))
-    else:
-        show(table, output)
-    return DONE if table["summary"]["successes"] == table["summary"]["clips"] else FELL
 
 
 def _error_message(error: Exception) -> str:

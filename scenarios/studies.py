@@ -8,7 +8,6 @@ from typing import Any
 
 from rich.console import Console
 
-from scenarios import sliding
 from scenarios.dariush2009 import dariush
 from scenarios.hammam2015 import hammam
 from scenarios.hammam2015.key_point_reference import ClipPart
@@ -19,7 +18,7 @@ from scenarios.kimoh2013.damping import damping
 from scenarios.kimoh2013.damping.damping import DampingOptions
 from scenarios.otani2017 import otani
 from scenarios.otani2017.otani import Handling
-from scenarios.ramos2011 import ramos
+from scenarios.ramos2011 import ramos, sliding
 from scenarios.replay import (
     REPORT_FILE,
     Dance,

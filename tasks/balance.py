@@ -13,6 +13,8 @@ from sot.control.task import Task
 from sot.control.tick import Tick, TickContact, momentum_excess_per_weight
 from sot.gravity import GRAVITY
 from sot.polygon import WHOLE_FLOOR, Polygon, nearest_point
+from sot.robots.surface import Surface
+from sot.static_region import Patch, static_region
 
 Array = np.ndarray
 PlaceReference = Callable[[float], Array]
@@ -22,6 +24,8 @@ BalanceReference = Callable[[float], tuple[Array, Array, Array, Array]]
 CATCHING_MARGIN = 0.009
 """Increase of the support margin while one foot makes a step of recovery [m]: on its very edge, the other foot has no
 friction left to turn with."""
+LEVEL_TOLERANCE = 1e-4
+"""By how much the cosine of a level surface's tilt may lack of 1."""
 SUPPORT_UPDATE_INTERVAL = 0.01
 """Interval at which the support polygon is computed anew [s]; at once if the load ramp of a contact changes."""
 
@@ -38,6 +42,11 @@ class Balance(Task):
     from what the feet stand on. What the plan knows of angular momentum is in c̈_ref and z_ref, and is given up where it
     leaves too little room to recover. What the body has beyond the plan, ΔL, has to go as well: at the rate ω + k that
     takes the zero-moment point (ω + k) / (m g) (ΔL_y, −ΔL_x) away from z*, and that, too, is to be inside.
+
+    Where hands stand on the world as well, or feet on what is not level, no polygon of a floor says where the
+    zero-moment point may be. The static region takes its place: where the centre of mass can rest by friction and
+    bounds of all contacts that carry (`static_region`). Level 0 spreads the forces. It takes a tenth of a second, once
+    for each set of contacts.
 
     While a foot makes a step that was not planned (its contact is off and has a `path`), the other one alone does not
     lead ξ back, the step does. The zero-moment point itself is then commanded to z*, and the centre of mass is left to
@@ -78,6 +87,9 @@ class Balance(Task):
         self.k, self.kp, self.margin = k, kp, margin
         self._polygon, self._displacement = WHOLE_FLOOR, Displacement.of(())
         self._ramps, self._updated_at, self._ground = [-1.0], -np.inf, 0.0
+        self._regions: dict[
+            tuple[tuple[str, str], ...], Polygon
+        ] = {}  # by the contacts that carry and what they are on
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
@@ -101,9 +113,7 @@ class Balance(Task):
 
     def _update_support(self, tick: Tick) -> None:
         """Compute support polygon and displacement anew if due: standing feet creep by little."""
-        loads = [
-            contact.load if contact.mode == "fixed" else 0.0 for contact in tick.contacts if _is_foot(tick, contact)
-        ]
+        loads = [contact.load if contact.mode == "fixed" else 0.0 for contact in tick.contacts if contact.is_footing]
         if loads != self._ramps or not 0.0 < tick.t - self._updated_at < SUPPORT_UPDATE_INTERVAL:
             self._polygon, self._displacement = self._support_polygon(tick), self._plan_displacement(tick)
             self._ground = support_height(tick)
@@ -129,6 +139,9 @@ class Balance(Task):
         standing = _standing_feet(tick)
         if not standing:
             return WHOLE_FLOOR
+        others = [c for c in tick.contacts if c.mode == "fixed" and c.is_footing and not _is_foot(tick, c)]
+        if any(contact.load >= 1.0 for contact in others) or not all(_is_level(contact.on) for contact in standing):
+            return self._static_region(tick).inset(self.margin)
         soles = [tick.frame(contact.point).floor_projection(contact.vertices) for contact in standing]
         most = max(contact.load for contact in standing)
         full = np.concatenate([sole for sole, contact in zip(soles, standing, strict=True) if contact.load == most])
@@ -138,6 +151,26 @@ class Balance(Task):
                 share = min(contact.max_normal_force(1.0), 1.0)
                 corners.append(((1.0 - share) * full[:, None] + share * sole).reshape(-1, 2))
         return Polygon.hull(np.concatenate(corners)).inset(self.margin)
+
+    def _static_region(self, tick: Tick) -> Polygon:
+        """Static region of the contacts with the world that have all their load, or of those that carry at all."""
+        carrying = [contact for contact in tick.contacts if contact.mode == "fixed" and contact.is_footing]
+        most = max(contact.load for contact in carrying)
+        carrying = [contact for contact in carrying if contact.load == most]
+        key = tuple((contact.name, contact.on.name) for contact in carrying)
+        if key not in self._regions:
+            patches = []
+            for contact in carrying:
+                at, frame = tick.relative_frame(contact.surface, contact.on), tick.frame(contact.point)
+                points = frame.position + contact.vertices @ frame.rotation.T
+                patches.append(Patch(points, at.rotation, contact.friction, contact.most))
+            self._regions[key] = static_region(patches, tick.mass * GRAVITY)
+        return self._regions[key]
+
+
+def _is_level(surface: Surface) -> bool:
+    """Whether a surface of the world is level."""
+    return bool(surface.axes.rotation[2, 2] > 1.0 - LEVEL_TOLERANCE)
 
 
 def _is_foot(tick: Tick, contact: TickContact) -> bool:

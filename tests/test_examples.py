@@ -207,3 +207,22 @@ def test_15_turns_the_chest_on_soft_feet():
     assert example["done"].fell_at_s is None
     assert log.q[-1, yaw] == pytest.approx(0.2, abs=0.005)
     assert np.abs(log.sole_deflection).max() > 1e-4
+
+
+@pytest.mark.slow
+def test_a_hand_on_a_table_carries_what_the_foot_cannot():
+    example = ran("hand_support.py")
+    done, robot = example["done"], example["robot"]
+    log = done.log.trimmed()
+    assert done.fell_at_s is None
+    rest = log.time > 12.0
+    foot, left = point(example, "right_foot")[rest], point(example, "left_foot")[rest]
+    beyond = log.com[rest, 0] - foot[:, 0] - robot.sole("right_foot")[:, 0].max()
+    assert beyond.min() > 0.01 and left[:, 2].min() > 0.04
+    palm = log.contact_normal[rest, log.contact_names.index("right_palm on table/top")]
+    np.testing.assert_allclose(palm, palm.mean(), atol=2.0)
+    weight = 9.81 * robot.mass
+    assert palm.mean() + log.contact_normal[rest, log.contact_names.index("right_foot")].mean() == pytest.approx(
+        weight, rel=0.01
+    )
+    assert np.abs(np.diff(log.torque, axis=0)).max() < 28.0

@@ -1,4 +1,4 @@
-"""Options of the command line on a clip's file: what the file does not say."""
+"""Options of the commands on a clip: which, what of it, and what its file does not say."""
 
 from pathlib import Path
 from typing import Annotated
@@ -20,3 +20,9 @@ Unit = Annotated[
     typer.Option("--unit", help=f"Unit of the clip's file: {', '.join(METRES_PER_UNIT)}; found by default."),
 ]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
+Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .c3d, .mvnx, .npz) or a name of `sot list clips`.")]
+Feet = Annotated[str, typer.Option(help="auto: they step if the dancer's do; steps; planted: they stay.")]
+Start = Annotated[float, typer.Option(help="Where in the clip to start [s].", min=0.0)]
+Duration = Annotated[float | None, typer.Option(help="How much of the clip to play [s]; to its end by default.")]
+Contacts = Annotated[Path | None, typer.Option(help="File (.toml) of the steps, as `sot retarget -o` writes it.")]
+EditFile = Annotated[Path | None, typer.Option("--edit", help="File (.toml) of edits of the dance: docs/editing.md.")]

@@ -76,6 +76,7 @@ class Contact:
         least, most: Bounds of the normal force in the second half of the load ramp and after it [N]. Unless given, a
             share of the robot's weight and no bound.
         wish: Normal force that `tasks.LeastForces` asks for [N]: what hands squeeze with.
+        reserve: How much dearer its forces are to `tasks.LeastForces` than others': leaned on where need be only.
         name: Unless given, the first surface's if it is on the floor, else "surface on other surface".
 
     Attributes:
@@ -101,6 +102,7 @@ class Contact:
         least: float | None = None,
         most: float = np.inf,
         wish: float = 0.0,
+        reserve: float = 1.0,
         name: str | None = None,
     ) -> None:
         self.surface, self.on, self.form = surface, on, form
@@ -126,7 +128,7 @@ class Contact:
         self.friction = min(surface.friction, on.friction) if friction is None else friction
         self.stiffness, self.damping = stiffness, damping
         self.path, self.sliding_friction = path, sliding_friction
-        self.least, self.most, self.wish = least, most, wish
+        self.least, self.most, self.wish, self.reserve = least, most, wish, reserve
         self.unlimited_force = False
         """Whether the fixed contact exerts any force that is needed: no floor does, but a rehearsal may ask for it."""
         self.arrival_acceleration: Array | None = None

@@ -33,7 +33,10 @@ class TickContact(Protocol):
     on: Surface
     mode: Mode
     load: float
+    most: float
+    friction: float
     wish: float
+    reserve: float
     vertices: Array
     path: PoseReference | None
 

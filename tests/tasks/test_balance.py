@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from sot.control.contact import Contact
@@ -10,6 +11,8 @@ from sot.control.tick import Tick
 from sot.gravity import GRAVITY
 from sot.polygon import Polygon
 from sot.robots.robot import Robot, shipped_robot_names
+from sot.robots.surface import Surface
+from sot.static_region import Patch, static_region
 from tasks import Balance
 from tests.sot.states import random_state, standing_state
 
@@ -113,6 +116,35 @@ def test_no_pressure_is_asked_for_outside_what_the_feet_carry(robot, standing):
         np.testing.assert_allclose(pressure, polygon.nearest_point(free), atol=1e-9)
         inside += polygon.margin(free) > 0.0
     assert inside < 20
+
+
+@pytest.mark.parametrize("made", [False, True])
+def test_with_a_hand_on_a_table_the_pressure_may_be_where_all_contacts_can_hold_the_body(robot, made):
+    surfaces = [name for name in robot.surfaces if name not in robot.feet]
+    if not surfaces:
+        pytest.skip("no palms")
+    tick = Tick(robot).update(0.0, robot.rest, np.zeros(robot.nv))
+    palm = robot.surface(surfaces[0])
+    place = tick.frame(palm.point).position
+    square = np.array([[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]])
+    hand = Contact(palm, Surface("table", square, pin.SE3(np.eye(3), place)), most=100.0)
+    hand.mode, hand.load = ("fixed", 1.0) if made else ("off", 0.0)
+    tick.contacts = [*(Contact(robot.surface(foot)) for foot in robot.feet), hand]
+    far = tick.com - np.array([2.0, 0.0, 0.0])  # so that the pressure goes ahead as far as it may
+    reference = lambda t: (far, np.zeros(3), np.zeros(3), far[:2])  # noqa: E731
+    pressure = commanded_pressure(tick, Balance(reference, margin=0.0).rows(tick), reference)
+    feet = np.vstack([tick.frame(c.point).floor_projection(c.vertices) for c in tick.contacts[:2]])
+    patches = [
+        Patch(
+            tick.frame(c.point).position + c.vertices @ tick.frame(c.point).rotation.T,
+            tick.relative_frame(c.surface, c.on).rotation,
+            c.friction,
+            c.most,
+        )
+        for c in tick.contacts[: 3 if made else 2]
+    ]
+    expected = static_region(patches, tick.mass * GRAVITY).vertices[:, 0].max() if made else feet[:, 0].max()
+    assert pressure[0] == pytest.approx(expected, abs=0.01)
 
 
 @pytest.mark.parametrize("change", ["off", "sliding", "unloaded"])

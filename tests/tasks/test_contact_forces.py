@@ -30,6 +30,17 @@ def test_rows_cover_the_force_variables_of_the_present_modes(robot, form):
         np.testing.assert_array_equal(rows.upper, np.zeros(count))
 
 
+def test_what_is_in_reserve_is_leaned_on_less(robot):
+    """With one foot's forces k times as dear, the load is what weighted least squares give."""
+    q, shares = leaning(robot, 0.5), []
+    for reserve in (1.0, 4.0):
+        stack = standing_stack(robot, at=q)
+        stack.contacts[0].reserve = reserve
+        command = Controller(robot, stack, Cascade())(0.0, q, np.zeros(robot.nv))
+        shares.append(command.wrenches[0][2] / command.wrenches[:, 2].sum())
+    assert shares[0] == pytest.approx(0.5, abs=1e-3) and shares[1] < 0.45
+
+
 def test_standing_in_the_middle_both_feet_and_no_squeezing(robot):
     q = leaning(robot, 0.5)
     command = Controller(robot, standing_stack(robot, at=q), Cascade())(0.0, q, np.zeros(robot.nv))

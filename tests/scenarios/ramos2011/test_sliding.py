@@ -2,8 +2,9 @@
 
 import pytest
 
-from scenarios import sliding, stacks
+from scenarios import stacks
 from scenarios.inputs import clips
+from scenarios.ramos2011 import sliding
 from sim.loop import run
 from sim.reporting import figures
 from sim.reporting.slides import slide_figures
