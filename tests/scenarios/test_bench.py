@@ -7,7 +7,7 @@ import json
 import pytest
 from rich.console import Console
 
-from scenarios import cli
+from scenarios import bench_command, cli
 from scenarios.bench import benchmark_figures, read_figures, show
 from scenarios.peers import read_peer_figures
 from scenarios.replay import Replay
@@ -79,7 +79,7 @@ def test_peers_stand_in_the_same_table(figures, tmp_path, capsys, monkeypatch):
     peer = {"name": "a peer", "tick_us": {"whole": times}, "reference_us": 60.0}
     path = tmp_path / "peer.json"
     path.write_text(json.dumps(peer | {"ticks": 3}))
-    monkeypatch.setattr(cli, "benchmark_figures", lambda request, tell: figures)
+    monkeypatch.setattr(bench_command, "benchmark_figures", lambda request, tell: figures)
     assert cli.main(["bench", "--peer", str(path)]) == cli.DONE
     lines = [line.strip() for line in capsys.readouterr().out.splitlines()]
     row = lines[lines.index("a peer") + 1]
@@ -100,6 +100,6 @@ def test_refuses_what_is_no_peer(text, tmp_path):
 
 
 def test_prints_json(figures, capsys, monkeypatch):
-    monkeypatch.setattr(cli, "benchmark_figures", lambda request, tell: figures)
+    monkeypatch.setattr(bench_command, "benchmark_figures", lambda request, tell: figures)
     assert cli.main(["bench", "--json"]) == cli.DONE
     assert json.loads(capsys.readouterr().out) == figures
