@@ -30,6 +30,16 @@ def planned_support(log: RunLog, motion: Motion) -> Iterator[tuple[np.ndarray, P
                 yield rows, support_polygon(motion.robot, Phase(phase.start, phase.end, standing))
 
 
+def ground_heights(motion: Motion, times: np.ndarray) -> np.ndarray:
+    """Height of the ground at times (T,) [m]: the mean of what the planned feet stand on, the last one in flights."""
+    heights, height = [], 0.0
+    for phase in motion.phases:
+        if phase.feet:
+            height = float(np.mean([pose.translation[2] for pose in phase.feet.values()]))
+        heights.append(height)
+    return np.array(heights)[phase_indices(motion.phases, times)]
+
+
 def support_extents(log: RunLog, motion: Motion) -> np.ndarray:
     """Least and greatest x and y of the planned support at every tick [m], (T, 2, 2); nan without support."""
     sides = np.full((log.ticks, 2, 2), np.nan)

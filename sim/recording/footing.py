@@ -7,7 +7,7 @@ from sim.hardware.sole_frames import sole_frames
 from sim.log import RunLog
 from sim.recording.columns import COLORS, Columns
 from sim.recording.panels import FOOT_MODE_NAMES, measured_and_planned_dcm
-from sim.support import planned_support
+from sim.support import ground_heights, planned_support
 from sot.motion.feet.footfalls import Footfalls
 from sot.motion.trajectory import Motion
 
@@ -23,7 +23,7 @@ def send_footing(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray
 
 
 def _send_points(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray) -> None:
-    times = log.time[rows]
+    times, ground = log.time[rows], ground_heights(motion, log.time[rows])
     columns.points("world/balance/com", times, log.com[rows], "com", 0.03)
     measured, planned = measured_and_planned_dcm(log, motion)
     on_floor = {
@@ -34,14 +34,17 @@ def _send_points(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray
         "dcm_planned": (planned, "dcm_planned"),
     }
     for name, (place, color) in on_floor.items():
-        columns.points(f"world/balance/{name}", times, _on_floor(place[rows]), color, 0.012)
+        columns.points(f"world/balance/{name}", times, _on_ground(place[rows], ground), color, 0.012)
 
 
 def _send_support(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray) -> None:
     outlines: dict[int, np.ndarray] = {}
     for shared, polygon in planned_support(log, motion):
-        outline = _on_floor(_closed_outline(polygon.vertices)).astype(np.float32)
-        outlines.update(dict.fromkeys(np.intersect1d(shared, rows).tolist(), outline))
+        seen = np.intersect1d(shared, rows)
+        if len(seen):
+            ground = ground_heights(motion, log.time[seen[:1]])  # all are of one phase
+            outline = _on_ground(_closed_outline(polygon.vertices), ground).astype(np.float32)
+            outlines.update(dict.fromkeys(seen.tolist(), outline))
     columns.static("world/contact/support", rr.LineStrips3D.from_fields(colors=[COLORS["planned"]], radii=[0.005]))
     shown = [outlines[row] for row in rows.tolist() if row in outlines]
     lengths = [int(row in outlines) for row in rows.tolist()]
@@ -64,17 +67,18 @@ def _send_soles(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray)
 
 
 def _send_plan(columns: Columns, motion: Motion) -> None:
-    """Send all footholds, and the planned path of the centre of mass over the floor."""
-    outlines = [_on_floor(outline) for outline in foothold_outlines(motion)]
+    """Send all footholds, and the planned path of the centre of mass over the ground."""
+    outlines = [outline + np.array([0.0, 0.0, FLOOR_OFFSET]) for outline in foothold_outlines(motion)]
     columns.static("world/plan/footholds", rr.LineStrips3D(outlines, colors=[COLORS["foothold"]], radii=[0.002]))
-    way = _on_floor(motion.com[:: max(1, round(motion.rate / 20.0)), :2])
+    shown = slice(None, None, max(1, round(motion.rate / 20.0)))
+    way = _on_ground(motion.com[shown, :2], ground_heights(motion, motion.times[shown]))
     columns.static("world/plan/com", rr.LineStrips3D([way], colors=[COLORS["com_planned"]], radii=[0.002]))
 
 
 def foothold_outlines(motion: Motion) -> list[np.ndarray]:
-    """Closed outline (K, 2) of each sole where the plan puts it down [m]."""
+    """Closed outline (K, 3) of each sole where the plan puts it down [m]."""
     return [
-        np.array([stance.pose.act(corner)[:2] for corner in _closed_outline(motion.robot.sole(foot))])
+        np.array([stance.pose.act(corner) for corner in _closed_outline(motion.robot.sole(foot))])
         for foot in motion.robot.feet
         for stance in Footfalls(motion.phases, foot).stances
     ]
@@ -84,6 +88,6 @@ def _closed_outline(corners: np.ndarray) -> np.ndarray:
     return np.vstack([corners, corners[:1]])
 
 
-def _on_floor(places: np.ndarray) -> np.ndarray:
-    """Places on the floor (T, 2) as points to draw (T, 3)."""
-    return np.column_stack([places, np.full(len(places), FLOOR_OFFSET)])
+def _on_ground(places: np.ndarray, heights: np.ndarray) -> np.ndarray:
+    """Places seen from above (T, 2) as points to draw (T, 3), over ground of heights (T,) or (1,) [m]."""
+    return np.column_stack([places, np.broadcast_to(heights + FLOOR_OFFSET, len(places))])

@@ -9,7 +9,7 @@ from sim.estimation.errors import rotation_errors, world_velocity
 from sim.log import RunLog, nearest_frames
 from sim.recording.columns import COLORS, SERIES_COLORS
 from sim.recording.plots import Curves, Plot, States
-from sim.support import support_extents
+from sim.support import ground_heights, support_extents
 from sot.gravity import GRAVITY
 from sot.motion.performance import Performance
 from sot.motion.plan import PLAN_RATE
@@ -64,7 +64,7 @@ def divergent_component(com: np.ndarray, velocity: np.ndarray, height: np.ndarra
 def measured_and_planned_dcm(log: RunLog, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     """Measured and planned divergent component of motion at every tick, (T, 2) each [m]."""
     frames = nearest_frames(log.time, motion.rate, len(motion.com))
-    planned, height = motion.com[frames], motion.com[frames, 2]
+    planned, height = motion.com[frames], motion.com[frames, 2] - ground_heights(motion, log.time)
     velocity = np.gradient(log.com, log.period, axis=0) if log.ticks > 1 else np.zeros_like(log.com)
     return divergent_component(log.com, velocity, height), divergent_component(
         planned, motion.com_velocity[frames], height

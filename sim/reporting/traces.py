@@ -91,7 +91,7 @@ class Traces:
             "feet": robot.feet,
             "tasks": log.level_names,
             "task_units": log.level_units,
-            "footholds": [outline.tolist() for outline in foothold_outlines(motion)],
+            "footholds": [outline[:, :2].tolist() for outline in foothold_outlines(motion)],
             "lanes": [
                 {
                     "name": lane.name,
