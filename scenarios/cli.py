@@ -4,6 +4,7 @@ import json
 import os
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -35,8 +36,9 @@ from scenarios.replay import (
 from scenarios.robots.bench import bench_robots, robot_pieces, show_robots
 from scenarios.robots.commands import robot_app
 from scenarios.showing import print_remarks, progress, show_report
+from scenarios.stairs import options as stairs_cli
 from scenarios.studies import MOTION_SCENARIOS, default_solver, is_file, run_scenario
-from scenarios.suite import SUITES, bench_suite, suite_pieces
+from scenarios.suite import SUITES, bench_suite, columns_of, suite_pieces
 from scenarios.suite import show as show_suite
 from scenarios.terminal import BAD_INPUT, DONE, FAILED, FELL, INTERRUPTED, messages, output
 from sot.errors import InputError, UnknownSkeletonError
@@ -173,6 +175,9 @@ def run_command(
     form: damping_cli.Form = None,
     identified: damping_cli.IdentifiedFile = None,
     seeds: damping_cli.Seeds = None,
+    rise: stairs_cli.Rise = None,
+    depth: stairs_cli.Depth = None,
+    treads: stairs_cli.Treads = None,
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/NAME by default.")] = None,
 ) -> int:
     """Run a scenario; record it and report on it."""
@@ -180,6 +185,7 @@ def run_command(
     handling = options.handling_options(scenario, study, mass, *told)
     pendulum = case, damping_ratio, form, identified, seeds
     swaying = damping_cli.damping_options(scenario, study, *pendulum)
+    climbing = stairs_cli.stairs_options(scenario, rise, depth, treads, seed)
     if study is not None and handling is None and swaying is None:
         raise InputError(f"{scenario} takes no {study}: it has no studies to choose from")
     pushes, changed = tuple(parse_push(text) for text in push or ()), parse_mismatch(mismatch)
@@ -202,9 +208,9 @@ def run_command(
     )
     folder = out or Path("runs") / Path(scenario).stem
     with progress() as tell:
-        report, show_own = run_scenario(scenario, clip, request, folder, tell, handling or swaying)
+        report, show_own = run_scenario(scenario, clip, request, folder, tell, handling or swaying or climbing)
     status = FELL if report.get("fell") else DONE
-    if handling is not None or scenario in MOTION_SCENARIOS or is_file(scenario):
+    if handling is not None or climbing is not None or scenario in MOTION_SCENARIOS or is_file(scenario):
         status = show_report(report, folder)
     if show_own:
         show_own(report, output)
@@ -319,9 +325,13 @@ def bench_command(
     feet: Annotated[str, typer.Option(help="With --suite: what `sot replay --feet` takes.")] = "auto",
     mocap: Annotated[Path | None, typer.Option(help="With --suite or --robots: a folder of more clips.")] = None,
     out: Annotated[Path | None, typer.Option(help="With either: folder to keep recordings and reports in.")] = None,
+    state: plant_options.StateName = "true",
+    sensors: plant_options.SensorsName = "ideal",
 ) -> int:
     """Dance a clip and say what a tick costs, phase by phase; or dance a suite of clips and say how they went."""
-    common = Replay("", robot, solver=solver, rate=rate, feet=feet)
+    common = Replay("", robot, solver=solver, rate=rate, feet=feet, state=state, sensors=sensors)
+    if suite is None and (state, sensors) != ("true", "ideal"):
+        raise InputError("--state and --sensors: only a suite is danced on an estimated state; add --suite dance")
     if robots:
         check_writable(out or Path())
         make_solver(solver)
@@ -374,11 +384,11 @@ def _bench_suite(request: Replay, suite: str, mocap: Path | None, out: Path | No
         raise InputError(f"unknown suite '{suite}': choose one of {', '.join(SUITES)}")
     check_writable(out or Path())
     make_solver(request.solver)
-    Robot.load(request.robot)
-    chosen = suite_pieces(mocap)
+    request.hardware(Robot.load(request.robot))
+    chosen, columns = suite_pieces(mocap), columns_of(request)
     with progress() as tell:
-        table = bench_suite(request, chosen, out, tell)
-    return _shown_table(table, show_suite, as_json)
+        table = bench_suite(request, chosen, out, tell, columns)
+    return _shown_table(table, partial(show_suite, columns=columns), as_json)
 
 
 def _shown_table(table: dict[str, Any], show: Callable[[dict[str, Any], Console], None], as_json: bool) -> int:

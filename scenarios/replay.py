@@ -119,7 +119,8 @@ class Dance:
         plan: how the reference came from a human; None if it came from a file.
         edits: a line for each edit of the dance.
         scene: what was in the world besides robot and floor.
-        handled: the things that were handled.
+        system: robot and things as they were simulated, if there were any.
+        handled: how the robot handled them, if it did.
         remarks: what happened otherwise than planned, a sentence each.
     """
 
@@ -129,13 +130,15 @@ class Dance:
     plan: Performance | None
     edits: tuple[str, ...] = ()
     scene: Scene | None = None
+    system: System | None = None
     handled: HandledThings | None = None
     remarks: tuple[str, ...] = ()
 
     def write_recording(self, path: Path) -> float:
         """Write the recording; returns how long that took [s]."""
         begun = perf_counter()
-        recorder.write_recording(path, self.run.log, self.info, self.motion, self.plan, self.scene, self.handled)
+        shown = self.scene, self.system, self.handled
+        recorder.write_recording(path, self.run.log, self.info, self.motion, self.plan, *shown)
         return perf_counter() - begun
 
 
@@ -237,7 +240,8 @@ def run_motion(
         done = run(runs, world, motion, lambda t: tell("replaying", t / motion.duration), estimator=estimator)
     info = _info(request, world, planned, done, solver.name)
     remarks = () if schedule is None else tuple(schedule.remarks())
-    return Dance(done, info, motion, planned, told, scene, remarks=remarks)
+    simulated = System(robot, things) if things else None
+    return Dance(done, info, motion, planned, told, scene, simulated, remarks=remarks)
 
 
 def run_on_servos(

@@ -28,9 +28,9 @@ def planted_stack(robot: Robot, motion: Motion, on: Mapping[str, Surface] | None
     Args:
         robot: Who stands.
         motion: What it does.
-        on: Foot -> surface of the world under it; the floor unless given.
+        on: Foot -> surface of the world under it; what the motion stands on unless given.
     """
-    under = dict.fromkeys(robot.feet, FLOOR) | dict(on or {})
+    under = dict.fromkeys(robot.feet, FLOOR) | dict(motion.phases[0].surfaces) | dict(on or {})
     return Stack(
         contacts=[Contact(robot.surface(foot), under[foot]) for foot in robot.feet],
         hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
@@ -49,7 +49,7 @@ def stepping_stack(robot: Robot, motion: Motion, on: Mapping[str, Surface] | Non
     Args:
         robot: Who steps.
         motion: What it does.
-        on: Foot -> surface of the world under it; the floor unless given.
+        on: Foot -> surface of the world under it at the start; what the motion stands on unless given.
     """
     stack = planted_stack(robot, motion, on)
     for foot in robot.feet:

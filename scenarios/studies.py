@@ -30,6 +30,8 @@ from scenarios.replay import (
     run_motion,
     write_outputs,
 )
+from scenarios.stairs import stairs
+from scenarios.stairs.stairs import Stairs
 from sim.reporting import report
 from sot.errors import InputError
 from sot.motion.trajectory import Motion
@@ -46,7 +48,7 @@ One whose `TAKES_RATE` is false has nothing under physics, and is given no rate.
 CLIP_SCENARIOS: dict[str, ModuleType] = {"ramos": ramos}
 """Scenarios that dance a clip, their `CLIP` unless another is named: `run(request, out, tell)` returns the report,
 `show(report, console)` prints it."""
-OPTION_SCENARIOS: dict[str, ModuleType] = {"otani": otani, "damping": damping}
+OPTION_SCENARIOS: dict[str, ModuleType] = {"otani": otani, "damping": damping, "stairs": stairs}
 """Scenarios with options of their own: `run(request, options, out, tell)` returns the report, `show(report, console)`
 prints it."""
 SCENARIOS = {**MOTION_SCENARIOS, **CLIP_SCENARIOS, **OPTION_SCENARIOS, **STUDIES, **CLIP_STUDIES}
@@ -70,7 +72,7 @@ def run_scenario(
     request: Replay,
     out: Path,
     tell: ProgressCallback,
-    options: Handling | DampingOptions | None = None,
+    options: Handling | DampingOptions | Stairs | None = None,
 ) -> tuple[dict[str, Any], Show | None]:
     """Run a scenario, record and report; the files appear in the folder `out`.
 

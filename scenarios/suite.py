@@ -40,6 +40,12 @@ TABLE_FIGURES: Columns = (
     ("real_time_factor", "RTF", 1.0, 2),
     ("planning_ratio", "plan s/s", 1.0, 2),
 )
+ESTIMATOR_FIGURES: Columns = (
+    ("estimator.way_m", "way m", 1.0, 2),
+    ("estimator.position_end_m", "base off mm", 1e3, 1),
+    ("estimator.tilt_rms_deg", "tilt off deg", 1.0, 2),
+)
+"""Further figures of dances on an estimated state."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +88,11 @@ def suite_pieces(mocap: Path | None) -> list[Piece]:
         for start in starts
     ]
     return [*found, *long, Piece(LEAPING_CLIP, LEAPING_CLIP)]
+
+
+def columns_of(request: Replay) -> Columns:
+    """The figures of a row that fit what is asked for."""
+    return TABLE_FIGURES if request.state == "true" else (*TABLE_FIGURES, *ESTIMATOR_FIGURES)
 
 
 def close_to_its_reference(row: Mapping[str, Any]) -> bool:

@@ -64,10 +64,13 @@ class FloorSensors:
         return out
 
     def zmp(self) -> np.ndarray:
-        """Point (2,) of z = 0 about which the forces on the feet have no horizontal moment [m]; nan without load."""
+        """Centres of pressure of the feet, each at the height of its sole, in their mean by load (2,) [m]; nan without.
+
+        With all soles on one level it is the point about which the floor's forces have no horizontal moment.
+        """
         load = x_moment = y_moment = 0.0
-        for foot in self._origins:
-            _, _, fz, mx, my, _ = self._wrench(foot, 0.0, 0.0, 0.0)
+        for foot, origin in self._origins.items():
+            _, _, fz, mx, my, _ = self._wrench(foot, 0.0, 0.0, float(origin[2]))
             load, x_moment, y_moment = load + fz, x_moment + mx, y_moment + my
         if not load > 0.0:
             return np.array((nan, nan))

@@ -42,11 +42,6 @@ class AccelerationBounds:
         self._limits = np.array([lower, upper, velocity, brake, hard])
         self.outside = np.zeros(len(lower))
 
-    @property
-    def upper(self) -> Array:
-        """Upper ends of the range (n,), which may be written to where a range changes."""
-        return np.asarray(self._limits[1])
-
     def __call__(self, q: Array, v: Array, period: float) -> tuple[Array, Array]:
         """Smallest and largest acceleration of joints at q, moving with v, for a period [s]; shapes (n,)."""
         low, high, self.outside = _viable_accelerations(q, v, period, self._limits, self._soft)

@@ -52,3 +52,23 @@ def rotation_of_vector(turn: Array) -> Array:
 def cross(a: Array, b: Array) -> Array:
     """The vector product a × b (3,)."""
     return np.array((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
+
+
+@compiled
+def product(A: Array, B: Array) -> Array:
+    """A B (n, k) of two small matrices (n, m) and (m, k), for which calling a library takes longer than the sums."""
+    out = np.zeros((len(A), B.shape[1]))
+    for i in range(len(A)):
+        for m in range(len(B)):
+            for j in range(B.shape[1]):
+                out[i, j] += A[i, m] * B[m, j]
+    return out
+
+
+@compiled
+def rotated(R: Array, a: Array) -> Array:
+    """R a (3,) of a matrix (3, 3) and a vector (3,)."""
+    out = np.empty(3)
+    for i in range(3):
+        out[i] = R[i, 0] * a[0] + R[i, 1] * a[1] + R[i, 2] * a[2]
+    return out

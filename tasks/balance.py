@@ -8,6 +8,7 @@ import numpy as np
 from solvers.compiled import compiled
 from solvers.rows import Rows
 from sot.behaviours.displacement import Displacement
+from sot.behaviours.support_height import MIN_PENDULUM_HEIGHT, support_height
 from sot.control.task import Task
 from sot.control.tick import Tick, TickContact, momentum_excess_per_weight
 from sot.gravity import GRAVITY
@@ -33,10 +34,10 @@ class Balance(Task):
         z* = z_ref + (1 + k/ω) (ξ − ξ_ref),   brought back into the support polygon,
         c̈* = c̈_ref + ω² ((c − c_ref) − (z* − z_ref))
 
-    lets ξ converge at the rate k, and asks for no pressure that the feet cannot give; ω² = g / c_z. What the plan
-    knows of angular momentum is in c̈_ref and z_ref, and is given up where it leaves too little room to recover. What
-    the body has beyond the plan, ΔL, has to go as well: at the rate ω + k that takes the zero-moment point
-    (ω + k) / (m g) (ΔL_y, −ΔL_x) away from z*, and that, too, is to be inside.
+    lets ξ converge at the rate k, and asks for no pressure that the feet cannot give; ω² = g / c_z, where heights count
+    from what the feet stand on. What the plan knows of angular momentum is in c̈_ref and z_ref, and is given up where it
+    leaves too little room to recover. What the body has beyond the plan, ΔL, has to go as well: at the rate ω + k that
+    takes the zero-moment point (ω + k) / (m g) (ΔL_y, −ΔL_x) away from z*, and that, too, is to be inside.
 
     While a foot makes a step that was not planned (its contact is off and has a `path`), the other one alone does not
     lead ξ back, the step does. The zero-moment point itself is then commanded to z*, and the centre of mass is left to
@@ -76,7 +77,7 @@ class Balance(Task):
         self._momentum = momentum
         self.k, self.kp, self.margin = k, kp, margin
         self._polygon, self._displacement = WHOLE_FLOOR, Displacement.of(())
-        self._ramps, self._updated_at = [-1.0], -np.inf
+        self._ramps, self._updated_at, self._ground = [-1.0], -np.inf, 0.0
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
@@ -90,11 +91,11 @@ class Balance(Task):
             polygon = polygon.inset(CATCHING_MARGIN)
         error, wanted, z = _wanted_acceleration_and_zmp(
             *(*plan, *state, *self._displacement, momentum, planned_turn, tick.mass * GRAVITY),
-            *(self.k, self.kp, polygon.normals, polygon.offsets),
+            *(self._ground, self.k, self.kp, polygon.normals, polygon.offsets),
         )
         self.error, J = error[of], tick.com_jacobian
         if catching:
-            J, wanted = _zmp_rows(tick, z, wanted)
+            J, wanted = _zmp_rows(tick, z, wanted, self._ground)
         wanted = wanted[of]
         return self.make_rows(J[of], wanted, wanted)
 
@@ -105,6 +106,7 @@ class Balance(Task):
         ]
         if loads != self._ramps or not 0.0 < tick.t - self._updated_at < SUPPORT_UPDATE_INTERVAL:
             self._polygon, self._displacement = self._support_polygon(tick), self._plan_displacement(tick)
+            self._ground = support_height(tick)
             self._ramps, self._updated_at = loads, tick.t
 
     def _plan_displacement(self, tick: Tick) -> Displacement:
@@ -148,11 +150,12 @@ def _standing_feet(tick: Tick) -> list[TickContact]:
     return [c for c in tick.contacts if c.mode == "fixed" and c.load > 0.0 and _is_foot(tick, c)]
 
 
-def _zmp_rows(tick: Tick, z: Array, wanted: Array) -> tuple[Array, Array]:
+def _zmp_rows(tick: Tick, z: Array, wanted: Array, ground: float) -> tuple[Array, Array]:
     """Matrix (3, nv) and right-hand side (3,) that put the zero-moment point at z (2,); the height's row is kept."""
     _, A, drift = tick.centroidal()
     J, wanted = tick.com_jacobian.copy(), wanted.copy()
-    lever, lean = 1.0 / (tick.mass * tick.com[2]), (tick.com[:2] - z) / tick.com[2]
+    height = tick.com[2] - ground
+    lever, lean = 1.0 / (tick.mass * height), (tick.com[:2] - z) / height
     J[:2] += lever * np.stack((A[4], -A[3])) - np.outer(lean, J[2])
     rest = tick.com_drift[:2] + lever * np.array((drift[4], -drift[3])) - lean * tick.com_drift[2]
     wanted[:2] = GRAVITY * lean - rest
@@ -173,6 +176,7 @@ def _wanted_acceleration_and_zmp(
     momentum: Array,
     planned_turn: Array,
     weight: float,
+    ground: float,
     k: float,
     kp: float,
     normals: Array,
@@ -180,14 +184,14 @@ def _wanted_acceleration_and_zmp(
 ) -> tuple[Array, Array, Array]:
     """Error c − com of the plan moved along with the feet (3,), wanted acceleration less its drift (3,), and commanded
     zero-moment point, with what the excess angular momentum takes (2,)."""
-    omega = np.sqrt(GRAVITY / max(com[2], 0.1))
+    omega = np.sqrt(GRAVITY / max(com[2] - ground, MIN_PENDULUM_HEIGHT))
     error, wanted = np.empty(3), np.empty(3)
     lag, centre, pivot = np.empty(2), np.empty(2), np.empty(2)
     turned = (omega + k) * momentum_excess_per_weight(momentum, planned_turn, weight)
     for i in range(2):
         place, forward = shift[i] + _tilted(tilt, c, i), _tilted(tilt, acceleration, i)
         centre[i] = shift[i] + _tilted(tilt, z, i)
-        pivot[i] = place - forward * c[2] / (GRAVITY + acceleration[2])
+        pivot[i] = place - forward * (c[2] - ground) / (GRAVITY + acceleration[2])
         error[i], wanted[i] = place - com[i], forward - com_drift[i]
         # The deviation from the plan, and the zero-moment point's lag that leads the divergent component back.
         lag[i] = -(1.0 + k / omega) * (error[i] + (_tilted(tilt, velocity, i) - com_velocity[i]) / omega)

@@ -99,8 +99,11 @@ class SelfCollision(Task):
         if not count:
             self.error, self.labels = _NO_ERROR, ()
             return self.make_rows(self._zero_rows, self._unbounded_below, self._unbounded_above)
-        A, lower = self._zero_rows.copy(), self._unbounded_below.copy()
-        distances, rates, A[:count], drifts = self.motion(tick, near)
+        distances, rates, A, drifts = self.motion(tick, near)
+        lower = self._unbounded_below.copy()
+        if count < len(lower):
+            A, jacobian = self._zero_rows.copy(), A
+            A[:count] = jacobian
         self.error = _write_lower_bounds(
             *(distances, rates, A, drifts, near, self.min_distances, self._carried_by_others),
             *(self._acceleration, tick.period, lower),

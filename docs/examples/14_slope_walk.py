@@ -13,8 +13,7 @@ from sot.robots import Robot, Thing
 
 robot, period, WAY = Robot.load("hrp2"), 0.002, 1.0
 slope = Thing.load("slope", placement=pin.SE3(pin.utils.rotate("y", np.deg2rad(-10.0)), np.array([0.5, 0.0, 0.4])))
-top = slope.surface("top")
-motion = walk(robot, [WAY, -WAY], 1.0 / period, ground=top)
-stack = stepping_stack(robot, motion, on=dict.fromkeys(robot.feet, top))
+motion = walk(robot, [WAY, -WAY], 1.0 / period, ground=slope.surface("top"))
+stack = stepping_stack(robot, motion)
 controller = Controller(robot, stack, Cascade(), period, stepping_schedule(robot, motion))
 done = run(controller, World(robot, period, things=[slope]), motion)

@@ -173,12 +173,12 @@ def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tupl
     danced = run_motion(
         replace(request, clip=handling.clip), compose, demonstration.motion, None, tell, system=system, things=actual
     )
-    simulated = System(robot, actual)
-    handled_things = HandledThings(simulated, schedule.history, schedule.played_times())
+    handled_things = HandledThings(schedule.history, schedule.played_times())
     played = schedule.played()
     danced.run.log.zmp_planned[: len(played.zmp)] = played.zmp  # the run knew the motion only as it is without waits
     remarks = (*paced.remarks, *danced.remarks)
-    return replace(danced, motion=played, handled=handled_things, remarks=remarks), schedule, simulated
+    assert danced.system is not None
+    return replace(danced, motion=played, handled=handled_things, remarks=remarks), schedule, danced.system
 
 
 def read_demonstration(handling: Handling) -> tuple[Human, HandledObjects, ContactPlan]:

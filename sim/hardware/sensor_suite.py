@@ -9,6 +9,7 @@ from sim.hardware.soles import sole_body
 from sot.hardware.readings import Readings
 from sot.hardware.sensors import Sensors
 from sot.robots.robot import Robot
+from sot.rotation import cross
 
 Array = np.ndarray
 
@@ -140,6 +141,6 @@ class SensorSuite:
             turn = axes @ data.site_xmat[sole].reshape(3, 3)
             force, moment = (-turn @ values for values in self._forces[foot])
             wrench[:3] = force
-            wrench[3:] = moment + np.cross(axes @ (data.site_xpos[sole] - data.site_xpos[at]), force)
+            wrench[3:] = moment + cross(axes @ (data.site_xpos[sole] - data.site_xpos[at]), force)
         force_errors, moment_errors = self._force_errors[foot]
         return np.concatenate([force_errors(wrench[:3], passed), moment_errors(wrench[3:], passed)])

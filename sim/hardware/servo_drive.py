@@ -14,9 +14,12 @@ Array = np.ndarray
 def add_servos(spec: mujoco.MjSpec, robot: Robot, servo: Servo) -> None:
     """Turn the motors of a robot into servos: force = ctrl − kp q − kd q̇, within the same limits.
 
-    MuJoCo's integrator then knows kd: links that are light against h kd do not shake.
+    MuJoCo's integrator then knows kd: links that are light against h kd do not shake. Its contacts do not: without
+    rotors, which kd is made for, the feet of a robot are so light to them that they rattle on the floor.
     """
-    for name, stiffness, damping in zip(robot.joints, servo.stiffness, servo.damping, strict=True):
+    for k, name in enumerate(robot.joints):
+        stiffness, damping = servo.stiffness[k], servo.damping[k]
+        spec.joint(name).armature = servo.rotor[k]
         motor = spec.actuator(name)
         motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE
         motor.biasprm[1], motor.biasprm[2] = -stiffness, -damping

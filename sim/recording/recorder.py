@@ -20,6 +20,7 @@ from sim.recording.visuals import send_visuals
 from sot.motion.performance import Performance
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
+from sot.robots.system import System
 from sot.whole_file import atomic_write
 
 
@@ -30,6 +31,7 @@ def write_recording(
     motion: Motion,
     plan: Performance | None,
     scene: Scene | None = None,
+    system: System | None = None,
     handled: HandledThings | None = None,
 ) -> None:
     """Write a run to a rerun recording (`.rrd`), which appears under its name once it is complete.
@@ -41,16 +43,17 @@ def write_recording(
         motion: the reference.
         plan: how the reference came from a human, if it is known.
         scene: what was in the world besides robot and floor; what does not move of it is shown.
-        handled: the things that the robot handles, if any.
+        system: robot and things as they were simulated, if there were any.
+        handled: how the robot handled them, if it did.
     """
     log, robot = log.trimmed(), motion.robot
-    panels = [*([things_tab(log, handled)] if handled else []), *run_tabs(log, motion, plan)]
-    blueprint = layout(motion, panels, bool(log.conflicts), things=handled is not None)
+    panels = [*([things_tab(log, system, handled)] if system and handled else []), *run_tabs(log, motion, plan)]
+    blueprint = layout(motion, panels, bool(log.conflicts), things=system is not None)
     with open_recording(path, f"{info.clip}, {robot.label}", _about_text(info, robot), blueprint) as columns:
         scenery = [] if scene is None else read_scenery(robot, scene)
         send_visuals(columns, log, info, motion, plan.human if plan else None, scenery)
-        if handled is not None:
-            send_things(columns, log, handled, log.rows_at(FRAME_RATE))
+        if system is not None:
+            send_things(columns, log, system, log.rows_at(FRAME_RATE))
         for tab in panels:
             for plot in tab.plots:
                 plot.send(columns)

@@ -29,19 +29,16 @@ class HandledThings:
     """What a run handles.
 
     Attributes:
-        system: The robot and the things, as they are simulated.
         history: When the sets E1, E2, E3 changed, and to what; the first at the start.
         clock: The demonstration's time at every tick (T,) [s].
     """
 
-    system: System
     history: Sequence[tuple[float, ContactSets]]
     clock: Array
 
 
-def send_things(columns: Columns, log: RunLog, handled: HandledThings, rows: Array) -> None:
-    """Send the things' shapes over time, and an arrow for the force that each hand feels of what it touches."""
-    system = handled.system
+def send_things(columns: Columns, log: RunLog, system: System, rows: Array) -> None:
+    """Send the shapes of the things of a system, as it was simulated, and arrows for the forces that hands feel."""
     for thing in system.things:
         shapes = thing_shapes(thing)
         centres, rotations = _shape_poses(thing, shapes, system, log, rows)
@@ -58,9 +55,9 @@ def send_things(columns: Columns, log: RunLog, handled: HandledThings, rows: Arr
             columns.over_time(entity, log.time[rows], rr.Arrows3D.columns(vectors=vectors, origins=origins))
 
 
-def things_tab(log: RunLog, handled: HandledThings) -> Tab:
+def things_tab(log: RunLog, system: System, handled: HandledThings) -> Tab:
     """Curves of the hands' forces and of the things, the sets over time, and the demonstration's clock."""
-    system, rows = handled.system, log.rows_at(FRAME_RATE)
+    rows = log.rows_at(FRAME_RATE)
     names = [name for name in log.contact_names if "/" in name]
     columns = [log.contact_names.index(name) for name in names]
     forces = Curves("normal", log.time, log.contact_normal[:, columns], names)

@@ -9,9 +9,9 @@ import pinocchio as pin
 from sot.behaviours.displacement import Displacement
 from sot.behaviours.stepping import SteppingSchedule
 from sot.behaviours.stride import Stride
+from sot.behaviours.support_height import divergence_rate, support_height
 from sot.control.stack import Stack
 from sot.control.tick import Tick
-from sot.gravity import GRAVITY
 from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
@@ -45,7 +45,8 @@ HOME_DISTANCE = 0.02
 
 @dataclass(slots=True)
 class _Step:
-    """A needed or running step: the foot and the one that stands, start and landing place [m], swing time [s]."""
+    """A needed or running step: the foot and the one that stands, start and landing place [m], swing time [s], and the
+    height of the ground [m]."""
 
     foot: str
     beside: str
@@ -54,6 +55,7 @@ class _Step:
     place: Array
     swing_time: float
     stances_before: int
+    ground: float
     trajectory: Stride | None = None
 
 
@@ -111,7 +113,9 @@ class RecoverySchedule(SteppingSchedule):
         step, begun = self._step, []
         if step is not None and step.trajectory is None:
             lift, land = t + self.ramp, t + self.ramp + step.swing_time
-            step.trajectory = stack.contact(step.foot).path = Stride(step.start, step.rotation, lift, land, STEP_HEIGHT)
+            step.trajectory = stack.contact(step.foot).path = Stride(
+                step.start, step.rotation, lift, land, STEP_HEIGHT, step.ground
+            )
             step.trajectory.redirect(lift, step.place)
             self.add_step(step.foot, lift, land)
             begun = [f"{step.foot} steps"]
@@ -165,11 +169,12 @@ class RecoverySchedule(SteppingSchedule):
 
     def _new_step(self, tick: Tick, foot: str, beside: str, place: Array, span: float) -> _Step:
         frame = tick.frame(foot)
-        return _Step(foot, beside, frame.position.copy(), frame.rotation.copy(), place, span, self.stances_begun(foot))
+        begun, ground = self.stances_begun(foot), support_height(tick)
+        return _Step(foot, beside, frame.position.copy(), frame.rotation.copy(), place, span, begun, ground)
 
     def _dcm_and_error(self, tick: Tick) -> tuple[Array, float]:
         """ξ with angular momentum (2,) [m], and its distance from the plan as displaced by the feet [m]."""
-        t, omega = tick.t, _divergence_rate(tick)
+        t, omega = tick.t, divergence_rate(tick, support_height(tick))
         com, velocity, _, _ = self._motion.balance(t)
         xi = (
             tick.com[:2]
@@ -225,12 +230,7 @@ class RecoverySchedule(SteppingSchedule):
         return tick.frame(foot).floor_projection(self._robot.sole(foot))
 
 
-def _divergence_rate(tick: Tick) -> float:
-    """Rate ω at which ξ diverges [1/s]."""
-    return float(np.sqrt(GRAVITY / max(tick.com[2], 0.1)))
-
-
 def _predicted_dcm(tick: Tick, xi: Array, support: Polygon, span: float) -> Array:
     """ξ (2,) after a time [s], if the zero-moment point in the support does what it can [m]."""
     z = support.inset(ZMP_MARGIN).nearest_point(xi)
-    return z + (xi - z) * np.exp(_divergence_rate(tick) * span)
+    return z + (xi - z) * np.exp(divergence_rate(tick, support_height(tick)) * span)

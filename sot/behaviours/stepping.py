@@ -128,5 +128,8 @@ class SteppingSchedule(Schedule):
         )
         due = t >= lands + (0.0 if felt is None else MAX_LANDING_DELAY) - 1e-9
         if touches or due:
+            surface = foot.stances[foot.next_stance].surface
+            if surface is not None:
+                contact.move_to(surface)
             contact.mode, contact.load = "fixed", 0.0
             foot.landed_at, foot.next_stance = t, foot.next_stance + 1

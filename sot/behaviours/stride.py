@@ -25,11 +25,14 @@ class Stride:
         rotation: How it is turned, shape (3, 3).
         lift, land: When it leaves the floor, and when it is back [s].
         height: Of the bump [m].
+        ground: Height of what it lands on [m].
     """
 
-    def __init__(self, start: Array, rotation: Array, lift: float, land: float, height: float) -> None:
+    def __init__(
+        self, start: Array, rotation: Array, lift: float, land: float, height: float, ground: float = 0.0
+    ) -> None:
         self.lift, self.land, self._height = lift, land, height
-        self._rotation, self._floor = rotation.copy(), float(start[2])
+        self._rotation, self._floor, self._ground = rotation.copy(), float(start[2]), ground
         self._coefficients_from, self._coefficients = lift, np.zeros((6, 2))
         self._coefficients[0] = self.landing_place = start[:2].copy()
 
@@ -55,7 +58,9 @@ class Stride:
         velocity[2] = 192.0 * self._height * r**2 * (1.0 - 2.0 * s) / span
         acceleration[2] = 384.0 * self._height * r * ((1.0 - 2.0 * s) ** 2 - r) / span**2
         over = Pose(position, self._rotation, velocity, acceleration)
-        return lowered_pose(raised_pose(over, -self._floor - LANDING_DEPTH, t - self.lift, span), t - self.land)
+        return lowered_pose(
+            raised_pose(over, self._ground - self._floor - LANDING_DEPTH, t - self.lift, span), t - self.land
+        )
 
     def _horizontal_state(self, t: float) -> tuple[Array, Array, Array]:
         """Horizontal position, velocity and acceleration at a time [s], (2,) each."""

@@ -122,6 +122,7 @@ class Contact:
         drawn_in = inset * np.sign(corners - corners.mean(axis=0)) * [1.0, 1.0, 0.0]
         self._corners = corners - drawn_in  # from the surface's origin, in the axes of the forces
         self.vertices = self._corners @ (surface.placement.rotation @ INWARD).T + surface.placement.translation
+        self._friction_given = friction
         self.friction = min(surface.friction, on.friction) if friction is None else friction
         self.stiffness, self.damping = stiffness, damping
         self.path, self.sliding_friction = path, sliding_friction
@@ -146,10 +147,25 @@ class Contact:
             for part in (sides, sides[-1:])
         }
         self._force_rows = (
-            self._friction_pyramids()
+            self._friction_pyramids(self.friction)
             if form == "pyramid"
             else np.hstack([np.zeros((len(corners), 6)), np.eye(len(corners))])
         )
+
+    def move_to(self, on: Surface) -> None:
+        """Let the first surface touch another one of the world from now on; the contact has to be off.
+
+        Raises:
+            InputError: If the contact is not off, or is no contact with the world.
+        """
+        if on is self.on:
+            return
+        if self.mode != "off" or not self.is_footing or on.point is not None:
+            raise InputError(f"contact '{self.name}' cannot move to {on.name}: lift a foot first, and onto the world")
+        self.on = on
+        friction = min(self.surface.friction, on.friction) if self._friction_given is None else self._friction_given
+        if friction != self.friction and self.form == "pyramid":
+            self.friction, self._force_rows = friction, self._friction_pyramids(friction)
 
     @property
     def force_count(self) -> int:
@@ -315,9 +331,9 @@ class Contact:
         forces = np.column_stack([-self.sliding_friction * along, np.ones(len(arms))])
         return np.vstack([axes @ forces.T, axes @ np.cross(arms, forces).T])
 
-    def _friction_pyramids(self) -> Array:
+    def _friction_pyramids(self, friction: float) -> Array:
         """Rows of the friction pyramids of all vertices; the last row of each is the normal force."""
         turn = 2.0 * np.pi / PYRAMID_SIDES
-        mu = self.friction * np.cos(turn / 2.0)  # inscribed: its edges lie in the cone, and nothing is beyond
+        mu = friction * np.cos(turn / 2.0)  # inscribed: its edges lie in the cone, and nothing is beyond
         sides = [(np.cos(k * turn), np.sin(k * turn), -mu) for k in range(PYRAMID_SIDES)]
         return np.kron(np.eye(len(self.vertices)), np.array([*sides, (0.0, 0.0, 1.0)]))

@@ -35,8 +35,8 @@ class Decoded:
         torque: τ, shape (na,) [N m].
         forces: φ of all contacts, one after the other, shape (forces,) [N].
         wrenches: Wrench on each contact's first surface, about its origin, world axes, shape (contacts, 6) [N, N m].
-        zmp: Point of z = 0 about which those on the feet have no horizontal moment, shape (2,) [m]; nan without load.
-            With all vertices on the floor it is the mean of them weighted by their normal forces, Ramos (11).
+        zmp: Centres of pressure of the feet, each at the height of its contact, in their mean by load, shape (2,) [m];
+            nan without load. On level soles it is the mean of the vertices weighted by their normal forces, Ramos (11).
     """
 
     acceleration: Array
@@ -145,8 +145,8 @@ def _wrenches_and_zmp(
     for k in range(len(contact_positions)):
         if not is_foot[k]:
             continue
-        fx, fy, fz, mx, my, _ = wrenches[k]
-        x += contact_positions[k, 0] * fz - contact_positions[k, 2] * fx - my
-        y += contact_positions[k, 1] * fz - contact_positions[k, 2] * fy + mx
+        _, _, fz, mx, my, _ = wrenches[k]
+        x += contact_positions[k, 0] * fz - my
+        y += contact_positions[k, 1] * fz + mx
         load += fz
     return wrenches, np.array((x / load, y / load)) if load > MIN_LOAD_FOR_ZMP else np.full(2, np.nan)

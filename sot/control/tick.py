@@ -11,7 +11,7 @@ from sot.control.load import Carried, KnownWrench, Load
 from sot.control.pose import PoseReference
 from sot.control.quantities.bias import add_joint_forces, coulomb_speeds, write_bias_and_com
 from sot.control.quantities.carrying import Carrying
-from sot.control.quantities.frames import FrameState, RelativeMotion, placed_axes, write_point_motion
+from sot.control.quantities.frames import FrameState, RelativeMotion, write_placed_axes, write_point_motion
 from sot.errors import InputError
 from sot.gravity import GRAVITY
 from sot.robots.robot import Robot
@@ -100,6 +100,7 @@ class Tick:
         self._points: dict[str, tuple[FrameState, Array, int]] = {}
         self._frames: dict[str, FrameState] = {}
         self._relative_frames: dict[tuple[Surface, Surface], FrameState] = {}
+        self._placed_axes: dict[Surface, SurfaceAxes] = {}  # the last's arrays, of any tick
         self._surface_axes: dict[Surface, SurfaceAxes] = {}
         self._pairs: dict[tuple[Surface, Surface], RelativeMotion] = {}
         self._centroidal: tuple[Array, Array, Array] | None = None
@@ -218,8 +219,10 @@ class Tick:
         axes = self._surface_axes.get(surface)
         if axes is None:
             frame, own = self.frame(surface.point), surface.axes
-            axes = SurfaceAxes(*placed_axes(frame.position, frame.rotation, own.translation, own.rotation))
-            self._surface_axes[surface] = axes
+            if surface not in self._placed_axes:
+                self._placed_axes[surface] = SurfaceAxes(np.empty(3), np.empty((3, 3)))
+            axes = self._surface_axes[surface] = self._placed_axes[surface]
+            write_placed_axes(frame.position, frame.rotation, *own, *axes)
         return axes
 
     def relative_frame(self, surface: Surface, on: Surface) -> FrameState:

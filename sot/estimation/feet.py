@@ -1,15 +1,16 @@
 """What a robot's joints and force sensors say of its feet: where the soles are, and what they carry."""
 
-from collections.abc import Mapping
 from math import exp, isfinite
 
 import numpy as np
 import pinocchio as pin
 
+from sot.estimation.filter_step import SeenFeet
 from sot.gravity import GRAVITY
 from sot.hardware.compliance import SOLE_MASS_SHARE, FootCompliance, bush_position
 from sot.hardware.readings import Readings
 from sot.robots.robot import Robot
+from sot.rotation import cross
 
 Array = np.ndarray
 
@@ -30,29 +31,26 @@ class MeasuredFeet:
         compliance: of the feet, if they have bushes between ankle and sole.
 
     Attributes:
-        soles: position (3,) and rotation (3, 3) of each sole, in the order of `Robot.feet`, in the unit's frame.
+        seen: the soles, in the order of `Robot.feet`.
         unit_in_base: rotation (3, 3) and position (3,) of the unit in the base, all joints as they are read.
         unit_moves: whether joints are between base and unit.
-        shares: what each foot carries, over the robot's weight.
     """
 
     def __init__(self, robot: Robot, imu_point: str, compliance: FootCompliance | None = None) -> None:
         self._robot, self._data = robot, robot.model.createData()
         self._imu, self._frames = robot.point(imu_point), [robot.point(foot) for foot in robot.feet]
         self._q, self._v = pin.neutral(robot.model), np.zeros(robot.nv)
-        self._weight = robot.mass * GRAVITY
-        self._sole_weights = [
+        self.seen = SeenFeet.empty(len(robot.feet))
+        self.seen.own_weight[:] = [
             SOLE_MASS_SHARE * GRAVITY * robot.model.inertias[robot.model.frames[frame].parentJoint].mass
             for frame in self._frames
         ]
         self._bushes = None if compliance is None else [Bush(robot, foot, compliance) for foot in robot.feet]
         self.unit_moves = robot.model.frames[self._imu].parentJoint != 1
-        self.soles = [(np.zeros(3), np.eye(3))] * len(robot.feet)
-        self.shares = [0.0] * len(robot.feet)
 
     def update(self, readings: Readings, passed: float) -> None:
         """Take in readings, a time [s] after the last ones."""
-        model, data = self._robot.model, self._data
+        model, data, seen = self._robot.model, self._data, self.seen
         self._q[7:], self._v[6:] = readings.joint_position, readings.joint_velocity
         if self.unit_moves:
             pin.forwardKinematics(model, data, self._q, self._v)
@@ -61,21 +59,10 @@ class MeasuredFeet:
         unit = pin.updateFramePlacement(model, data, self._imu)
         self.unit_in_base = unit.rotation.copy(), unit.translation.copy()
         for k, (foot, frame) in enumerate(zip(self._robot.feet, self._frames, strict=True)):
-            sole = unit.actInv(pin.updateFramePlacement(model, data, frame))
+            sole, wrench = unit.actInv(pin.updateFramePlacement(model, data, frame)), readings.foot_wrench[foot]
             if self._bushes is not None:
-                sole = sole * self._bushes[k].update(readings.foot_wrench[foot], passed)
-            self.soles[k] = sole.translation.copy(), sole.rotation.copy()
-
-    def weigh(self, readings: Readings, rotation: Array) -> None:
-        """Find what the feet carry, the unit's frame being turned so (3, 3) in the world."""
-        for k, foot in enumerate(self._robot.feet):
-            up = rotation[2] @ self.soles[k][1]
-            self.shares[k] = float(up @ readings.foot_wrench[foot][:3] + self._sole_weights[k]) / self._weight
-
-    @property
-    def loads(self) -> Mapping[str, float]:
-        """Vertical force of the floor on each foot [N]."""
-        return {foot: share * self._weight for foot, share in zip(self._robot.feet, self.shares, strict=True)}
+                sole = sole * self._bushes[k].update(wrench, passed)
+            seen.position[k], seen.rotation[k], seen.force[k] = sole.translation, sole.rotation, wrench[:3]
 
     def unit_velocity_by_joints(self) -> Array:
         """Velocity (6,) that the joints give the inertial unit against the base, of the base's origin and axes."""
@@ -114,7 +101,7 @@ class Bush:
             wrench: of sole on foot (6,), see `Readings.foot_wrench` [N, N m].
             passed: since the last reading [s].
         """
-        moment = wrench[3:] - np.cross(self._at, wrench[:3])
+        moment = wrench[3:] - cross(self._at, wrench[:3])
         settled = self._per_load * np.array([moment[0], moment[1], wrench[2]])
         kept = exp(-passed / self._relaxation) if self._relaxation else 0.0
         self.deflection = settled + kept * (self.deflection - settled)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solvers.compiled import compiled
-from sot.rotation import cross, rotation_of_vector, rotation_vector
+from sot.rotation import cross, product, rotated, rotation_of_vector, rotation_vector
 
 Array = np.ndarray
 
@@ -66,7 +66,7 @@ def left_jacobian(turn: Array) -> Array:
     a = 0.5 - square / 24.0 if angle < 1e-3 else (1.0 - np.cos(angle)) / square
     b = 1.0 / 6.0 - square / 120.0 if angle < 1e-3 else (angle - np.sin(angle)) / (square * angle)
     K = skew(turn)
-    return np.eye(3) + a * K + b * (K @ K)
+    return np.eye(3) + a * K + b * product(K, K)
 
 
 @compiled
@@ -83,15 +83,15 @@ def retract(belief: Belief, error: Array) -> None:
     """Move a belief by an error: X ← Exp(ξ) X."""
     turn = rotation_of_vector(error[:3])
     J = left_jacobian(error[:3])
-    belief.rotation[:] = turn @ belief.rotation
-    belief.velocity[:] = turn @ belief.velocity + J @ error[3:6]
-    belief.position[:] = turn @ belief.position + J @ error[6:9]
+    belief.rotation[:] = product(turn, belief.rotation)
+    belief.velocity[:] = rotated(turn, belief.velocity) + rotated(J, error[3:6])
+    belief.position[:] = rotated(turn, belief.position) + rotated(J, error[6:9])
     belief.gyro_bias[:] += error[9:12]
     belief.accelerometer_bias[:] += error[12:15]
     for k in range(len(belief.foot_position)):
         at = FEET + FOOT * k
-        belief.foot_position[k] = turn @ belief.foot_position[k] + J @ error[at : at + 3]
-        belief.foot_rotation[k] = rotation_of_vector(error[at + 3 : at + 6]) @ belief.foot_rotation[k]
+        belief.foot_position[k] = rotated(turn, belief.foot_position[k]) + rotated(J, error[at : at + 3])
+        belief.foot_rotation[k] = product(rotation_of_vector(error[at + 3 : at + 6]), belief.foot_rotation[k])
 
 
 @compiled
@@ -110,20 +110,20 @@ def predict(belief: Belief, gyro: Array, accelerometer: Array, gravity: float, p
     half, square = 0.5 * period, 0.5 * period**2
     turn = (gyro - belief.gyro_bias) * period
     R = belief.rotation.copy()
-    middle = R @ rotation_of_vector(0.5 * turn)
-    force = middle @ (accelerometer - belief.accelerometer_bias)
+    middle = product(R, rotation_of_vector(0.5 * turn))
+    force = rotated(middle, accelerometer - belief.accelerometer_bias)
     acceleration = force.copy()
     acceleration[2] -= gravity
-    belief.rotation[:] = R @ rotation_of_vector(turn)
+    belief.rotation[:] = product(R, rotation_of_vector(turn))
     belief.position[:] += period * belief.velocity + square * acceleration
     belief.velocity[:] += period * acceleration
 
     F = np.eye(len(belief.covariance), FEET)
-    bend = R @ left_jacobian(turn) * period  # a bias turns the end of the period by minus this,
-    lean = skew(force) @ (R @ left_jacobian(0.5 * turn)) * half  # and the force in its middle
+    bend = product(R, left_jacobian(turn)) * period  # a bias turns the end of the period by minus this,
+    lean = product(skew(force), product(R, left_jacobian(0.5 * turn))) * half  # and the force in its middle
     F[0:3, 9:12] = -bend
-    F[3:6, 9:12] = period * lean - skew(belief.velocity) @ bend
-    F[6:9, 9:12] = square * lean - skew(belief.position) @ bend
+    F[3:6, 9:12] = period * lean - product(skew(belief.velocity), bend)
+    F[6:9, 9:12] = square * lean - product(skew(belief.position), bend)
     F[3:6, 12:15], F[6:9, 12:15] = -period * middle, -square * middle
     F[3, 1], F[4, 0] = period * gravity, -period * gravity
     F[6, 1], F[7, 0] = square * gravity, -square * gravity
@@ -131,7 +131,7 @@ def predict(belief: Belief, gyro: Array, accelerometer: Array, gravity: float, p
         F[6 + i, 3 + i] = period
     for k in range(len(belief.foot_position)):
         at = FEET + FOOT * k
-        F[at : at + 3, 9:12] = -skew(belief.foot_position[k]) @ bend
+        F[at : at + 3, 9:12] = -product(skew(belief.foot_position[k]), bend)
     return F
 
 
@@ -145,18 +145,32 @@ def spread(belief: Belief, F: Array, inertial_variance: Array, added_variance: A
         inertial_variance: Of the noise of gyro and accelerometer in this reading, (6,).
         added_variance: Of what walks at random, over the period: biases and feet (15 + 6 feet,).
     """
-    P, transposed = belief.covariance, F.T.copy()
-    ahead = F @ P[:FEET]
-    ahead[FEET:] += P[FEET:]
-    P[:] = ahead[:, :FEET].copy() @ transposed
-    P[:, FEET:] += ahead[:, FEET:]
+    P = belief.covariance
+    P[:] = _moved(F, _moved(F, P).T.copy())
     noise = F[:, GYRO_BIAS:].copy()  # noise of a reading acts as a bias that lasts for it
     for i in range(6):
         noise[GYRO_BIAS + i, i] = 0.0
         noise[:, i] *= np.sqrt(inertial_variance[i])
-    P += noise @ noise.T.copy()
     for i in range(len(P)):
+        for m in range(6):
+            if noise[i, m] != 0.0:
+                for j in range(len(P)):
+                    P[i, j] += noise[i, m] * noise[j, m]
         P[i, i] += added_variance[i]
+
+
+@compiled
+def _moved(F: Array, P: Array) -> Array:
+    """Product of a transition, whose columns of the feet are left out, with a matrix; most of a transition is zero."""
+    ahead = np.zeros(P.shape)
+    for i in range(len(P)):
+        if i >= FEET:
+            ahead[i] = P[i]
+        for m in range(FEET):
+            if F[i, m] != 0.0:
+                for j in range(P.shape[1]):
+                    ahead[i, j] += F[i, m] * P[m, j]
+    return ahead
 
 
 @compiled
@@ -178,8 +192,8 @@ def advance(
 def foot_innovation(belief: Belief, k: int, position: Array, rotation: Array) -> Array:
     """How far foot k is from where the belief has it (6,), world axes, from its place in the unit's frame."""
     R, out = belief.rotation, np.empty(6)
-    out[:3] = R @ position - (belief.foot_position[k] - belief.position)
-    out[3:] = rotation_vector(R @ rotation @ belief.foot_rotation[k].T.copy())
+    out[:3] = rotated(R, position) - (belief.foot_position[k] - belief.position)
+    out[3:] = rotation_vector(product(product(R, rotation), belief.foot_rotation[k].T))
     return out
 
 
@@ -197,9 +211,9 @@ def foot_rows(belief: Belief, k: int) -> Array:
 def place_innovation(belief: Belief, k: int, position: Array, rotation: Array) -> Array:
     """How far foot k is believed to be from a place (6,), in that place's axes: position, rotation."""
     out = np.empty(6)
-    axes = rotation.T.copy()
-    out[:3] = axes @ (position - belief.foot_position[k])
-    out[3:] = axes @ rotation_vector(rotation @ belief.foot_rotation[k].T.copy())
+    axes = rotation.T
+    out[:3] = rotated(axes, position - belief.foot_position[k])
+    out[3:] = rotated(axes, rotation_vector(product(rotation, belief.foot_rotation[k].T)))
     return out
 
 
@@ -207,8 +221,8 @@ def place_innovation(belief: Belief, k: int, position: Array, rotation: Array) -
 def place_rows(belief: Belief, k: int, rotation: Array) -> Array:
     """Derivative of `place_innovation` by the error, where the belief is close (6, 15 + 6 feet)."""
     H, at = np.zeros((6, len(belief.covariance))), FEET + FOOT * k
-    axes = rotation.T.copy()
-    H[:3, :3] = -axes @ skew(belief.foot_position[k])
+    axes = rotation.T
+    H[:3, :3] = -product(axes, skew(belief.foot_position[k]))
     H[:3, at : at + 3] = axes
     H[3:, at + 3 : at + 6] = axes
     return H
@@ -231,40 +245,58 @@ def correct(belief: Belief, H: Array, innovation: Array, variance: Array, gate: 
         Whether it was beyond the gate.
     """
     P, count = belief.covariance, len(innovation)
-    towards = H @ P
-    S = towards @ H.T.copy()
+    towards = np.zeros((count, len(P)))
     for i in range(count):
-        S[i, i] += variance[i]
-    root = np.linalg.cholesky(S)
-    white = _forward_substituted(root, innovation.reshape(-1, 1))[:, 0].copy()
+        for m in range(len(P)):
+            if H[i, m] != 0.0:
+                for j in range(len(P)):
+                    towards[i, j] += H[i, m] * P[m, j]
+    half = np.column_stack((innovation, towards))
+    _whiten(_innovation_covariance(H, towards, variance), half)
+    white = half[:, 0].copy()
     beyond = white @ white > gate
     if beyond:
         for i in range(count):
             at = loose + i
             P[at, at] += innovation[i] ** 2
             towards[:, at] += H[:, at] * innovation[i] ** 2
-        S = towards @ H.T.copy()
-        for i in range(count):
-            S[i, i] += variance[i]
-        root = np.linalg.cholesky(S)
-        white = _forward_substituted(root, innovation.reshape(-1, 1))[:, 0].copy()
-    half = _forward_substituted(root, towards)
-    P -= half.T.copy() @ half
-    retract(belief, white @ half)
+        half = np.column_stack((innovation, towards))
+        _whiten(_innovation_covariance(H, towards, variance), half)
+    error = np.zeros(len(P))
+    for i in range(count):
+        for m in range(len(P)):
+            error[m] += half[i, 0] * half[i, 1 + m]
+            for j in range(len(P)):
+                P[m, j] -= half[i, 1 + m] * half[i, 1 + j]
+    retract(belief, error)
     return bool(beyond)
 
 
 @compiled
-def _forward_substituted(L: Array, B: Array) -> Array:
-    """L⁻¹ B of a lower triangle."""
-    X = B.copy()
-    for i in range(len(L)):
+def _innovation_covariance(H: Array, towards: Array, variance: Array) -> Array:
+    """H P Hᵀ and the measurement's variance (m, m), from the rows and their product with P."""
+    S = np.diag(variance)
+    for i in range(len(H)):
+        for m in range(H.shape[1]):
+            if H[i, m] != 0.0:
+                for j in range(len(H)):
+                    S[j, i] += towards[j, m] * H[i, m]
+    return S
+
+
+@compiled
+def _whiten(S: Array, X: Array) -> None:
+    """Multiply X (m, n) by L⁻¹, S = L Lᵀ (m, m); L takes the place of the lower triangle of S."""
+    for i in range(len(S)):
+        for j in range(i + 1):
+            for k in range(j):
+                S[i, j] -= S[i, k] * S[j, k]
+            S[i, j] = np.sqrt(S[i, i]) if i == j else S[i, j] / S[j, j]
         for j in range(i):
             for k in range(X.shape[1]):
-                X[i, k] -= L[i, j] * X[j, k]
+                X[i, k] -= S[i, j] * X[j, k]
         for k in range(X.shape[1]):
-            X[i, k] /= L[i, i]
-    return X
+            X[i, k] /= S[i, i]
 
 
 @compiled
@@ -277,7 +309,8 @@ def see_foot(belief: Belief, k: int, position: Array, rotation: Array, variance:
 @compiled
 def lay_flat(belief: Belief, k: int, normal: Array, height: float, variance: Array) -> None:
     """Correct by a floor under foot k: its height along the normal, and roll and pitch; their variances are (3,)."""
-    axes = rotation_of_vector(turn_between(belief.foot_rotation[k, :, 2].copy(), normal)) @ belief.foot_rotation[k]
+    turn = rotation_of_vector(turn_between(belief.foot_rotation[k, :, 2].copy(), normal))
+    axes = product(turn, belief.foot_rotation[k])
     place = belief.foot_position[k] - normal * (normal @ belief.foot_position[k] - height)
     innovation, rows = place_innovation(belief, k, place, axes), place_rows(belief, k, axes)
     correct(belief, rows[2:5].copy(), innovation[2:5].copy(), variance, np.inf, 0)
@@ -312,8 +345,8 @@ def place_foot(belief: Belief, k: int, position: Array, rotation: Array, varianc
         variance: Of that, (6,).
     """
     at, P = FEET + FOOT * k, belief.covariance
-    belief.foot_position[k] = belief.position + belief.rotation @ position
-    belief.foot_rotation[k] = belief.rotation @ rotation
+    belief.foot_position[k] = belief.position + rotated(belief.rotation, position)
+    belief.foot_rotation[k] = product(belief.rotation, rotation)
     forget_foot(belief, k)
     for i in range(3):
         P[at + i], P[at + 3 + i] = P[POSITION + i], P[ROTATION + i]
@@ -325,23 +358,31 @@ def place_foot(belief: Belief, k: int, position: Array, rotation: Array, varianc
 
 @compiled
 def base_state(
-    belief: Belief, gyro: Array, accelerometer: Array, gravity: float, age: float, unit_in_base: tuple[Array, Array]
+    belief: Belief,
+    gyro: Array,
+    gyro_now: Array,
+    accelerometer: Array,
+    gravity: float,
+    age: float,
+    unit_in_base: tuple[Array, Array],
 ) -> tuple[Array, Array, Array]:
     """Rotation (3, 3), position (3,) and velocity (6,), in its own axes, of a base that the unit is fixed to.
 
     Args:
         belief: Of the unit.
-        gyro, accelerometer: Readings (3,) with which the belief is carried on.
+        gyro, accelerometer: Readings (3,) at the belief's time.
+        gyro_now: What the gyro would say now (3,).
         gravity: [m/s²].
-        age: For how long [s].
+        age: For how long the belief is carried on [s].
         unit_in_base: Rotation (3, 3) and position (3,).
     """
-    turning = gyro - belief.gyro_bias
-    acceleration = belief.rotation @ (accelerometer - belief.accelerometer_bias)
+    turning = gyro_now - belief.gyro_bias
+    mean = 0.5 * (gyro + gyro_now) - belief.gyro_bias
+    acceleration = rotated(belief.rotation, accelerometer - belief.accelerometer_bias)
     acceleration[2] -= gravity
     turn, at = unit_in_base
-    rotation = belief.rotation @ rotation_of_vector(age * turning) @ turn.T.copy()
+    rotation = product(product(belief.rotation, rotation_of_vector(age * mean)), turn.T)
     velocity = np.empty(6)
-    velocity[3:] = turn @ turning
-    velocity[:3] = rotation.T.copy() @ (belief.velocity + age * acceleration) - cross(velocity[3:], at)
-    return rotation, belief.position + age * belief.velocity - rotation @ at, velocity
+    velocity[3:] = rotated(turn, turning)
+    velocity[:3] = rotated(rotation.T, belief.velocity + age * acceleration) - cross(velocity[3:], at)
+    return rotation, belief.position + age * belief.velocity - rotated(rotation, at), velocity

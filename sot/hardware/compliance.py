@@ -1,7 +1,7 @@
 """Compliant feet: a rubber bush between each ankle and its sole."""
 
 from dataclasses import dataclass
-from math import inf, isfinite, sqrt
+from math import cos, inf, isfinite, sin, sqrt
 
 import numpy as np
 import pinocchio as pin
@@ -69,7 +69,8 @@ def sole_in_foot(bush: np.ndarray, deflection: np.ndarray) -> pin.SE3:
         deflection: roll, pitch [rad] and height [m] by which the sole is off (3,); pitch turns after roll.
     """
     roll, pitch, height = deflection.tolist()
-    turn = pin.utils.rotate("x", roll) @ pin.utils.rotate("y", pitch)
+    (cr, sr), (cp, sp) = (cos(roll), sin(roll)), (cos(pitch), sin(pitch))
+    turn = np.array([[cp, 0.0, sp], [sr * sp, cr, -sr * cp], [-cr * sp, sr, cr * cp]])
     return pin.SE3(turn, bush - turn @ bush + np.array([0.0, 0.0, height]))
 
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import pinocchio as pin
 
+from sot.rotation import cross
+
 Array = np.ndarray
 
 
@@ -50,7 +52,7 @@ def measured_zmp(wrenches: Mapping[str, Array], feet: Mapping[str, pin.SE3]) -> 
     for foot, wrench in wrenches.items():
         force, arm = feet[foot].rotation @ wrench[:3], feet[foot].translation
         total[:3] += force
-        total[3:] += feet[foot].rotation @ wrench[3:] + np.cross(arm, force)
+        total[3:] += feet[foot].rotation @ wrench[3:] + cross(arm, force)
     if not total[2] > 0.0:
         return np.full(2, np.nan)
     return np.array([-total[4], total[3]]) / total[2]

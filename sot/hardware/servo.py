@@ -44,11 +44,13 @@ class Servo:
         stiffness: kp (na,) [N m/rad].
         damping: kd (na,) [N m s/rad].
         period: T between commands (na,) [s].
+        rotor: inertia of the motors' rotors as the joints feel it (na,) [kg m²]; a model that gives none has these.
     """
 
     stiffness: Array = field(repr=False)
     damping: Array = field(repr=False)
     period: Array = field(repr=False)
+    rotor: Array = field(repr=False)
 
     @staticmethod
     def of(robot: Robot) -> "Servo":
@@ -60,11 +62,11 @@ class Servo:
         rotor = np.where(robot.armature > 0.0, robot.armature, ROTOR_INERTIA_RATIO * robot.effort)
         period = np.full(robot.na, 1.0 / UPPER_COMMAND_RATE)
         period[list(robot.groups["legs"])] = 1.0 / LEG_COMMAND_RATE
-        return Servo(stiffness, np.where(np.isnan(damping), 2.0 * np.sqrt(stiffness * rotor), damping), period)
+        return Servo(stiffness, np.where(np.isnan(damping), 2.0 * np.sqrt(stiffness * rotor), damping), period, rotor)
 
     def scaled(self, stiffness: float) -> "Servo":
         """Servos whose stiffness is a factor larger, their rotors damped as well as before."""
-        return Servo(stiffness * self.stiffness, np.sqrt(stiffness) * self.damping, self.period)
+        return Servo(stiffness * self.stiffness, np.sqrt(stiffness) * self.damping, self.period, self.rotor)
 
 
 def _toppling_moment(robot: Robot) -> float:

@@ -1,5 +1,7 @@
 """The centre of mass over standing feet with the little future there is: a gentle plan that stays well inside."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import quadprog
 from numpy.typing import NDArray
@@ -60,6 +62,7 @@ class ComPreview:
             matrix @ blocks for matrix in (position, velocity, acceleration)
         )
         t = T * k
+        self._times: Array = t[:, 0].astype(float)
         self._free = np.hstack([np.ones_like(t), t, 0.5 * t**2])
         self._free_rate = np.hstack([np.zeros_like(t), np.ones_like(t), t])
         self._free_curve = np.hstack([np.zeros_like(t), np.zeros_like(t), np.ones_like(t)])
@@ -86,18 +89,23 @@ class ComPreview:
         """The place nearest to a wanted one (2,) at which the centre of mass may be [m]."""
         return np.asarray(self._com_room.nearest_point(np.ascontiguousarray(place)))
 
-    def plan(self, wanted: Array) -> None:
+    def plan(self, wanted: Array, future: Sequence[tuple[float, Array]] = ()) -> None:
         """Plan anew from the state of now.
 
         What angular momentum does to the zero-moment point is left out, and gets the room that the margins leave. With
         it, as if it were to die out, a plan made the centre of mass run away before an arm that went on turning.
 
-        wanted: where the centre of mass is to be (2,) [m].
+        wanted: where the centre of mass is to be now (2,) [m].
+        future: how much later [s] it will be wanted how much farther (2,) [m], in order; the last stays.
         """
         over = self._height / GRAVITY
         state = np.stack([self.c, self.dc, self.ddc])
         free, rate, curve = self._free @ state, self._free_rate @ state, self._free_curve @ state
         goal = np.broadcast_to(self.wanted_place(wanted), free.shape)
+        if future:
+            later = np.array([0.0, *(time for time, _ in future)])
+            farther = np.vstack([np.zeros(2), *(way for _, way in future)])
+            goal = np.array([self.wanted_place(wanted + way) for way in _interpolated(self._times, later, farther)])
         a = (self._position.T @ (goal - free)) / ACCEPTED_ERROR**2
         zmp = np.vstack([free - over * curve, (free + np.sqrt(over) * rate)[-1:]])
         room = self._zmp_room
@@ -113,6 +121,11 @@ class ComPreview:
         self.c = self.c + period * self.dc + 0.5 * period**2 * self.ddc + period**3 / 6.0 * jerk
         self.dc = self.dc + period * self.ddc + 0.5 * period**2 * jerk
         self.ddc = self.ddc + period * jerk
+
+
+def _interpolated(times: Array, at: Array, values: Array) -> Array:
+    """Values (T, 2) at times (T,), linear between those (n, 2) at times (n,)."""
+    return np.column_stack([np.interp(times, at, column) for column in values.T])
 
 
 def _shrunk_within(support: Polygon, margins: Array) -> Polygon:

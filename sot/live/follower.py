@@ -1,11 +1,12 @@
 """From frames that arrive to a reference that the robot can follow: one step of the pipeline a tick."""
 
-from collections import Counter
+from collections import Counter, deque
 from dataclasses import dataclass
 from math import nan
 from time import perf_counter
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from sot.errors import InputError
@@ -18,6 +19,7 @@ from sot.live.reference import PERIOD, LiveReference
 from sot.live.sensing.gate import Gate
 from sot.live.sensing.one_euro import MomentFilter
 from sot.live.sensing.time_line import TimeLine
+from sot.live.state import pinocchio_state
 from sot.motion.body.limits import Limits
 from sot.motion.feet.stance import Build
 from sot.motion.human.human import SIDES
@@ -34,6 +36,18 @@ REPLY_PERIOD = 0.01
 """Time between joint targets for those who have asked for them [s]."""
 VELOCITY_TIME = 0.02
 """Time constant of the targets' velocity [s]."""
+REORDERING_TIME = 0.1
+"""Part of a delay in which reordered frames find their place [s]; the rest of it is future that is known."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """What a frame asks for when it is due [s]: coordinates y and velocity (nv,), with the CoM at a place (2,)."""
+
+    due: float
+    y: Array
+    velocity: Array
+    com: Array
 
 
 @dataclass
@@ -59,7 +73,7 @@ class Follower:
     Args:
         source: of frames.
         robot: who follows.
-        delay: by which everything is played later [s].
+        delay: by which everything is played later [s]; the centre of mass is planned with the future that this buys.
         start: what the source's clock shows when the run begins [s].
 
     Attributes:
@@ -87,7 +101,10 @@ class Follower:
         self._filter = MomentFilter()
         self._solution = self.reference.rest.copy()
         self._velocity = np.zeros(robot.nv)
-        self._last: float | None = None  # due time of the last frame that was used
+        self._last: float | None = None  # due time of the last frame that was solved
+        self._preview = max(delay - REORDERING_TIME, 0.0)
+        self._target: Target | None = None
+        self._future: deque[Target] = deque()
         self._share = 0.0  # of the way from the safe posture to the person
         self.shown: list[tuple[float, MomentTargets]] = []
         self.frame_times: list[FrameTimes] = []
@@ -99,10 +116,12 @@ class Follower:
         now = t + self._start
         for frame in self.source.poll(now):
             self.time_line.add(frame)
-        due = self.time_line.due(now)
+        due = self.time_line.due(now + self._preview)
         self.counts["skipped"] += max(0, len(due) - 1)  # many at once: the last is where the person is now
         for frame in due[-1:]:
             self._take_in(frame, t)
+        while self._future and self._future[0].due <= t + 1e-9:
+            self._target = self._future.popleft()
         while self.reference.horizon < t - 1e-9:
             self._make_knot(self.reference.horizon)
         if t >= self._next_reply:
@@ -151,25 +170,32 @@ class Follower:
         self.shown.append((due - self.time_line.delay, targets))
         elapsed = due - self._last if self._last is not None else PERIOD
         y = self._body.solve(targets, self._solution)
-        data = self._body.place(y)
+        # What the trunk will be late when the frame is due is the arms' to make up.
+        start = self.reference.expected(y, due)
+        data = self._body.place(start)
         for arm in self._arms:
-            y[arm.columns] = arm.solve(data, targets.directions, elapsed, self.reference.now[arm.columns])
+            y[arm.columns] = arm.solve(data, targets.directions, elapsed, start[arm.columns])
         if self._last is None or elapsed > STALE_TIME:
             self._velocity = np.zeros_like(y)
         else:
             share = 1.0 - np.exp(-elapsed / VELOCITY_TIME)
             self._velocity += share * ((y - self._solution) / elapsed - self._velocity)
         self._solution, self._last = y, due
+        com = pin.centerOfMass(self.robot.model, self._body.data, pinocchio_state(y, y, y)[0])[:2].copy()
+        self._future.append(Target(due, y, self._velocity.copy(), com))
 
     def _make_knot(self, t: float) -> None:
         """Make the knot after a time [s]."""
-        ago = np.inf if self._last is None else t - self._last
-        fresh = ago < STALE_TIME
-        if self._last is not None and not fresh:
+        target = self._target
+        fresh = target is not None and t - target.due < STALE_TIME
+        if target is not None and not fresh:
             self.held_s += PERIOD
         step = PERIOD / EASE_IN_TIME if fresh else -PERIOD / EASE_OUT_TIME
         self._share = min(max(self._share + step, 0.0), 1.0)
-        share = float(minimum_jerk(np.array(self._share)))
-        velocity = self._velocity if fresh else np.zeros_like(self._velocity)
-        rest = self.reference.rest
-        self.reference.advance(rest + share * (self._solution - rest), share * velocity)
+        share, rest = float(minimum_jerk(np.array(self._share))), self.reference.rest
+        if target is None:
+            self.reference.advance(rest, np.zeros_like(rest))
+            return
+        velocity = share * target.velocity if fresh else np.zeros_like(rest)
+        future = [(later.due - t, share * (later.com - target.com)) for later in self._future]
+        self.reference.advance(rest + share * (target.y - rest), velocity, future)

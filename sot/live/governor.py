@@ -1,10 +1,15 @@
 """A motion that follows targets as fast as range, velocity, acceleration and jerk allow, never stretching time."""
 
 import numpy as np
+import pinocchio as pin
+import quadprog
 from numpy.typing import NDArray
 
 from solvers.compiled import compiled
 from sot.acceleration_bounds import AccelerationBounds
+from sot.live.planted_legs import PlantedLegs
+from sot.live.state import pinocchio_state
+from sot.motion.body.coordinates import rate_matrix, to_rotation
 from sot.motion.body.limits import Limits
 from sot.robots.robot import Robot
 
@@ -28,6 +33,11 @@ MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION = 4.0, 6.0
 """Bounds of the pelvis' velocity [rad/s] and acceleration [rad/s²]: the whole upper body turns with it."""
 MAX_CHEST_ACCELERATION = 8.0
 """The same of the joints below the chest, which carry arms and head."""
+ACCEPTED_LEG_EXCESS = 0.1
+"""Acceleration of a leg's joint beyond its bounds that costs as much as the whole acceleration of the pelvis [rad/s²]:
+there always is an answer."""
+ACCEPTED_COM_ERROR = 0.1
+"""Error of the centre of mass' acceleration that costs as much [m/s²]."""
 
 
 class Governor:
@@ -37,18 +47,22 @@ class Governor:
 
         v* = ẏ_t + sign(e) min(λ |e|, √(2 b |e|)),    ÿ* = k (v* − ẏ),
 
-    and ÿ* is kept within Kim (14) in its viable form and changes by no more than the jerk allows.
+    and ÿ* is kept within Kim (14) in its viable form and changes by no more than the jerk allows. Legs follow from the
+    base: of its accelerations the nearest is taken with which their joints keep the same bounds, too. Were each of its
+    coordinates governed by itself, it would be led to mixtures that no standing legs reach. Horizontally it goes where
+    the centre of mass is on its plan: a body beside it would stand on other legs.
 
     Args:
         robot: who moves.
         limits: of the coordinates y.
+        legs: of the robot, that stand.
         start: coordinates to start from, at rest (nv,).
         period: between its steps [s].
     """
 
-    def __init__(self, robot: Robot, limits: Limits, start: Array, period: float) -> None:
+    def __init__(self, robot: Robot, limits: Limits, legs: PlantedLegs, start: Array, period: float) -> None:
         self.y, self.dy, self.ddy = start.copy(), np.zeros_like(start), np.zeros_like(start)
-        self._period = period
+        self._period, self._legs = period, legs
         velocity, acceleration = USABLE_VELOCITY_SHARE * limits.velocity, limits.acceleration.copy()
         velocity[:3], acceleration[:3] = MAX_HIP_SPEED, MAX_HIP_ACCELERATION
         velocity[3:6], acceleration[3:6] = MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION
@@ -60,13 +74,22 @@ class Governor:
             velocity,
             acceleration,
         )
-        self._bounds = AccelerationBounds(
-            limits.lower, limits.upper, velocity, BRAKING_SHARE * acceleration, acceleration
-        )
+        brake = acceleration.copy()
+        brake[legs.columns] = np.minimum(brake[legs.columns], MAX_PELVIS_ACCELERATION)  # it has to slow down with them
+        self._bounds = AccelerationBounds(limits.lower, limits.upper, velocity, BRAKING_SHARE * brake, acceleration)
+        self._scale = acceleration[:6]
+        self._model, self._data = robot.model, robot.model.createData()
 
-    def step(self, target: Array, velocity: Array, greatest_height: float = np.inf) -> None:
-        """Go on by a period towards a target (nv,) that moves with a velocity (nv,), the base below a height [m]."""
-        self._bounds.upper[2] = greatest_height
+    def expected(self, target: Array, time: float) -> Array:
+        """Coordinates (nv,) that would be reached within a time [s] at full speed towards a target (nv,)."""
+        way = time * self._velocity
+        return self.y + np.clip(target - self.y, -way, way)
+
+    def step(self, target: Array, velocity: Array, com: Array) -> None:
+        """Go on by a period towards a target (nv,) that moves with a velocity (nv,).
+
+        com: place and velocity that the centre of mass shall have now, and its acceleration at the period's end (3, 2).
+        """
         rate = self.dy + 0.5 * JERK_TIME * self.ddy  # once the acceleration of now has come to an end
         low, high = self._bounds(self.y + JERK_TIME * rate, rate, self._period)
         wanted = _wanted_accelerations(
@@ -80,10 +103,57 @@ class Governor:
             self._acceleration,
         )
         T, change = self._period, self._acceleration * (self._period / JERK_TIME)
-        curve = np.clip(wanted, self.ddy - change, self.ddy + change)
+        least, most = np.clip((low, high), self.ddy - change, self.ddy + change)
+        curve = np.clip(wanted, least, most)
+        A, b = self._legs.accelerations(self.y, self.dy)
+        legs = self._legs.columns
+        curve[:6] = self._base_acceleration(curve, com, least[:6], most[:6], A, b, low[legs], high[legs])
         self.y = self.y + T * self.dy + T**2 * (self.ddy / 3.0 + curve / 6.0)
         self.dy = self.dy + 0.5 * T * (self.ddy + curve)
         self.ddy = curve
+        self.y, self.dy, self.ddy = self._legs(self.y, self.dy, self.ddy)
+
+    def _base_acceleration(
+        self, curve: Array, com: Array, least: Array, most: Array, A: Array, b: Array, low: Array, high: Array
+    ) -> Array:
+        """The base's acceleration (6,) between least and most that takes the centre of mass along its plan.
+
+        The other four are the nearest to those of curve (nv,) with which the legs' A ÿ + b (k,) are within bounds, but
+        for an excess s that is solved for, too: low − s <= A ÿ + b <= high + s.
+        """
+        C, wanted = self._com_rows(curve, com, A, b)
+        base = curve[:6].copy()
+        base[:2] = np.linalg.solve(C[:, :2], wanted - C[:, 2:] @ base[2:])
+        legs = A @ base + b
+        if (legs >= low).all() and (legs <= high).all() and (base >= least).all() and (base <= most).all():
+            return base
+        scale, width, count = self._scale, 1e-6, len(A)  # a box without any width has dependent constraints
+        A, C = A * scale, C * scale / ACCEPTED_COM_ERROR
+        H = np.diag(np.concatenate([np.zeros(2), np.ones(4), np.full(count, ACCEPTED_LEG_EXCESS**-2)]))
+        H[:6, :6] += C.T @ C
+        pull = np.concatenate([np.zeros(2), base[2:] / scale[2:], np.zeros(count)])
+        pull[:6] += C.T @ wanted / ACCEPTED_COM_ERROR
+        one, zero, excess = np.eye(6), np.zeros((6, count)), np.eye(count)
+        rows = np.vstack([np.hstack(pair) for pair in ((one, zero), (-one, zero), (A, excess), (-A, excess))])
+        bounds = np.concatenate([least / scale - width, -most / scale - width, low - b, b - high])
+        return np.clip(scale * quadprog.solve_qp(H, pull, rows.T, bounds)[0][:6], least, most)
+
+    def _com_rows(self, curve: Array, com: Array, A: Array, b: Array) -> tuple[Array, Array]:
+        """C (2, 6) and c (2,): with C ÿ = c for the base's ÿ the centre of mass goes along its plan.
+
+        The legs' accelerations are A ÿ + b, those of the other joints are in curve (nv,).
+        """
+        legs, others = self._legs.columns, curve.copy()
+        others[:6], others[legs] = 0.0, b
+        q, v, a = pinocchio_state(self.y, self.dy, others)
+        J = pin.jacobianCenterOfMass(self._model, self._data, q)[:2]
+        base = J[:, :6].copy()
+        base[:, :3] = base[:, :3] @ to_rotation(self.y[None, 3:6])[0].T
+        base[:, 3:] = base[:, 3:] @ rate_matrix(self.y[None, 3:6])[0]
+        pin.centerOfMass(self._model, self._data, q, v, a)
+        place, rate, drift = (vectors[0][:2] for vectors in (self._data.com, self._data.vcom, self._data.acom))
+        wanted = com[2] + VELOCITY_GAIN * (com[1] - rate + APPROACH_RATE * (com[0] - place))
+        return base + J[:, legs] @ A, wanted - drift
 
 
 @compiled

@@ -6,18 +6,14 @@ from numpy.typing import NDArray
 
 from sot.live.bounded_move import bounded_move
 from sot.live.state import pinocchio_state
-from sot.motion.body.coordinates import to_rotation
+from sot.motion.body.coordinates import rate_matrix, to_rotation
 from sot.motion.feet.contacts import Phase
-from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
-from sot.robots.size import leg_length
 
 Array = NDArray[np.float64]
 
 DAMPING = 1e-4
 """Of the inverse of the legs' Jacobian, for a leg that is nearly straight."""
-MAX_LEG_EXTENSION = 0.965
-"""Share of its length to which a leg is stretched at most: a straight one can no longer push, and jerks."""
 GAUSS_NEWTON_STEPS, MAX_GAUSS_NEWTON_STEPS = 1, 8
 """Steps a moment, and while the feet are farther off than `MAX_FOOT_ERROR`."""
 MAX_FOOT_ERROR = 0.01
@@ -35,51 +31,44 @@ class PlantedLegs:
         robot: who stands.
         phase: where its feet are.
         start: coordinates (nv,) to start from.
+
+    Attributes:
+        columns: of the legs in the coordinates (k,).
     """
 
     def __init__(self, robot: Robot, phase: Phase, start: Array) -> None:
         self._model, self._data = robot.model, robot.model.createData()
         self._feet = [(robot.point(foot), pose) for foot, pose in phase.feet.items()]
         self._joints = np.array(robot.groups["legs"], dtype=int)
-        self._columns = 6 + self._joints
+        self.columns = 6 + self._joints
         self._lower, self._upper = robot.lower[self._joints], robot.upper[self._joints]
         self._velocity, self._acceleration = robot.velocity[self._joints], robot.acceleration[self._joints]
-        self._start = start[self._columns]
+        self._start = start[self.columns]
         self._angles = self._start
-        pin.framesForwardKinematics(robot.model, self._data, robot.rest)
-        place = {point: self._data.oMf[robot.point(point)].translation.copy() for point in robot.points}
-        base = self._data.oMi[1]
-        self._hips = np.array([base.actInv(place[f"{side}_hip"]) for side in SIDES])
-        self._ankles = np.array([place[f"{side}_ankle"] for side in SIDES])
-        rest = np.array([np.linalg.norm(place[f"{side}_hip"] - place[f"{side}_ankle"]) for side in SIDES])
-        self._reach = np.maximum(rest, MAX_LEG_EXTENSION * leg_length(robot))
 
-    def greatest_height(self, y: Array) -> float:
-        """Greatest height of the base [m] from which both legs reach, turned and placed as in coordinates (nv,)."""
-        hips = self._hips @ to_rotation(y[None, 3:6])[0].T
-        away = y[:2] + hips[:, :2] - self._ankles[:, :2]
-        drop = np.sqrt(np.maximum(self._reach**2 - np.sum(away**2, axis=1), 0.0))
-        return float(np.min(self._ankles[:, 2] + drop - hips[:, 2]))
+    def accelerations(self, y: Array, dy: Array) -> tuple[Array, Array]:
+        """A (k, 6) and b (k,): the legs' accelerations are A ÿ + b with the base's ÿ (6,), at coordinates (nv,)."""
+        q, v, a = pinocchio_state(y, dy, np.zeros_like(y))
+        a[6:] = 0.0
+        J = self._jacobian(q)
+        base, inverse = J[:, :6].copy(), self._inverse(J)
+        base[:, :3] = base[:, :3] @ to_rotation(y[None, 3:6])[0].T
+        base[:, 3:] = base[:, 3:] @ rate_matrix(y[None, 3:6])[0]
+        return -inverse @ base, -inverse @ self._feet_accelerations(q, v, a)
 
     def __call__(self, y: Array, dy: Array, ddy: Array) -> tuple[Array, Array, Array]:
         """Coordinates and derivatives (nv,) with such legs, whose angles follow from those of the last call."""
-        model, data, legs = self._model, self._data, self._columns
+        legs = self.columns
         y, dy, ddy = y.copy(), dy.copy(), ddy.copy()
         self._solve(y)
         y[legs] = self._angles
         q, v, a = pinocchio_state(y, dy, ddy)
         v[legs], a[legs] = 0.0, 0.0
         J = self._jacobian(q)
-        own = J[:, legs]
-        inverse = np.linalg.solve(own.T @ own + DAMPING * np.eye(len(legs)), own.T)
+        inverse = self._inverse(J)
         v[legs] = np.clip(-inverse @ (J @ v), -self._velocity, self._velocity)
-        pin.forwardKinematics(model, data, q, v, a)
-        moved = [
-            pin.getFrameClassicalAcceleration(model, data, foot, pin.LOCAL_WORLD_ALIGNED).vector
-            for foot, _ in self._feet
-        ]
         # At the end of a range, or straight, a leg cannot follow: what it would have to do there is nobody's motion.
-        curve = np.clip(-inverse @ np.concatenate(moved), -self._acceleration, self._acceleration)
+        curve = np.clip(-inverse @ self._feet_accelerations(q, v, a), -self._acceleration, self._acceleration)
         y[legs], dy[legs], ddy[legs] = self._angles, v[legs], curve
         return y, dy, ddy
 
@@ -93,7 +82,7 @@ class PlantedLegs:
 
     def _improved(self, y: Array, angles: Array, steps: int) -> tuple[Array, float]:
         """Angles (k,) after bounded Gauss-Newton steps, and the length of the feet's error."""
-        y, legs, angles = y.copy(), self._columns, angles.copy()
+        y, legs, angles = y.copy(), self.columns, angles.copy()
         for step in range(steps + 1):
             y[legs] = angles
             J = self._jacobian(pinocchio_state(y, y, y)[0])[:, legs]
@@ -101,6 +90,21 @@ class PlantedLegs:
             if step < steps:
                 bounded_move(angles, J.T @ J + DAMPING * np.eye(len(legs)), J.T @ e, self._lower, self._upper)
         return angles, float(np.linalg.norm(e))
+
+    def _inverse(self, J: Array) -> Array:
+        """Damped inverse (k, 12) of the legs' part of the feet's Jacobian (12, nv)."""
+        own = J[:, self.columns]
+        return np.asarray(np.linalg.solve(own.T @ own + DAMPING * np.eye(own.shape[1]), own.T))
+
+    def _feet_accelerations(self, q: Array, v: Array, a: Array) -> Array:
+        """Accelerations (12,) of both feet."""
+        pin.forwardKinematics(self._model, self._data, q, v, a)
+        return np.concatenate(
+            [
+                pin.getFrameClassicalAcceleration(self._model, self._data, foot, pin.LOCAL_WORLD_ALIGNED).vector
+                for foot, _ in self._feet
+            ]
+        )
 
     def _jacobian(self, q: Array) -> Array:
         """Jacobian (12, nv) of both feet at a configuration (nq,)."""

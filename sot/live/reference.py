@@ -1,6 +1,6 @@
 """A reference that is made while it is asked for; it answers what a `Motion` does, without a future."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
 
@@ -60,15 +60,15 @@ class LiveReference:
         self.robot = robot
         self._data = robot.model.createData()
         self.rest = from_configuration(robot.rest[None])[0]
-        self._governor = Governor(robot, limits, self.rest, PERIOD)
         self._points: dict[str, int] = {}
         (self._phase,) = planted_phases(robot, inf)
         com = pin.centerOfMass(robot.model, self._data, robot.rest).copy()
         foot = robot.sole(robot.feet[0])
         support = support_polygon(robot, self._phase)
         self._preview = ComPreview(support, np.ptp(foot[:, :2], axis=0), com[:2], float(com[2]))
-        self._legs = PlantedLegs(robot, self._phase, self.rest)
-        self._wanted = com[:2].copy()
+        legs = PlantedLegs(robot, self._phase, self.rest)
+        self._governor = Governor(robot, limits, legs, self.rest, PERIOD)
+        self._com = com[:2].copy()
         self._knots: list[Knot] = []
         self._knots.append(self._knot())
         self._step(self.rest, np.zeros(robot.nv))
@@ -87,30 +87,36 @@ class LiveReference:
         """Coordinates (nv,) at the last knot."""
         return self._knots[-1].y
 
-    def advance(self, target: Array, velocity: Array) -> None:
-        """Make the next knot, towards a target (nv,) that moves with a velocity (nv,)."""
-        self._step(target, velocity)
+    def expected(self, target: Array, t: float) -> Array:
+        """Coordinates (nv,) where it could be at a time [s] on the way to a target (nv,): it may be later than the last
+        knot, as where the future is known."""
+        return self._governor.expected(target, max(t - self.horizon, 0.0))
 
-    def _step(self, target: Array, velocity: Array) -> None:
-        greatest = self._legs.greatest_height(self._governor.y)
-        if target[2] > greatest:  # the person may rise on; what the legs hold back has no speed
-            target, velocity = target.copy(), velocity.copy()
-            target[2], velocity[2] = greatest, min(velocity[2], 0.0)
-        self._governor.step(target, velocity, greatest)
+    def advance(self, target: Array, velocity: Array, future: Sequence[tuple[float, Array]] = ()) -> None:
+        """Make the next knot, towards a target (nv,) that moves with a velocity (nv,).
+
+        future: how much later [s] the centre of mass will be wanted how much farther (2,) [m], as far as is known.
+        """
+        self._step(target, velocity, future)
+
+    def _step(self, target: Array, velocity: Array, future: Sequence[tuple[float, Array]] = ()) -> None:
+        plan = self._preview
         if (len(self._knots) - 1) % KNOTS_PER_PLAN == 0:
-            self._preview.plan(self._wanted)
-        self._preview.advance(PERIOD)
+            plan.plan(self._com + target[:2] - self._governor.y[:2], future)
+        place, rate = plan.c, plan.dc
+        plan.advance(PERIOD)
+        self._governor.step(target, velocity, np.stack([place, rate, plan.ddc]))
         self._knots.append(self._knot())
 
     def _knot(self) -> Knot:
         governor, model, data, plan = self._governor, self.robot.model, self._data, self._preview
-        y, dy, ddy = self._legs(governor.y, governor.dy, governor.ddy)
+        y, dy, ddy = governor.y, governor.dy, governor.ddy
         q, v, a = pinocchio_state(y, dy, ddy)
         pin.computeCentroidalMomentumTimeVariation(model, data, q, v, a)
         momentum, turn = data.hg.angular.copy(), data.dhg.angular.copy()
         pin.centerOfMass(model, data, q, v, a)
         com, velocity, acceleration = data.com[0].copy(), data.vcom[0].copy(), data.acom[0].copy()
-        self._wanted = com[:2].copy()
+        self._com = com[:2].copy()
         com[:2], velocity[:2], acceleration[:2] = plan.c, plan.dc, plan.ddc
         lean = (com[2] * acceleration[:2] + np.array([turn[1], -turn[0]]) / self.robot.mass) / (
             GRAVITY + acceleration[2]

@@ -1,5 +1,6 @@
 """Human motion to robot motion: from a file of joint angles to a human with names, and on to what a robot can do."""
 
+from sot.motion.climb import climb
 from sot.motion.edit import Edit
 from sot.motion.human.capture import Capture
 from sot.motion.human.formats.readers import read
@@ -18,6 +19,7 @@ __all__ = [
     "MotionSample",
     "Plan",
     "Track",
+    "climb",
     "plan",
     "read",
     "recognise",

@@ -66,7 +66,7 @@ class Ground:
             feet = {foot: self.laid(pose) for foot, pose in phase.feet.items()}
             for foot, pose in feet.items():
                 self._check_inside(foot, phase.start, np.array([pose.act(corner) for corner in robot.sole(foot)]))
-            found.append(replace(phase, feet=feet))
+            found.append(replace(phase, feet=feet, surfaces=dict.fromkeys(feet, self.surface)))
         return tuple(found)
 
     def laid_paths(self, paths: Mapping[str, FootPath]) -> dict[str, FootPath]:

@@ -11,6 +11,7 @@ from sot.motion.balance.feet_led import feet_led
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Foothold, Step
 from sot.motion.feet.swing import contact_phases, foot_paths
+from sot.motion.ground import Ground
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
@@ -60,7 +61,16 @@ def walk(robot: Robot, ways: Sequence[float], rate: float = 1000.0, ground: Surf
     times = KNOT_PERIOD * np.arange(np.ceil(now / KNOT_PERIOD) + 1)
     phases = contact_phases(robot, stands, steps, float(times[-1]))
     paths = foot_paths(robot, stands, steps, [STEP_HEIGHT * leg] * len(steps), LegReach.of(robot), times)
-    return feet_led(robot, phases, paths, KNOT_PERIOD, rate, ground)
+    plane = Ground(ground)
+    return feet_led(
+        robot,
+        plane.laid_phases(robot, phases),
+        plane.laid_paths(paths),
+        KNOT_PERIOD,
+        rate,
+        lambda _, places: plane.height(places),
+        ground.name,
+    )
 
 
 def _standing(robot: Robot) -> dict[str, Foothold]:

@@ -1,12 +1,19 @@
 """Distances between the pairs of shapes that may collide, and how they change."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
-from sot.proximity.movement import distance_drifts, distance_jacobian, move_pairs, pairs_possibly_within, rate_bounds
+from sot.proximity.cores import Cores, measure_cores
+from sot.proximity.movement import (
+    core_distance_motion,
+    distance_drifts,
+    distance_jacobian,
+    move_pairs,
+    pairs_possibly_within,
+    rate_bounds,
+)
 from sot.proximity.shapes import bounding_balls, shapes_of
 from sot.robots.robot import Robot
 from sot.robots.system import System
@@ -15,7 +22,7 @@ from sot.vector_view import view_of_all
 Array = np.ndarray
 
 GJK_TOLERANCE = 1e-10
-"""Of distances to boxes [m]; with coal's own, 1e-6, one in a hundred is off by as much, which shows in rates."""
+"""Of distances between boxes [m]; with coal's own, 1e-6, one in a hundred is off by as much, which shows in rates."""
 
 
 class DistanceMotion(NamedTuple):
@@ -79,7 +86,7 @@ class Proximity:
         self._small_last = np.take_along_axis(self._indices, np.argsort(-self._balls[1][self._indices], axis=1), axis=1)
         self.latest_distances = np.full(len(indices), -np.inf)
         self._latest_poses = np.zeros((len(indices), 12))
-        self._now, self._ahead = _Places(self._geometry), _Places(self._geometry)
+        self._now, self._ahead = (_Places(self._geometry, self._indices) for _ in range(2))
         self._data = None
         self.move_to(_rest_data(system))
         with_things = self.measure(np.arange(own_pairs, len(indices)))
@@ -115,7 +122,7 @@ class Proximity:
 
     def measure(self, pairs: Array) -> Array:
         """Measure pairs: distances of these, negative where shapes overlap, (n,) [m]."""
-        return np.array(self._now.measure(pairs.tolist()))
+        return self._now.measure(pairs)
 
     def jacobian_and_rates(self, pairs: Array, v: Array) -> tuple[Array, Array]:
         """Jacobian J (n, nv) of the distances of pairs that were measured here, and J v (n,) [m/s]."""
@@ -133,44 +140,58 @@ class Proximity:
             *(self._J, v, period, starts, counts, self._chains, self._indices, pairs),
             *(now.rotations, now.translations, ahead.rotations, ahead.translations),
         )
-        ahead.measure(pairs.tolist())
+        ahead.measure(pairs)
         return distance_drifts(ahead.normals, ahead.points, pairs, twists, rates, period)
 
     def motion(self, pairs: Array, v: Array, period: float) -> DistanceMotion:
         """Distances of pairs (n,) and how they move at a velocity v (nv,), see `drifts`."""
+        now, ahead, (_, starts, counts) = self._now, self._ahead, self._tree
+        told, *motion = core_distance_motion(
+            *(self._indices, pairs, *now.cores, self._J, v, period, starts, counts, self._chains),
+            *(self._relative_motion, *now.arrays, *ahead.arrays),
+        )
+        if told:
+            return DistanceMotion(*motion)
         distances = self.measure(pairs)
         jacobian, rates = self.jacobian_and_rates(pairs, v)
         return DistanceMotion(distances, rates, jacobian, self.drifts(pairs, rates, v, period))
 
 
 class _Places:
-    """Places of shapes and what is measured between them: views of Pinocchio's, since looking them up costs more.
+    """Places of shapes and what is measured between them.
 
     Attributes:
         results: Pinocchio's data of the shapes.
-        rotations, translations: Axes and origins of all shapes, world axes, (m, 3, 3) and (m, 3).
-        normals, points: Of the pairs as they were measured last, normals from the first shapes to the second ones, and
-            nearest points of these, (n, 3).
+        cores: Of the shapes.
+        rotations, translations: Axes and origins of all shapes, world axes, (m, 3, 3) and (m, 3): views of Pinocchio's,
+            since looking them up costs more.
+        distances, normals, points: Of the pairs as they were measured last, normals from the first shapes to the second
+            ones, and nearest points of these, (n,), (n, 3) and (n, 3).
+        arrays: The last five.
     """
 
-    def __init__(self, geometry: pin.GeometryModel) -> None:
+    def __init__(self, geometry: pin.GeometryModel, indices: Array) -> None:
         self._geometry, self.results = geometry, geometry.createData()
         for request in self.results.distanceRequests:
             request.gjk_tolerance = GJK_TOLERANCE
-        self._pairs = list(self.results.distanceResults)
+        self._pairs, self._indices = list(self.results.distanceResults), indices
+        self.cores = Cores.of(geometry.geometryObjects)
         self.rotations = view_of_all([place.rotation for place in self.results.oMg], (3, 3))
         self.translations = view_of_all([place.translation for place in self.results.oMg], (3,))
-        self.normals = view_of_all([result.normal for result in self._pairs], (3,))
-        self.points = np.empty((len(self._pairs), 3))
+        self.distances, self.normals, self.points = (np.empty((len(indices), *shape)) for shape in ((), (3,), (3,)))
+        self.arrays = self.rotations, self.translations, self.distances, self.normals, self.points
 
-    def measure(self, pairs: Sequence[int]) -> list[float]:
-        """Distances of some pairs; their normals and points as well are those of now then."""
-        geometry, results, points, distances = self._geometry, self.results, self.points, []
-        for k in pairs:
-            result = self._pairs[k]
-            pin.computeDistance(geometry, results, k)
-            points[k] = result.getNearestPoint2()
-            distances.append(result.min_distance)
+    def measure(self, pairs: Array) -> Array:
+        """Measure some pairs; returns their distances."""
+        told = measure_cores(self._indices, pairs, *self.cores, *self.arrays)
+        distances: Array = self.distances[pairs]
+        if not told:
+            for k in pairs[np.isnan(distances)].tolist():
+                result = self._pairs[k]
+                pin.computeDistance(self._geometry, self.results, k)
+                self.distances[k], self.normals[k] = result.min_distance, result.normal
+                self.points[k] = result.getNearestPoint2()
+            distances = self.distances[pairs]
         return distances
 
 
@@ -180,7 +201,7 @@ def _rest_data(system: System) -> pin.Data:
     return data
 
 
-def _moving_velocities(model: pin.Model, chain: Sequence[int]) -> Array:
+def _moving_velocities(model: pin.Model, chain: list[int]) -> Array:
     """1 for each velocity of the joints of a chain, 0 for the others; shape (nv,)."""
     moves = np.zeros(model.nv)
     for joint in chain:

@@ -7,6 +7,7 @@ Pinocchio keeps them.
 import numpy as np
 
 from solvers.compiled import compiled
+from sot.proximity.cores import measure_cores
 
 Array = np.ndarray
 
@@ -197,6 +198,46 @@ def distance_drifts(normals: Array, points: Array, pairs: Array, twists: Array, 
         ahead = nx * (u + b * z - c * y) + ny * (v + c * x - a * z) + nz * (w + a * y - b * x)
         drifts[n] = (ahead - rates[n]) / period
     return drifts
+
+
+@compiled
+def core_distance_motion(
+    indices: Array,
+    pairs: Array,
+    kinds: Array,
+    halves: Array,
+    radii: Array,
+    J: Array,
+    v: Array,
+    period: float,
+    starts: Array,
+    counts: Array,
+    chains: Array,
+    relative_motion: Array,
+    rotations: Array,
+    translations: Array,
+    distances: Array,
+    normals: Array,
+    points: Array,
+    to_rotations: Array,
+    to_translations: Array,
+    to_distances: Array,
+    to_normals: Array,
+    to_points: Array,
+) -> tuple[bool, Array, Array, Array, Array]:
+    """All of `DistanceMotion` in one call, for which measuring does without a general solver; and whether that did.
+
+    For the arguments see `measure_cores`, `distance_jacobian` and `move_pairs`.
+    """
+    told = measure_cores(indices, pairs, kinds, halves, radii, rotations, translations, distances, normals, points)
+    jacobian, rates = distance_jacobian(normals, points, J, v, relative_motion, pairs)
+    twists = move_pairs(
+        J, v, period, starts, counts, chains, indices, pairs, rotations, translations, to_rotations, to_translations
+    )
+    told &= measure_cores(
+        indices, pairs, kinds, halves, radii, to_rotations, to_translations, to_distances, to_normals, to_points
+    )
+    return told, distances[pairs], rates, jacobian, distance_drifts(to_normals, to_points, pairs, twists, rates, period)
 
 
 @compiled

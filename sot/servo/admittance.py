@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import exp
 
 import numpy as np
 
@@ -35,15 +36,25 @@ class FootAdmittance:
     compliance of leg and bush in series: how fast the moment comes about does not depend on how soft they are. All of
     it leaks away.
 
+    A bush gives K (φ + t_r φ̇), so that turning a foot moves its moment at once, by K t_r times the rate. Fed back, that
+    part does not integrate but goes round the loop at the rate of the servos' commands, and grows there if the servos
+    are fast. A filter of the wrenches with the time constant t_r leaves K φ, and the loop is the integrator it is meant
+    to be.
+
     Args:
         robot: whose feet.
         length: height l of the centre of mass above the feet [m].
         gains: see there.
+        relaxation_time: t_r of the bushes, damping over stiffness [s].
         period: between calls [s].
     """
 
-    def __init__(self, robot: Robot, length: float, gains: AdmittanceGains, period: float) -> None:
+    def __init__(
+        self, robot: Robot, length: float, gains: AdmittanceGains, relaxation_time: float, period: float
+    ) -> None:
         rate = float(np.sqrt(GRAVITY / length))
+        self._passed = 1.0 - exp(-period / relaxation_time) if relaxation_time > 0.0 else 1.0
+        self._elastic: dict[str, Array] = {}
         self._gains = period * rate * np.array([gains.ankle, gains.ankle, gains.leg])
         self._kept = 1.0 - gains.leak * rate * period
         self.offsets = {foot: np.zeros(3) for foot in robot.feet}
@@ -59,11 +70,15 @@ class FootAdmittance:
             wanted: of the feet that stand.
             measured: foot -> force and moment of sole on foot (6,), in the axes of the foot frame, about its origin.
         """
-        lacks = {foot: load.force[2] - measured[foot][2] for foot, load in wanted.items()}
+        for foot, wrench in measured.items():
+            before = self._elastic.get(foot, wrench)
+            self._elastic[foot] = before + self._passed * (wrench - before)
+        elastic = self._elastic
+        lacks = {foot: load.force[2] - elastic[foot][2] for foot, load in wanted.items()}
         common = sum(lacks.values()) / max(len(lacks), 1)
         for foot, offset in self.offsets.items():
             offset *= self._kept
             if foot in wanted:
-                moment = wanted[foot].moment - measured[foot][3:]
+                moment = wanted[foot].moment - elastic[foot][3:]
                 offset -= self._gains * compliance[foot] * np.array([moment[0], moment[1], lacks[foot] - common])
         return self.offsets

@@ -21,9 +21,9 @@ FOLDER = Path(__file__).parent / "pendulums"
 HEAD = """\
 # The robot as an inverted pendulum on a compliant joint, one for each plane and support: mass [kg], length from joint
 # to centre of mass [m], stiffness [N m/rad], damping [N m s/rad], inertia about the centre of mass and the part of it
-# that moves with the reference [kg m^2], lag and delay [s]. They were fitted to the gain [m/rad] and phase [deg] of
-# the zero-moment point over the angle of the reference, measured at frequencies [Hz]; a damping controller is refused
-# if it is too near to oscillating on these.
+# that moves with the reference [kg m^2], lag and delay [s], share, frequency [rad/s] and damping ratio of the body's
+# bending. They were fitted to the gain [m/rad] and phase [deg] of the zero-moment point over the angle of the
+# reference, measured at frequencies [Hz]; a damping controller is refused if it is too near to oscillating on these.
 """
 
 

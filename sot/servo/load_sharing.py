@@ -54,15 +54,28 @@ class LoadSharing:
         self.middles = {foot: _middle(robot.sole(foot)) for foot in robot.feet}
         """Middle of each foot's sole (3,) in its frame [m]."""
         self._soles = {foot: _without_rim(robot.sole(foot)[:, :2]) for foot in robot.feet}
+        self._time = float("nan")
 
     def feet(self, t: float) -> Mapping[str, pin.SE3]:
         """Feet that stand at a time [s], and where the plan has their frames."""
-        return phase_at(self._phases, t).feet
+        self._update(t)
+        return self._feet
 
     def limits(self, t: float) -> dict[str, float]:
         """Largest share of the load that each standing foot may carry at a time [s]."""
+        self._update(t)
+        return self._limits
+
+    def _update(self, t: float) -> None:
+        """Find what depends on time alone, once a tick."""
+        if t != self._time:
+            self._time, self._feet = t, phase_at(self._phases, t).feet
+            self._limits = self._ramps(t)
+            self._middles_now = {foot: pose.act(self.middles[foot])[:2] for foot, pose in self._feet.items()}
+
+    def _ramps(self, t: float) -> dict[str, float]:
         shares = {}
-        for foot in self.feet(t):
+        for foot in self._feet:
             stance = self._stances[foot].nearest_stance(t)
             assert stance is not None  # it stands
             since = t - stance.start if stance.start > self._begin else np.inf
@@ -74,7 +87,7 @@ class LoadSharing:
     def __call__(self, t: float, zmp: Array, force: Array) -> dict[str, FootLoad]:
         """Loads of the standing feet at a time [s] for a zero-moment point (2,) [m] and a force (3,) [N], world."""
         feet = self.feet(t)
-        middles = {foot: pose.act(self.middles[foot])[:2] for foot, pose in feet.items()}
+        middles = self._middles_now
         shares = self._shares(t, zmp, middles)
         rest = zmp - sum((shares[foot] * middles[foot] for foot in feet), np.zeros(2))
         loads = {}

@@ -44,6 +44,9 @@ class Pendulum:
 
         y = (K δ + b δ̇) / (m g) = l θ − (m l² θ̈ + I δ̈ + I_u ü) / (m g).
 
+    The body also bends on the servos of the legs that carry it, at several times the pendulum's frequency; its next
+    mode adds a share c of its own to the response, which becomes 1 + c s² / (s² + 2 ζ_b ω_b s + ω_b²) times as large.
+
     Kim & Oh (26) and (28) are this with I = I_u = 0 and the damping on θ̇. Their (27), (31) and (32) are misprinted: the
     lower row of A is (g/l − K/ml², −b/ml²), the zeros are those of s² − g/l, and ω_n² is K/ml² − g/l.
 
@@ -56,6 +59,9 @@ class Pendulum:
         led_inertia: I_u [kg m²].
         lag: time constant of the sensors and servos [s].
         delay: T [s].
+        bending_share: c.
+        bending_frequency: ω_b [rad/s].
+        bending_damping_ratio: ζ_b.
     """
 
     mass: float
@@ -66,6 +72,9 @@ class Pendulum:
     led_inertia: float = 0.0
     lag: float = 0.0
     delay: float = 0.0
+    bending_share: float = 0.0
+    bending_frequency: float = 0.0
+    bending_damping_ratio: float = 0.0
 
     @property
     def weight(self) -> float:
@@ -104,20 +113,30 @@ class Pendulum:
         return self.stiffness * self.leading_inertia / (self.weight * self.turning_inertia)
 
     def response(self, frequencies: Array) -> Array:
-        """y / u at frequencies (k,) [Hz], complex (k,) [m/rad]: Kim & Oh (31) with inertia and an exact delay."""
+        """y / u at frequencies (k,) [Hz], complex (k,) [m/rad]: Kim & Oh (31) with inertia, bending, an exact delay."""
         s = 2j * pi * np.asarray(frequencies)
         joint = self.stiffness + self.damping * s
         motion = self.turning_inertia * s**2 + joint - self.weight * self.length
         inverted = self.leading_inertia * s**2 - self.weight * self.length
-        y: Array = -joint / self.weight * inverted / motion * np.exp(-self.delay * s) / (self.lag * s + 1.0)
+        numerator, denominator = self.bending_polynomials
+        sensed = np.exp(-self.delay * s) / (self.lag * s + 1.0) * np.polyval(numerator, s) / np.polyval(denominator, s)
+        y: Array = -joint / self.weight * inverted / motion * sensed
         return y
+
+    @property
+    def bending_polynomials(self) -> tuple[Array, Array]:
+        """Numerator and denominator of what bending makes of the response, in s."""
+        if not self.bending_share > 0.0:
+            return np.ones(1), np.ones(1)
+        stiffness, damping = self.bending_frequency**2, 2.0 * self.bending_damping_ratio * self.bending_frequency
+        return np.array([1.0 + self.bending_share, damping, stiffness]), np.array([1.0, damping, stiffness])
 
     def filtered_states(self, filter_time: float) -> StateSpace:
         """The pendulum behind a first-order filter of its command, with the moment of a disturbance as second input.
 
         States: z = δ + c u_f with c = (m l² + I_u) / (m l² + I), ż, the filtered command u_f; then y behind the lag,
         and the delay (Padé's first approximation), where there are any. In z no acceleration of the
-        command occurs.
+        command occurs. Bending is left out: a controller of the sway is slow against it.
 
         Args:
             filter_time: time constant of the filter [s].

@@ -17,6 +17,10 @@ ROBUST_RESIDUAL = 0.1
 LONGEST_DELAY = 0.2
 """Bound of lag and delay in a fit [s]."""
 MIN_FREQUENCIES = 6
+BENDING_RANGE = 0.5, 3.0
+"""Least and largest frequency of the bending that is looked for, in the highest one that was measured."""
+BENDING_START = 0.3, 1.2, 0.4
+"""Share, frequency in the highest one that was measured, and damping ratio at which the search begins."""
 GRID = 9
 """Natural frequencies that are tried between two measured frequencies far apart, and damping ratios."""
 
@@ -68,20 +72,23 @@ def fit_pendulum(measured: FrequencyResponse, mass: float, length: float) -> Pen
         return np.concatenate([logarithm.real, logarithm.imag])
 
     omega = 2.0 * pi * np.geomspace(frequency[0], frequency[-1], GRID * GRID)
+    share, highest, zeta = BENDING_START
+    bending = (share, log(highest * omega[-1]), log(zeta))
     starts = [
-        np.array([log(w), log(zeta), share, 0.5 * share, 0.005, 0.005])
+        np.array([log(w), log(zeta), share, 0.5 * share, 0.005, 0.005, *bending])
         for w in omega
         for zeta in np.geomspace(0.01, 0.7, GRID)
         for share in (0.05, 0.3)
     ]
     costs = [float(np.sum(np.minimum(np.abs(residual(start)), 1.0))) for start in starts]
-    lower = np.array([log(omega[0]), log(1e-4), 0.0, 0.0, 0.0, 0.0])
-    upper = np.array([log(omega[-1]), log(3.0), 2.0, 2.0, LONGEST_DELAY, LONGEST_DELAY])
+    slowest, fastest = (log(ratio * omega[-1]) for ratio in BENDING_RANGE)
+    lower = np.array([log(omega[0]), log(1e-4), 0.0, 0.0, 0.0, 0.0, 0.0, slowest, log(0.01)])
+    upper = np.array([log(omega[-1]), log(3.0), 2.0, 2.0, LONGEST_DELAY, LONGEST_DELAY, 3.0, fastest, 0.0])
     best = None
     for k in np.argsort(costs)[:4]:
         found = least_squares(
             residual, np.clip(starts[k], lower + 1e-9, upper - 1e-9), bounds=(lower, upper), loss="soft_l1",
-            f_scale=ROBUST_RESIDUAL, x_scale=[0.1, 0.3, 0.1, 0.1, 0.003, 0.003],
+            f_scale=ROBUST_RESIDUAL, x_scale=[0.1, 0.3, 0.1, 0.1, 0.003, 0.003, 0.1, 0.1, 0.3],
         )  # fmt: skip
         best = found if best is None or found.cost < best.cost else best
     assert best is not None
@@ -89,7 +96,7 @@ def fit_pendulum(measured: FrequencyResponse, mass: float, length: float) -> Pen
 
 
 def _pendulum(parameters: Array, mass: float, length: float) -> Pendulum:
-    """From log ω_n, log ζ, I and I_u in m l², lag and delay."""
+    """From log ω_n, log ζ, I and I_u in m l², lag and delay, c, log ω_b and log ζ_b."""
     omega, zeta = np.exp(parameters[:2])
     point = mass * length**2
     inertia = float(parameters[2]) * point
@@ -103,6 +110,9 @@ def _pendulum(parameters: Array, mass: float, length: float) -> Pendulum:
         float(parameters[3]) * point,
         float(parameters[4]),
         float(parameters[5]),
+        float(parameters[6]),
+        float(np.exp(parameters[7])),
+        float(np.exp(parameters[8])),
     )
 
 

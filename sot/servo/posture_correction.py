@@ -33,6 +33,7 @@ class PostureCorrection:
         self._frames = {foot: robot.point(foot) for foot in robot.feet}
         self._legs = {foot: _leg(robot, frame) for foot, frame in self._frames.items()}
         self._bushes = {foot: bush_position(robot, foot) for foot in robot.feet}
+        self._damping = DAMPING**2 * np.eye(6)
         self._offset, self._shift = np.zeros(robot.na), np.zeros(3)
         self._started = False
 
@@ -55,24 +56,22 @@ class PostureCorrection:
     def _step(self, q: Array, com_shift: Array, offsets: Mapping[str, Array]) -> None:
         """One Newton step of legs and base."""
         model, planned, moved = self._robot.model, self._planned, self._moved
-        com = pin.centerOfMass(model, planned, q)
-        pin.updateFramePlacements(model, planned)
+        com = pin.centerOfMass(model, planned, q, False)
         reached = q.copy()
         reached[:3] += self._shift
         reached[7:] += self._offset
         pin.computeJointJacobians(model, moved, reached)
-        pin.updateFramePlacements(model, moved)
         for foot, frame in self._frames.items():
-            wanted, own = planned.oMf[frame], moved.oMf[frame]
+            wanted, own = (pin.updateFramePlacement(model, data, frame) for data in (planned, moved))
             if foot in offsets:
                 wanted = wanted * sole_in_foot(self._bushes[foot], offsets[foot])
             turn = pin.log3(wanted.rotation @ own.rotation.T)
             error = np.concatenate([wanted.translation - own.translation, turn])
             leg = self._legs[foot]
             J = pin.getFrameJacobian(model, moved, frame, pin.LOCAL_WORLD_ALIGNED)[:, leg]
-            self._offset[leg - 6] += J.T @ np.linalg.solve(J @ J.T + DAMPING**2 * np.eye(6), error)
+            self._offset[leg - 6] += J.T @ np.linalg.solve(J @ J.T + self._damping, error)
         # All of the body but the legs moves with the base, so that a few ticks bring the centre of mass there.
-        self._shift[:2] += com[:2] + com_shift - pin.centerOfMass(model, moved, reached)[:2]
+        self._shift[:2] += com[:2] + com_shift - pin.centerOfMass(model, moved, pin.KinematicLevel.POSITION, False)[:2]
 
 
 def _leg(robot: Robot, frame: int) -> Array:

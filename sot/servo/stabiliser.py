@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from sot.gravity import GRAVITY
-from sot.hardware.compliance import FootCompliance, bush_position
+from sot.hardware.compliance import DEFAULT_LOSS, FootCompliance, bush_position
 from sot.hardware.readings import Readings, measured_zmp
 from sot.hardware.servo import JointTargets, Servo
 from sot.motion.trajectory import Motion, MotionSample
@@ -91,7 +91,9 @@ class Stabiliser:
         self._compliance = bush_compliance(compliance) if isinstance(compliance, FootCompliance) else np.zeros(3)
         self._estimate = ComplianceEstimate(robot, length, self._bushes) if compliance == "estimated" else None
         self._legs = leg_compliance(robot, servo or Servo.of(robot))
-        self._admittance = FootAdmittance(robot, length, dcm.feet, period) if dcm else None
+        known = compliance if isinstance(compliance, FootCompliance) else None
+        relaxation = known.relaxation_time(robot) if known else DEFAULT_LOSS / float(self._omega)
+        self._admittance = FootAdmittance(robot, length, dcm.feet, relaxation, period) if dcm else None
 
     def __call__(self, t: float, q: Array, v: Array, readings: Readings) -> JointTargets:
         """One tick, see `PositionController`."""
@@ -120,13 +122,12 @@ class Stabiliser:
     def divergent_component(self, t: float, q: Array, v: Array) -> Array:
         """ξ of a state (2,), moved and turned along with the feet that stand from where they are to their plan [m]."""
         robot, data = self._motion.robot, self._data
-        pin.centerOfMass(robot.model, data, q, v)
-        pin.updateFramePlacements(robot.model, data)
+        pin.centerOfMass(robot.model, data, q, v, False)
         xi = (data.com[0] + data.vcom[0] / self._omega)[:2]
         feet, limits = self._loads.feet(t), self._loads.limits(t)
         seen, total = np.zeros(2), 0.0
         for foot, planned in feet.items():
-            place, share = data.oMf[robot.point(foot)], max(limits[foot], MIN_SHARE)
+            place, share = pin.updateFramePlacement(robot.model, data, robot.point(foot)), max(limits[foot], MIN_SHARE)
             turn = planned.rotation @ place.rotation.T
             c, s = turn[0, 0] + turn[1, 1], turn[1, 0] - turn[0, 1]
             turned = np.array([[c, -s], [s, c]]) @ (xi - place.translation[:2]) / np.hypot(c, s)

@@ -1,6 +1,6 @@
 """How a robot with servos sways on its bushes, from what is built in: the linear model of the whole body."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
 from typing import NamedTuple
 
@@ -30,12 +30,32 @@ class SwayMode(NamedTuple):
     damping_ratio: float
 
 
+class FloorContact(NamedTuple):
+    """How the floor under a sole gives way.
+
+    Attributes:
+        stiffness: about x, y [N m/rad] and along z [N/m], (3,).
+        relaxation_time: damping over stiffness [s].
+    """
+
+    stiffness: Array
+    relaxation_time: float
+
+
+RIGID_FLOOR = FloorContact(np.full(3, inf), 0.0)
+
+
 def sway_modes(
-    robot: Robot, q: Array, feet: Sequence[str], servo: Servo, compliance: FootCompliance
+    robot: Robot,
+    q: Array,
+    feet: Sequence[str],
+    servo: Servo,
+    compliance: FootCompliance,
+    floor: Mapping[str, FloorContact] | None = None,
 ) -> tuple[SwayMode, SwayMode]:
     """The slowest oscillations in which the centre of mass moves along x and along y.
 
-    All bodies move. The servos hold a posture, soles lie on a rigid floor, and the static forces are linearised by
+    All bodies move. The servos hold a posture, soles lie on the floor, and the static forces are linearised by
     finite differences, gravity and the load on the feet among them.
 
     Args:
@@ -44,12 +64,14 @@ def sway_modes(
         feet: that stand and share the weight evenly.
         servo: of the joints.
         compliance: of the feet.
+        floor: under each foot, in series with its bush; rigid unless given.
 
     Raises:
         InputError: the robot falls over, its bushes are too soft.
     """
     model, data = robot.model, robot.model.createData()
-    stands = [_Stand(robot, data, q, foot, compliance, len(feet)) for foot in feet]
+    floor = floor or dict.fromkeys(feet, RIGID_FLOOR)
+    stands = [_Stand(robot, data, q, foot, compliance, floor[foot], len(feet)) for foot in feet]
     balancing = np.zeros(robot.nv)
 
     def static_force(step: Array) -> Array:
@@ -67,6 +89,7 @@ def sway_modes(
     stiffness = np.array([static_force(step) - static_force(-step) for step in steps]).T / (2.0 * DIFFERENCE)
     mass = pin.crba(model, data, q)
     mass = np.triu(mass) + np.triu(mass, 1).T
+    mass[6:, 6:] += np.diag(servo.rotor - robot.armature)
     damping = np.diag(np.concatenate([np.zeros(6), servo.damping + robot.damping]))
     com = pin.jacobianCenterOfMass(model, data, q).copy()
     pin.computeJointJacobians(model, data, q)
@@ -102,7 +125,14 @@ class _Stand:
     """A foot on its bush on the floor."""
 
     def __init__(
-        self, robot: Robot, data: pin.Data, q: Array, foot: str, compliance: FootCompliance, count: int
+        self,
+        robot: Robot,
+        data: pin.Data,
+        q: Array,
+        foot: str,
+        compliance: FootCompliance,
+        floor: FloorContact,
+        count: int,
     ) -> None:
         pin.framesForwardKinematics(robot.model, data, q)
         self._model, self._frame = robot.model, robot.point(foot)
@@ -111,9 +141,13 @@ class _Stand:
         weight = robot.mass * GRAVITY
         self._load = np.array([0.0, 0.0, weight / count])
         rigid = RIGID_RATIO * weight
-        vertical = compliance.vertical if compliance.vertical < inf else rigid
-        self._stiffness = np.array([rigid, rigid, vertical, compliance.roll, compliance.pitch, rigid])
-        self._relaxation = compliance.relaxation_time(robot) * (self._stiffness < rigid)
+        bush = np.minimum([compliance.roll, compliance.pitch, compliance.vertical], rigid)
+        relaxation = np.where(bush < rigid, compliance.relaxation_time(robot), 0.0)
+        # K (1 + t s) of bush and floor in series is K_e (1 + (t_b K_e / K_b + t_f K_e / K_f) s), but for higher powers.
+        both = 1.0 / (1.0 / bush + 1.0 / floor.stiffness)
+        relaxation = relaxation * both / bush + floor.relaxation_time * both / floor.stiffness
+        self._stiffness, self._damping = np.full(6, rigid), np.zeros(6)
+        self._stiffness[[3, 4, 2]], self._damping[[3, 4, 2]] = both, relaxation * both
 
     def _jacobian(self, data: pin.Data) -> Array:
         """Of the bush's place and turn (6, nv), in the axes of the foot at rest."""
@@ -136,4 +170,4 @@ class _Stand:
     def damping(self, data: pin.Data) -> Array:
         """Damping of the bush (nv, nv)."""
         jacobian = self._jacobian(data)
-        return (jacobian.T * (self._relaxation * self._stiffness)) @ jacobian
+        return (jacobian.T * self._damping) @ jacobian

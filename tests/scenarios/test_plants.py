@@ -5,10 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from scenarios import cli
 from scenarios.replay import Dance, Replay, dance, run_on_servos
 from sim.reporting.figures import zmp
 from sot.hardware import FootCompliance
+from sot.robots.models import hrp2
 from sot.servo import Stabiliser
+from tests.sot.robots import variants
 
 REQUEST = Replay(
     "groove", duration=5.0, rate=500.0, plant="servo", compliance=FootCompliance(2500.0, 2500.0), stabiliser="open"
@@ -50,3 +53,15 @@ def test_the_rubber_of_hrp2_lets_an_open_loop_fall(on_rubber):
     soft, motion = replace(REQUEST, compliance=FootCompliance(707.0, 502.0)), on_rubber.motion
     fell_at = run_on_servos(soft, Stabiliser(motion, 0.002), motion, None, tell).run.fell_at_s
     assert fell_at is not None and fell_at > 2.0
+
+
+def test_a_bush_on_a_robot_without_soles_is_one_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    corners = next(line for line in hrp2.file_texts()["hrp2.toml"].splitlines() if line.startswith("left_foot = ["))
+    robot = variants.write_variant(tmp_path, file=[(corners, "")])
+    arguments = ["replay", "groove", "--robot", str(robot), "--plant", "servo", "--feet-compliance", "2500,2500"]
+    assert cli.main([*arguments, "--out", "out"]) == 2
+    error = capsys.readouterr().err
+    assert "soles.left_foot" in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()

@@ -64,3 +64,25 @@ def test_from_the_command_line(tmp_path, capsys, monkeypatch):
     assert status == cli.DONE
     assert json.loads(capsys.readouterr().out)["rows"][0]["name"] == "mine"
     assert [path.name for path in tmp_path.iterdir()] == ["mine.bvh"]
+
+
+def test_a_suite_on_an_estimated_state_says_how_far_off_it_was(capsys, monkeypatch):
+    monkeypatch.setattr(cli, "suite_pieces", lambda mocap: [Piece("short", "groove", 1.0, 0.2)])
+    command = ["bench", "--suite", "dance", "--feet", "planted", "--rate", "200", "--json"]
+    assert cli.main([*command, "--state", "estimated", "--sensors", "bmi088"]) == cli.DONE
+    (row,) = json.loads(capsys.readouterr().out)["rows"]
+    assert row["estimator.way_m"] == 0.0
+    assert 0.0 < row["estimator.position_end_m"] < 5e-3 and 0.0 < row["estimator.tilt_rms_deg"] < 0.5
+
+
+@pytest.mark.parametrize(
+    ("told", "answer"),
+    [
+        (["--state", "estimated"], "add --suite dance"),
+        (["--suite", "dance", "--state", "guessed"], "unknown state 'guessed'"),
+        (["--suite", "dance", "--sensors", "bmi088"], "add --state estimated"),
+    ],
+)
+def test_a_state_that_cannot_be_had_is_refused(told, answer, capsys):
+    assert cli.main(["bench", *told]) == cli.BAD_INPUT
+    assert answer in capsys.readouterr().err

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from scenarios.kimoh2013.damping.stance import stance_of
-from scenarios.kimoh2013.damping.sweep import SAMPLING_RATE, Sweep, sweep
+from scenarios.kimoh2013.damping.stance import Stance, stance_of
+from scenarios.kimoh2013.damping.sweep import SAMPLING_RATE, SwayingRobot, Sweep, sweep
 from sot.errors import InputError
 from sot.hardware.compliance import FootCompliance
 from sot.hardware.servo import Servo
@@ -54,7 +54,7 @@ def identify(
     results = {}
     for k, (plane, support) in enumerate(cases):
         stance = stances[support]
-        modes = sway_modes(robot, stance.q, list(stance.feet), Servo.of(robot), compliance)
+        modes = built_in_modes(stance, compliance)
 
         def told(share: float, k: int = k, name: str = f"{plane}, {support} support") -> None:
             tell(f"sweeping {name}", (k + share) / len(cases))
@@ -66,6 +66,14 @@ def identify(
             found, IdentifiedCase(pendulum, found.response), modes[PLANES.index(plane)]
         )
     return results
+
+
+def built_in_modes(stance: Stance, compliance: FootCompliance) -> tuple[SwayMode, SwayMode]:
+    """The sway by the linear model of the whole robot, on the floor that is under it."""
+    standing = SwayingRobot(stance, compliance, PLANES[0])
+    standing.rest()
+    robot = stance.robot
+    return sway_modes(robot, stance.q, list(stance.feet), Servo.of(robot), compliance, standing.floor_contacts())
 
 
 def identified_of(robot: Robot, compliance: FootCompliance, results: dict[tuple[str, str], CaseResult]) -> Identified:

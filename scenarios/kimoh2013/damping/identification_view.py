@@ -104,6 +104,8 @@ def _polynomials(pendulum: Pendulum) -> tuple[Array, Array]:
     numerator: Array = -np.polymul([pendulum.damping, pendulum.stiffness], inverted) / pendulum.weight
     excess = pendulum.stiffness - pendulum.weight * pendulum.length
     denominator: Array = np.array([pendulum.turning_inertia, pendulum.damping, excess])
+    zeros, poles = pendulum.bending_polynomials
+    numerator, denominator = np.polymul(numerator, zeros), np.polymul(denominator, poles)
     if pendulum.lag > NEGLIGIBLE_TIME:
         denominator = np.polymul(denominator, [pendulum.lag, 1.0])
     if pendulum.delay > NEGLIGIBLE_TIME:

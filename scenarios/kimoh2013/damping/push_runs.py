@@ -34,7 +34,8 @@ SETTLED = 0.005
 """Deviation of the zero-moment point that counts as settled [m]."""
 FITTED_S = 1.5
 """Time of the sway in which its damping ratio is measured [s]."""
-SURVIVED_WATCHED_S = 2.0
+SURVIVED_WATCHED_S = 3.0
+"""How long a robot is watched that may fall [s]: one that sways back too far needs half of it until it topples."""
 IMPULSE_STEP = 1.25
 """Ratio of neighbouring impulses that are tried; the last ratio is its fourth root."""
 
@@ -46,7 +47,7 @@ class Sway:
     Attributes:
         time: since the push ended (k,) [s].
         zmp: zero-moment point off its rest (k,) [m].
-        fell_at: None if it stands [s].
+        fell_at: None if it stands [s]; a robot topples from when its centre of mass leaves the support for good.
     """
 
     time: Array
@@ -130,9 +131,13 @@ def pushed(
     done = run(controller_of(stance, planes, duration), world, stance.motion(duration, SAMPLING_RATE))
     log = done.log.trimmed()
     axis = int(np.argmax(np.abs(push.force[:2])))
+    fell_at = done.fell_at_s
+    over = stance.edges.margin(log.com[:, :2]) > 0.0
+    if fell_at is None and not over[-1]:
+        fell_at = float(log.time[np.flatnonzero(over)[-1]])
     zmp = log.zmp_measured[:, axis]
-    rest = zmp[log.time > log.time[-1] - 0.5].mean() if done.fell_at_s is None else stance.pivot[axis]
-    return Sway(log.time - push.end, (zmp - rest) * np.sign(push.force[axis]), done.fell_at_s)
+    rest = zmp[log.time > log.time[-1] - 0.5].mean() if fell_at is None else stance.pivot[axis]
+    return Sway(log.time - push.end, (zmp - rest) * np.sign(push.force[axis]), fell_at)
 
 
 def usual_push(stance: Stance, axis: int, seed: int) -> Push:

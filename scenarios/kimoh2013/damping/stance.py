@@ -15,6 +15,7 @@ from sot.hardware.sensors import Sensors
 from sot.hardware.servo import Servo
 from sot.motion.feet.contacts import Phase, support_polygon
 from sot.motion.trajectory import Motion
+from sot.polygon import Polygon
 from sot.robots.robot import Robot
 from sot.servo.shifted_posture import shifted_posture
 from sot.servo.soft_feet import refuse_soft_feet
@@ -42,6 +43,7 @@ class Stance:
         pivot: middle of their bushes (3,) [m]; the centre of mass is above.
         length: height of the centre of mass above it [m].
         reach: distance from under the pivot to the edge of the support, along x and y, the nearer side (2,) [m].
+        edges: of the support.
     """
 
     robot: Robot
@@ -51,6 +53,7 @@ class Stance:
     pivot: Array
     length: float
     reach: Array
+    edges: Polygon
 
     def motion(self, duration: float, rate: float) -> Motion:
         """Standing like this."""
@@ -81,7 +84,7 @@ def stance_of(robot: Robot, support: str) -> Stance:
     room = edges.offsets - edges.normals @ pivot[:2]
     along = np.abs(edges.normals).T  # distance along an axis to the nearest edge's line
     reach = np.array([np.min(room[axis > 1e-6] / axis[axis > 1e-6]) for axis in along])
-    return Stance(robot, support, q, feet, pivot, length, reach)
+    return Stance(robot, support, q, feet, pivot, length, reach, edges)
 
 
 def usual_compliance(robot: Robot) -> FootCompliance:

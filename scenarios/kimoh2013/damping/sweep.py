@@ -7,11 +7,13 @@ from math import ceil, cos, pi
 import numpy as np
 
 from scenarios.kimoh2013.damping.stance import Stance, world_of
+from sim.hardware.floor_contacts import floor_contacts
 from sot.errors import InputError
 from sot.hardware.compliance import FootCompliance
 from sot.servo.identified import PLANES
 from sot.servo.pendulum_fit import FrequencyResponse, sine_coefficients
 from sot.servo.stabiliser import Stabiliser
+from sot.servo.sway_modes import FloorContact
 
 Array = np.ndarray
 
@@ -77,6 +79,10 @@ class SwayingRobot:
         """Let it stand still for a while."""
         for _ in range(round(REST_S * SAMPLING_RATE)):
             self.step(0.0)
+
+    def floor_contacts(self) -> dict[str, FloorContact]:
+        """The floor under the feet that stand."""
+        return floor_contacts(self._world.model, self._world.data, self.stance.robot)
 
     def step(self, shift: float) -> float:
         """Command a shift [m] for one period; returns the zero-moment point before it [m].

@@ -47,6 +47,7 @@ class RelativeMotion:
         self._turn, self._offset = surface.placement.rotation @ INWARD, surface.placement.translation
         self._is_own = on.point is None and not self._offset.any() and np.array_equal(self._turn, np.eye(3))
         self._state = FrameState(np.empty(3), np.empty((3, 3)), np.empty(6), np.empty((6, nv)), np.empty(6))
+        self._world = FrameState(np.zeros(3), np.eye(3), np.zeros(6), np.zeros((6, 0)), np.zeros(6))
 
     def state(self, own: FrameState, other: FrameState | None) -> FrameState:
         """Its state, in world axes, from those of the two surfaces' points; `other` is None for the world.
@@ -56,20 +57,29 @@ class RelativeMotion:
         if self._is_own:
             return own
         at = self._state
-        _write_offset_frame(
+        there = other if other is not None else self._world
+        _write_relative_frame(
             *(own.position, own.rotation, own.velocity, own.jacobian, own.drift, self._offset, self._turn),
+            *(there is other, there.position, there.velocity, there.jacobian, there.drift),
             *(at.position, at.rotation, at.velocity, at.jacobian, at.drift),
         )
-        if other is not None:
-            _subtract_material_point(
-                *(other.position, other.velocity, other.jacobian, other.drift),
-                *(at.position, at.velocity, at.jacobian, at.drift),
-            )
         return at
 
 
 @compiled
-def _write_offset_frame(
+def write_placed_axes(
+    position: Array, rotation: Array, offset: Array, turn: Array, to_origin: Array, to_axes: Array
+) -> None:
+    """Write origin (3,) and axes (3, 3) in the world of what has an offset and axes in a frame."""
+    for i in range(3):
+        to_origin[i] = position[i]
+        for k in range(3):
+            to_origin[i] += rotation[i, k] * offset[k]
+            to_axes[i, k] = rotation[i, 0] * turn[0, k] + rotation[i, 1] * turn[1, k] + rotation[i, 2] * turn[2, k]
+
+
+@compiled
+def _write_relative_frame(
     position: Array,
     rotation: Array,
     velocity: Array,
@@ -77,49 +87,39 @@ def _write_offset_frame(
     drift: Array,
     offset: Array,
     turn: Array,
+    other_moves: bool,
+    other_position: Array,
+    other_velocity: Array,
+    other_jacobian: Array,
+    other_drift: Array,
     to_position: Array,
     to_rotation: Array,
     to_velocity: Array,
     to_jacobian: Array,
     to_drift: Array,
 ) -> None:
-    """Write the motion of a point of a frame's body, given at an offset (3,) and with axes (3, 3) in the frame."""
-    for i in range(3):
-        to_position[i] = position[i]
-        for k in range(3):
-            to_position[i] += rotation[i, k] * offset[k]
-            to_rotation[i, k] = rotation[i, 0] * turn[0, k] + rotation[i, 1] * turn[1, k] + rotation[i, 2] * turn[2, k]
+    """Write the motion of a point of a frame's body, given at an offset (3,) and with axes (3, 3) in the frame.
+
+    If another frame moves, it is the motion relative to the point of that one's body that is there.
+    """
+    write_placed_axes(position, rotation, offset, turn, to_position, to_rotation)
     for i in range(6):
         to_velocity[i] = to_drift[i] = 0.0
         for k in range(to_jacobian.shape[1]):
             to_jacobian[i, k] = 0.0
     _add_material_point(position, velocity, jacobian, drift, 1.0, to_position, to_velocity, to_jacobian, to_drift)
-
-
-@compiled
-def placed_axes(position: Array, rotation: Array, offset: Array, turn: Array) -> tuple[Array, Array]:
-    """Origin (3,) and axes (3, 3) in the world of what has an offset and axes in a frame."""
-    origin, axes = np.empty(3), np.empty((3, 3))
-    for i in range(3):
-        origin[i] = position[i] + rotation[i, 0] * offset[0] + rotation[i, 1] * offset[1] + rotation[i, 2] * offset[2]
-        for k in range(3):
-            axes[i, k] = rotation[i, 0] * turn[0, k] + rotation[i, 1] * turn[1, k] + rotation[i, 2] * turn[2, k]
-    return origin, axes
-
-
-@compiled
-def _subtract_material_point(
-    position: Array,
-    velocity: Array,
-    jacobian: Array,
-    drift: Array,
-    at: Array,
-    to_velocity: Array,
-    to_jacobian: Array,
-    to_drift: Array,
-) -> None:
-    """Subtract the motion of the point of a frame's body that is at a place (3,) of the world."""
-    _add_material_point(position, velocity, jacobian, drift, -1.0, at, to_velocity, to_jacobian, to_drift)
+    if other_moves:
+        _add_material_point(
+            other_position,
+            other_velocity,
+            other_jacobian,
+            other_drift,
+            -1.0,
+            to_position,
+            to_velocity,
+            to_jacobian,
+            to_drift,
+        )
 
 
 @compiled

@@ -1,6 +1,6 @@
 """A motion led by its feet: their paths are given, the centre of mass keeps balance, the posture stays near rest."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,20 +12,24 @@ from sot.errors import InputError
 from sot.motion.balance.centroidal import Centroidal
 from sot.motion.balance.programme import plan_balance
 from sot.motion.body.coordinates import from_configuration, to_pinocchio
+from sot.motion.body.height import reachable_hip_height, smooth_height_below
 from sot.motion.body.spline import Spline
 from sot.motion.feet.contacts import Phase
 from sot.motion.feet.support import supports
 from sot.motion.feet.swing import FootPath
 from sot.motion.footing import footing_on
-from sot.motion.ground import UP, Ground
+from sot.motion.human.human import SIDES
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.robots.surface import FLOOR, Surface
 
 Array = NDArray[np.float64]
+GroundHeight = Callable[[Array, Array], Array]
 
+UP = np.array([0.0, 0.0, 1.0])
+BALANCE_ROUNDS = 2  # of balance and inverse kinematics: the second knows the body's height and momentum
 NEWTON_STEPS = 4  # of inverse kinematics at each knot, from the knot before
 REACH_TOLERANCE = 1e-2  # m and rad, before the last Newton step, of what is within reach
+ROUNDING = 1e-9  # rad
 RANGE_TOLERANCE = 1e-3  # rad, by which a joint may be beyond its range
 HOMEWARD_SHARE = (
     0.1  # of the way to the rest posture in a Newton step, within the null space of feet and centre of mass
@@ -38,33 +42,41 @@ def feet_led(
     paths: Mapping[str, FootPath],
     period: float,
     rate: float,
-    surface: Surface = FLOOR,
+    ground_height: GroundHeight | None = None,
+    where: str = "the floor",
 ) -> Motion:
-    """The motion of a robot whose feet follow paths, its waist upright, its centre of mass at the height of rest.
+    """The motion of a robot whose feet follow paths, its waist upright, its centre of mass as high as at rest.
+
+    Where legs would not reach, it is lower.
 
     Args:
         robot: who moves.
-        phases: which feet carry when, from time zero on, on the level floor.
-        paths: foot -> where it is to be at T knots over the level floor.
+        phases: which feet carry when, from time zero on.
+        paths: foot -> where it is to be at T knots.
         period: time between knots [s].
         rate: samples per second of the motion [Hz].
-        surface: of the world that phases and paths are laid onto; the centre of mass rises with it.
+        ground_height: of what the robot is over, at times (n,) and horizontal places (n, 2) of its centre of mass, (n,)
+            [m]: the centre of mass rises with it. The floor's unless given.
+        where: what the robot moves on, in words.
 
     Raises:
-        InputError: legs do not reach, or feet would stand beyond the edge of the surface.
+        InputError: legs do not reach.
     """
-    ground = Ground(surface)
-    phases, paths = ground.laid_phases(robot, phases), ground.laid_paths(paths)
+    height = ground_height or (lambda _, places: np.zeros(len(places)))
     rest = Tick(robot)
     middle = np.mean([path.position[:, :2] for path in paths.values()], axis=0)
-    wanted = rest.com[:2] + middle - middle[0]
-    count = len(middle)
-    still = Centroidal(np.tile(rest.com, (count, 1)), np.zeros((count, 6)), np.zeros((count, 6)), robot.mass)
-    com = plan_balance(still, wanted, supports(robot, phases), period).com.knots
-    q = _configurations_following(robot, np.column_stack([com, still.com[:, 2] + ground.height(com)]), paths, ground)
-    spline = Spline.through(from_configuration(q), period)
+    wanted, knots = rest.com[:2] + middle - middle[0], period * np.arange(len(middle), dtype=float)
+    nothing = np.zeros((len(middle), 6))
+    state = Centroidal(np.tile(rest.com, (len(middle), 1)), nothing, nothing, robot.mass)
+    for _ in range(BALANCE_ROUNDS):
+        com = plan_balance(state, wanted, supports(robot, phases), period).com.knots
+        rise = height(knots, com)
+        heights = rest.com[2] + rise - _drop(robot, com - rest.com[:2], rise, paths, period)
+        q = _configurations_following(robot, np.column_stack([com, heights]), paths, phases[0], period, where)
+        spline = Spline.through(from_configuration(q), period)
+        state = _above_ground(Centroidal.along(robot, *_sampled(spline, knots)), knots, height)
     times = np.arange(round(spline.duration * rate) + 1) / rate
-    sampled = to_pinocchio(*(spline(times, order) for order in range(3)))
+    sampled = _sampled(spline, times)
     state = Centroidal.along(robot, *sampled)
     return Motion(
         robot,
@@ -73,20 +85,49 @@ def feet_led(
         com=state.com,
         com_velocity=state.velocity,
         com_acceleration=state.acceleration,
-        zmp=replace(state, com=state.com - np.outer(ground.height(state.com[:, :2]), UP)).zmp(),
+        zmp=_above_ground(state, times, height).zmp(),
         momentum=state.momentum[:, 3:],
         phases=tuple(phases),
     )
 
 
-def _configurations_following(robot: Robot, com: Array, paths: Mapping[str, FootPath], ground: Ground) -> Array:
+def _sampled(spline: Spline, times: Array) -> tuple[Array, Array, Array]:
+    """Configurations, velocities and accelerations at times (T,)."""
+    return to_pinocchio(*(spline(times, order) for order in range(3)))
+
+
+def _above_ground(state: Centroidal, times: Array, height: GroundHeight) -> Centroidal:
+    """The state with heights that count from the ground."""
+    return replace(state, com=state.com - np.outer(height(times, state.com[:, :2]), UP))
+
+
+def _drop(robot: Robot, way: Array, rise: Array, paths: Mapping[str, FootPath], period: float) -> Array:
+    """How much lower (T,) than at rest the body has to be for both legs to reach [m].
+
+    way: of the body from rest (T, 2), rise: of the ground under it (T,) [m].
+    """
+    y = np.tile(from_configuration(robot.rest[None])[0], (len(way), 1))
+    y[:, :2] += way
+    y[:, 2] += rise
+    hips = rise + float(np.mean([Tick(robot).frame(f"{side}_hip").position[2] for side in SIDES]))
+    highest = reachable_hip_height(robot, y, paths)
+    if (hips <= highest).all():
+        return np.zeros(len(rise))
+    lowered = smooth_height_below(hips, highest, period).knots[:, 0]
+    drop: Array = hips - lowered
+    return drop
+
+
+def _configurations_following(
+    robot: Robot, com: Array, paths: Mapping[str, FootPath], start: Phase, period: float, where: str
+) -> Array:
     """Configurations (T, nq): Newton steps on CoM, waist and feet; the joints go home in their null space.
 
     Raises:
         InputError: they would be beyond the joints' ranges, or legs do not reach.
     """
     tick, nothing = Tick(robot), np.zeros(robot.nv)
-    q = footing_on(robot, dict.fromkeys(robot.feet, ground.surface)).q
+    q = footing_on(robot, start.surfaces).q
     out = np.empty((len(com), robot.nq))
     for k, centre in enumerate(com):
         for _ in range(NEWTON_STEPS):
@@ -98,11 +139,24 @@ def _configurations_following(robot: Robot, com: Array, paths: Mapping[str, Foot
                 jacobians.append(frame.jacobian)
                 errors += [path.position[k] - frame.position, pin.log3(path.rotation[k] @ frame.rotation.T)]
             J, error = np.vstack(jacobians), np.concatenate(errors)
-            inverse = np.linalg.pinv(J, rcond=1e-6)
             home = np.concatenate([np.zeros(6), HOMEWARD_SHARE * (robot.rest[7:] - q[7:])])
-            q = pin.integrate(robot.model, q, inverse @ (error - J @ home) + home)
+            q = pin.integrate(robot.model, q, _step_within(robot, q, J, error, home))
         beyond = np.maximum(robot.lower - q[7:], q[7:] - robot.upper)
         if not np.abs(error).max() < REACH_TOLERANCE or beyond.max() > RANGE_TOLERANCE:
-            raise InputError(f"{robot.label} cannot walk on {ground.surface.name} like that: its legs do not reach")
+            raise InputError(
+                f"{robot.label} cannot walk on {where} like that: its legs do not reach at {k * period:.1f} s"
+            )
         out[k] = q
     return out
+
+
+def _step_within(robot: Robot, q: Array, J: Array, error: Array, home: Array) -> Array:
+    """Newton step (nv,) for ``J step = error``, and home otherwise; joints stay at the ends of their ranges."""
+    held, fixed = np.zeros(robot.nv, dtype=bool), home
+    while True:
+        step: Array = fixed + np.linalg.pinv(np.where(held, 0.0, J), rcond=1e-6) @ (error - J @ fixed)
+        ends = np.concatenate([step[:6], np.clip(q[7:] + step[6:], robot.lower, robot.upper) - q[7:]])
+        if (beyond := ~held & (np.abs(step - ends) > ROUNDING)).any():
+            held, fixed = held | beyond, np.where(beyond, ends, fixed)
+        else:
+            return step

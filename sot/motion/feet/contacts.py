@@ -2,7 +2,7 @@
 
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pinocchio as pin
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
+from sot.robots.surface import Surface
 
 Array = NDArray[np.float64]
 
@@ -22,12 +23,14 @@ class Phase:
         start, end: in motion time [s].
         feet: standing foot -> pose of its frame, the sole flat on the floor.
         sliding: feet that slide on the floor.
+        surfaces: standing foot -> surface of the world under it; the floor where nothing is said.
     """
 
     start: float
     end: float
     feet: Mapping[str, pin.SE3]
     sliding: tuple[str, ...] = ()
+    surfaces: Mapping[str, Surface] = field(default_factory=dict)
 
 
 def planted_phases(robot: Robot, duration: float) -> tuple[Phase, ...]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import pinocchio as pin
 
 from sot.motion.feet.contacts import Phase
+from sot.robots.surface import Surface
 
 
 @dataclass(frozen=True)
@@ -17,11 +18,13 @@ class Stance:
     Attributes:
         start, end: in motion time [s].
         pose: of the foot's frame.
+        surface: of the world under it, if the phases say so.
     """
 
     start: float
     end: float
     pose: pin.SE3
+    surface: Surface | None = None
 
 
 class Footfalls:
@@ -37,11 +40,11 @@ class Footfalls:
         for phase in phases:
             if foot not in phase.feet:
                 continue
-            pose = phase.feet[foot]
+            pose, surface = phase.feet[foot], phase.surfaces.get(foot)
             if stances and stances[-1].end >= phase.start - 1e-9:
-                stances[-1] = Stance(stances[-1].start, phase.end, pose)
+                stances[-1] = Stance(stances[-1].start, phase.end, pose, surface)
             else:
-                stances.append(Stance(phase.start, phase.end, pose))
+                stances.append(Stance(phase.start, phase.end, pose, surface))
         self._set_stances(stances)
 
     def _set_stances(self, stances: Sequence[Stance]) -> None:
@@ -52,7 +55,7 @@ class Footfalls:
         """With the stance at `lift` in two: between, until `land`, the foot is in the air, and then at another pose."""
         at = self.count_begun(lift) - 1
         stance = self.stances[at]
-        parts = replace(stance, end=lift), Stance(land, max(stance.end, land), pose)
+        parts = replace(stance, end=lift), replace(stance, start=land, end=max(stance.end, land), pose=pose)
         changed = copy(self)
         changed._set_stances((*self.stances[:at], *parts, *self.stances[at + 1 :]))
         return changed

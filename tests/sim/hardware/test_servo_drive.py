@@ -1,5 +1,7 @@
 """Servos: straight lines between commands, and torques within the motors' limits."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,7 @@ def robot() -> Robot:
 
 
 def two_joints() -> Servo:
-    return Servo(np.array([100.0, 50.0]), np.array([3.0, 2.0]), np.array([0.005, 0.010]))
+    return Servo(np.array([100.0, 50.0]), np.array([3.0, 2.0]), np.array([0.005, 0.010]), np.array([0.02, 0.02]))
 
 
 def test_a_ramp_is_followed_without_lag():
@@ -79,7 +81,7 @@ def test_light_links_do_not_shake():
     """Joints whose model has no rotor, at 1 kHz: their servos are stiffer than an explicit step could stand."""
     robot = Robot.load("hrp2")
     servo = Servo.of(robot)
-    light = Servo(servo.stiffness, 10.0 * servo.damping, servo.period)
+    light = Servo(servo.stiffness, 10.0 * servo.damping, servo.period, servo.rotor)
     world = World(robot, hardware=Hardware(light))
     for _ in range(300):
         world.step(JointTargets(robot.rest[7:], np.zeros(robot.na)))
@@ -92,3 +94,10 @@ def test_torques_are_for_motors_and_targets_for_servos(robot):
         World(robot).step(targets)
     with pytest.raises(TypeError, match="takes JointTargets"):
         World(robot, hardware=Hardware(Servo.of(robot))).step(np.zeros(robot.na))
+
+
+def test_joints_have_the_rotors_that_their_servos_are_made_for(robot):
+    servo = replace(Servo.of(robot), rotor=np.linspace(0.1, 0.2, robot.na))
+    model = World(robot, hardware=Hardware(servo)).model
+    found = [model.dof_armature[model.joint(name).dofadr[0]] for name in robot.joints]
+    np.testing.assert_allclose(found, servo.rotor)

@@ -30,30 +30,35 @@ class Sent:
 
 
 @pytest.fixture(scope="module")
-def handled():
-    history = [(0.0, sets_of(*FEET)), (0.25, sets_of(*FEET, GRIP)), (0.75, sets_of(FEET[0], GRIP))]
-    return HandledThings(handled_system(), history, 0.5 * PERIOD * np.arange(TICKS))
+def system():
+    return handled_system()
 
 
 @pytest.fixture(scope="module")
-def sent(handled):
+def handled():
+    history = [(0.0, sets_of(*FEET)), (0.25, sets_of(*FEET, GRIP)), (0.75, sets_of(FEET[0], GRIP))]
+    return HandledThings(history, 0.5 * PERIOD * np.arange(TICKS))
+
+
+@pytest.fixture(scope="module")
+def sent(system):
     taken, rows = Sent(), np.arange(0, TICKS, 10)
-    send_things(taken, handled_log(handled.system).trimmed(), handled, rows)
+    send_things(taken, handled_log(system).trimmed(), system, rows)
     return taken, rows
 
 
-def test_shapes_are_where_the_log_has_their_things(handled, sent):
+def test_shapes_are_where_the_log_has_their_things(system, sent):
     taken, rows = sent
     times, values = taken.moving["world/things/box/box"]
     np.testing.assert_allclose(times, PERIOD * rows)
     centres = np.array(values["centers"]).reshape(len(rows), -1, 3)
     assert centres[0, 0] == pytest.approx([0.5, 0.0, 0.9], abs=1e-6)
-    expected = handled_log(handled.system).thing_q[rows, 2]
+    expected = handled_log(system).thing_q[rows, 2]
     np.testing.assert_allclose(centres[:, 0, 2], expected, atol=1e-6)
     assert any(entity.startswith("world/things/table/") for entity in taken.still)
 
 
-def test_a_leaf_turns_about_its_hinge(handled, sent):
+def test_a_leaf_turns_about_its_hinge(sent):
     taken, _ = sent
     ((_, values),) = [moving for entity, moving in taken.moving.items() if entity.startswith("world/things/door/box")]
     centres = np.array(values["centers"]).reshape(len(sent[1]), -1, 3) - [0.8, 1.0, 0.0]
@@ -65,7 +70,7 @@ def test_a_leaf_turns_about_its_hinge(handled, sent):
     assert turned == pytest.approx(OPEN_DEG * sent[1][-1] / (TICKS - 1), abs=1e-3)
 
 
-def test_an_arrow_shows_what_the_hand_feels_at_its_palm(handled, sent):
+def test_an_arrow_shows_what_the_hand_feels_at_its_palm(sent):
     taken, rows = sent
     _, values = taken.moving["world/things/force/right_palm"]
     vectors = np.array(values["vectors"]).reshape(-1, 3)
@@ -74,9 +79,9 @@ def test_an_arrow_shows_what_the_hand_feels_at_its_palm(handled, sent):
     assert not vectors[~held].any()
 
 
-def test_the_tab_has_sets_forces_ways_and_the_clock(handled):
-    log = handled_log(handled.system).trimmed()
-    tab = things_tab(log, handled)
+def test_the_tab_has_sets_forces_ways_and_the_clock(system, handled):
+    log = handled_log(system).trimmed()
+    tab = things_tab(log, system, handled)
     sets, forces, box, door, clock = tab.plots
     assert isinstance(sets, States)
     time, opening = log.time, np.linspace(0.0, OPEN_DEG, TICKS)

@@ -68,3 +68,9 @@ def test_raised_it_ends_higher_and_says_how_fast():
         np.testing.assert_allclose(
             now.acceleration[2], (after.velocity[2] - before.velocity[2]) / (2 * STEP), atol=1e-6
         )
+
+
+def test_it_lands_as_high_as_the_ground_is():
+    stride = Stride(START, np.eye(3), LIFT, LAND, HEIGHT, ground=0.3)
+    assert stride(LAND).position[2] == pytest.approx(0.3 - LANDING_DEPTH)
+    assert stride(LIFT).position[2] == pytest.approx(START[2])

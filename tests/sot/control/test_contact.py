@@ -11,7 +11,9 @@ from sot.control.contact import Contact
 from sot.control.pose import Pose
 from sot.control.quantities.frames import FrameState
 from sot.control.tick import Tick
+from sot.errors import InputError
 from sot.robots.robot import Robot, shipped_robot_names
+from sot.robots.surface import Surface
 from tests.sot.states import random_state
 
 FOOT = "left_foot"
@@ -240,3 +242,20 @@ def test_what_a_contact_writes_is_what_it_says(robot, form, mode):
     np.testing.assert_array_equal(place, at.position)
     np.testing.assert_allclose(map, G, atol=1e-15)
     np.testing.assert_allclose(motion, -3.0 * at.jacobian.T @ G, atol=1e-12)
+
+
+def test_a_contact_moves_to_another_surface_of_the_world_while_it_is_off(robot):
+    square = np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]])
+    tread = Surface("tread", square, pin.SE3(np.eye(3), np.array([0.0, 0.0, 0.1])), friction=0.2)
+    contact, tick = Contact(robot.surface(FOOT)), standing(robot, 0)
+    flat, steep = contact.acceleration(tick), contact.force_inequalities(1.0)[0].copy()
+    with pytest.raises(InputError, match="lift a foot first"):
+        contact.move_to(tread)
+    contact.mode = "off"
+    contact.move_to(tread)
+    contact.mode = "fixed"
+    assert contact.on is tread and contact.friction == 0.2
+    assert contact.acceleration(tick)[2] == pytest.approx(flat[2] + 0.1 * contact.stiffness)
+    assert np.abs(contact.force_inequalities(1.0)[0]).sum() < np.abs(steep).sum()
+    with pytest.raises(InputError):
+        contact.move_to(robot.surface(FOOT))

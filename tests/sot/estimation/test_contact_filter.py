@@ -84,9 +84,10 @@ def test_the_state_is_that_of_now(robot):
     estimator.reset(*motion.state(PERIOD))
     for k in range(1, 100):
         t = k * PERIOD
-        q, _ = estimator(t + age, motion.readings(t, {motion.foot(t): 1.0}), {motion.foot(t): motion.footing(t)})
-    assert q == pytest.approx(motion.state(t + age)[0], abs=2e-4)
-    assert np.linalg.norm(q - motion.state(t)[0]) > 1e-3
+        q, v = estimator(t + age, motion.readings(t, {motion.foot(t): 1.0}), {motion.foot(t): motion.footing(t)})
+    (then_q, then_v), (now_q, now_v) = motion.state(t), motion.state(t + age)
+    assert q == pytest.approx(now_q, abs=2e-4) and np.linalg.norm(q - then_q) > 1e-3
+    assert np.linalg.norm(v - now_v) < 0.2 * np.linalg.norm(v - then_v)
 
 
 def test_biases_are_found(robot):

@@ -29,6 +29,8 @@ def test_stiff_for_the_weight_below_and_for_the_motor_above_with_a_rotor_critica
 def test_a_robot_whose_model_has_no_rotors_is_damped_too(robot):
     bare = Servo.of(replace(robot, armature=np.zeros(robot.na)))
     np.testing.assert_allclose(bare.damping**2, 4.0 * bare.stiffness * ROTOR_INERTIA_RATIO * robot.effort)
+    np.testing.assert_allclose(bare.rotor, ROTOR_INERTIA_RATIO * robot.effort)
+    np.testing.assert_array_equal(Servo.of(robot).rotor, robot.armature)
 
 
 def test_gains_of_the_robot_file_count(robot, tmp_path):

@@ -40,3 +40,18 @@ def test_a_small_support_still_has_room():
     preview.plan(np.ones(2))
     preview.advance(KNOT_PERIOD)
     assert np.isfinite(preview.c).all()
+
+
+def test_a_known_future_is_met_in_time():
+    def errors(seen):
+        """Distance from a place that is wanted from 0.6 s on, then and there, if it is known so long before."""
+        preview = ComPreview(SUPPORT, SOLE, np.zeros(2), HEIGHT)
+        there = np.array([0.02, 0.05])
+        for k in range(30):
+            left = 0.6 - k * KNOT_PERIOD
+            known = [(left - 0.02, np.zeros(2)), (left, there)] if left <= seen else []
+            preview.plan(np.zeros(2), known)
+            preview.advance(KNOT_PERIOD)
+        return np.linalg.norm(preview.c - there)
+
+    assert errors(0.4) < 0.6 * errors(0.0)

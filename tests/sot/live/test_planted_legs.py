@@ -40,13 +40,32 @@ def test_legs_come_back_from_a_pelvis_out_of_reach(robot):
     assert foot_error(robot, y) < 1e-3
 
 
-def test_a_person_who_jumps_does_not_take_the_pelvis_beyond_the_legs(robot):
-    reference = LiveReference(robot, Limits.of(robot))
+def test_legs_accelerations_are_linear_in_those_of_the_base(robot):
+    (phase,) = planted_phases(robot, 1.0)
+    rest, chance = from_configuration(robot.rest[None])[0], np.random.default_rng(1)
+    legs = PlantedLegs(robot, phase, rest)
+    dy = np.zeros(robot.nv)
+    dy[:6] = 0.3 * chance.normal(size=6)
+    y, dy, _ = legs(rest, dy, np.zeros(robot.nv))
+    A, b = legs.accelerations(y, dy)
+    for _ in range(4):
+        ddy = np.zeros(robot.nv)
+        ddy[:6] = 0.3 * chance.normal(size=6)
+        np.testing.assert_allclose(A @ ddy[:6] + b, legs(y, dy, ddy)[2][legs.columns], atol=1e-3)
+
+
+@pytest.mark.parametrize("direction", [(0.0, 0.0, 1.0, 0.0, 0.0, 0.0), (0.2, 0.3, 0.2, 1.0, 0.5, 1.0)])
+def test_a_target_out_of_reach_takes_the_pelvis_no_farther_than_the_legs(robot, direction):
+    limits = Limits.of(robot)
+    reference = LiveReference(robot, limits)
+    legs = 6 + np.array(robot.groups["legs"])
     target, velocity = reference.rest.copy(), np.zeros(robot.nv)
     for k in range(160):
-        target[2] += -0.002 if k < 60 else 0.008
-        velocity[2] = -0.2 if k < 60 else 0.8
+        velocity[:6] = (-0.2 if k < 60 else 0.8) * np.array(direction)
+        target += 0.01 * velocity
         reference.advance(target, velocity)
-        assert reference.now[2] < reference._legs.greatest_height(reference.now) + 0.003
-    assert reference.now[2] > reference.rest[2]
-    assert foot_error(robot, reference.now) < 2e-3
+        y, dy, _ = reference.joints(reference.horizon)
+        assert (y[legs - 6] < robot.upper[legs - 6]).all() and (y[legs - 6] > robot.lower[legs - 6]).all()
+        assert (np.abs(dy[legs - 6]) < robot.velocity[legs - 6]).all()
+        assert foot_error(robot, reference.now) < 1e-3
+    assert np.linalg.norm(reference.now[:6] - reference.rest[:6]) > 0.03

@@ -15,7 +15,7 @@ PERIOD = 0.001
 def settled(gains, wanted, seconds=3.0):
     """What feet on springs carry after some time, and the share of the lack that is gone after each tick."""
     robot = Robot.load("hrp2")
-    admittance = FootAdmittance(robot, 0.8, gains, PERIOD)
+    admittance = FootAdmittance(robot, 0.8, gains, 0.0, PERIOD)
     measured, gone = {foot: np.array([0.0, 0.0, 280.0, 0.0, 0.0, 0.0]) for foot in wanted}, []
     for _ in range(round(seconds / PERIOD)):
         for foot, offset in admittance(wanted, measured, dict.fromkeys(robot.feet, 1.0 / STIFFNESS)).items():
@@ -54,3 +54,25 @@ def test_a_leak_leaves_its_share_of_the_lack():
 def test_one_foot_alone_does_not_grow():
     measured, _ = settled(AdmittanceGains(), {"left_foot": WANTED["left_foot"]}, 0.5)
     assert measured["left_foot"][2] == 280.0
+
+
+def moments_on_damped_bushes(filtered_by, seconds=1.0, period=0.005, relaxation=0.01):
+    """Moment of a foot on a bush K (φ + t_r φ̇) behind a servo that goes in a straight line from command to command,
+    each of them one period ahead; as a share of the moment that is wanted."""
+    robot, wanted = Robot.load("hrp2"), {"left_foot": FootLoad(np.array([0.0, 0.0, 560.0]), np.array([0.0, 10.0, 0.0]))}
+    admittance = FootAdmittance(robot, 0.8, AdmittanceGains(ankle=9.0, leak=0.0), filtered_by, period)
+    command, angle, moments = 0.0, 0.0, [0.0]
+    for _ in range(round(seconds / period)):
+        measured = {"left_foot": np.array([0.0, 0.0, 560.0, 0.0, moments[-1], 0.0])}
+        pitch = admittance(wanted, measured, dict.fromkeys(robot.feet, 1.0 / STIFFNESS))["left_foot"][1]
+        reached = pitch + (pitch - command)
+        moments.append(-STIFFNESS[1] * (reached + relaxation * (reached - angle) / period))
+        command, angle = pitch, reached
+    return np.array(moments) / 10.0
+
+
+def test_dampers_of_the_bushes_do_not_make_fast_servos_shake():
+    assert np.abs(moments_on_damped_bushes(0.0)).max() > 10.0
+    calm = moments_on_damped_bushes(0.01)
+    assert calm.max() < 1.3
+    np.testing.assert_allclose(calm[-40:], 1.0, atol=0.01)

@@ -11,6 +11,7 @@ FREQUENCIES = np.geomspace(0.2, 10.0, 19)
 PENDULUMS = {
     "as on two feet": Pendulum(58.0, 0.78, 4900.0, 60.0, 8.0, 6.0, 0.003, 0.012),
     "as on one foot": Pendulum(58.0, 0.78, 1900.0, 25.0, 8.0, 7.0, 0.001, 0.008),
+    "bending at 9 Hz": Pendulum(58.0, 0.78, 1900.0, 25.0, 7.0, 7.5, 0.0, 0.009, 0.5, 57.0, 0.4),
     "stiff": Pendulum(33.0, 0.6, 14000.0, 90.0, 3.0, 2.0, 0.006, 0.005),
 }
 

@@ -13,7 +13,7 @@ from sot.hardware.servo import Servo
 from sot.robots.robot import Robot
 from sot.servo.pendulum import Pendulum
 from sot.servo.shifted_posture import shifted_posture
-from sot.servo.sway_modes import inertia_about_com, sway_modes
+from sot.servo.sway_modes import FloorContact, inertia_about_com, sway_modes
 
 
 @pytest.fixture(scope="module", params=["hrp2", "g1"])
@@ -50,6 +50,19 @@ def test_servos_in_series_slow_the_sway_down(robot):
     compliance = FootCompliance(stiffness, stiffness, 100.0 * stiffness)
     stiff, soft = (sway_modes(robot, q, robot.feet, Servo.of(robot).scaled(scale), compliance) for scale in (10.0, 0.5))
     assert all(slow.frequency < 0.97 * fast.frequency for slow, fast in zip(soft, stiff, strict=True))
+
+
+def test_a_floor_that_gives_way_is_a_spring_in_series(robot):
+    """Bush and floor of twice the stiffness each, with the same damping over it, are the bush alone."""
+    q, length = balanced(robot, robot.feet)
+    stiffness = 3.0 * robot.mass * GRAVITY * length
+    alone, half = (FootCompliance(*(k * stiffness * np.array([1.0, 1.0, 100.0]))) for k in (1.0, 2.0))
+    time = half.relaxation_time(robot)
+    floor = FloorContact(2.0 * stiffness * np.array([1.0, 1.0, 100.0]), time)
+    servo = Servo.of(robot)
+    expected = sway_modes(robot, q, robot.feet, servo, alone)
+    found = sway_modes(robot, q, robot.feet, servo, half, dict.fromkeys(robot.feet, floor))
+    np.testing.assert_allclose(found, expected, rtol=1e-4)
 
 
 def test_bushes_softer_than_the_weight_tips_them_are_refused(robot):

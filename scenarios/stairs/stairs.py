@@ -1,0 +1,137 @@
+"""Stairs up, and down on the other side: both feet on each tread, the soles wholly on it."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from rich.console import Console
+
+from scenarios.inputs.stack_file import Composition
+from scenarios.replay import ProgressCallback, Replay, check_writable, make_solver, run_motion, write_outputs
+from scenarios.stacks import stepping_schedule, stepping_stack
+from sim.hardware.sole_frames import sole_frames
+from sim.log import FOOT_FIXED, RunLog
+from sim.reporting import report
+from sot.motion import climb
+from sot.motion.feet.contacts import planted_phases
+from sot.motion.trajectory import Motion
+from sot.robots.robot import Robot
+from sot.robots.size import leg_length
+from sot.robots.surface import FLOOR, Surface
+from sot.robots.things.thing import Thing
+
+Array = np.ndarray
+
+WIDTH_LEGS = 2.0
+"""Width of the stairs [leg lengths]."""
+TOE_GAP_LEGS = 0.03
+"""Distance of the toes from the first riser at the start [leg lengths]."""
+NOISE_M = 0.003
+"""Standard deviation of the treads' heights, with a seed [m]."""
+
+
+@dataclass(frozen=True)
+class Stairs:
+    """What is climbed.
+
+    Attributes:
+        rise: From tread to tread [m].
+        depth: Of a tread [m].
+        treads: Number of treads up to the highest one; one less lead down.
+        seed: Of the noise of the treads' heights, which the controller is not told; none without.
+    """
+
+    rise: float = 0.1
+    depth: float = 0.3
+    treads: int = 4
+    seed: int | None = None
+
+    takes_clip: ClassVar[bool] = False
+
+    def things(self, robot: Robot, noise: Array | None = None) -> list[Thing]:
+        """The treads as blocks on the floor, in order; `noise` is added to their heights (n,) [m]."""
+        levels = [*range(1, self.treads + 1), *range(self.treads - 1, 0, -1)]
+        leg, feet = leg_length(robot), planted_phases(robot, 0.0)[0].feet
+        toes = max(float(place.act(corner)[0]) for foot, place in feet.items() for corner in robot.sole(foot))
+        start = toes + TOE_GAP_LEGS * leg
+        found = []
+        for k, level in enumerate(levels):
+            height = level * self.rise + (0.0 if noise is None else float(noise[k]))
+            size, place = (self.depth, WIDTH_LEGS * leg, height), (start + (k + 0.5) * self.depth, 0.0, 0.0)
+            found.append(Thing.load("block", placement=place, size=size, name=f"tread_{k + 1}"))
+        return found
+
+
+DEFAULT_OPTIONS = Stairs()
+
+
+def run(request: Replay, stairs: Stairs, out: Path, tell: ProgressCallback) -> dict[str, Any]:
+    """Climb the stairs, record and report.
+
+    Args:
+        request: Robot, solver, rate, pushes and mismatch.
+        stairs: What is climbed.
+        out: Folder to write to.
+        tell: Told of the progress.
+
+    Raises:
+        InputError: Anything in the request that does not fit; nothing is written then.
+    """
+    check_writable(out)
+    make_solver(request.solver)
+    robot = Robot.load(request.robot)
+    tell("planning", None)
+    told = stairs.things(robot)
+    treads = [thing.surface("top") for thing in told]
+    motion = climb(robot, [*treads, FLOOR], request.rate)
+    noise = None
+    if stairs.seed is not None:
+        noise = NOISE_M * np.random.default_rng(stairs.seed).standard_normal(len(told))
+    actual = stairs.things(robot, noise)
+
+    def compose(robot: Robot, motion: Motion) -> Composition:
+        return Composition(stepping_stack(robot, motion), stepping_schedule(robot, motion))
+
+    danced = run_motion(replace(request, clip="stairs"), compose, motion, None, tell, things=actual)
+    log = danced.run.log.trimmed()
+    figures = stair_figures(log, robot, [thing.surface("top") for thing in actual])
+    return write_outputs(danced, out, tell, report.rounded({"stairs": figures}))
+
+
+def stair_figures(log: RunLog, robot: Robot, treads: list[Surface]) -> dict[str, Any]:
+    """How many treads both soles stood on, and how near their corners came to the treads' edges [m].
+
+    Args:
+        log: Rows of the run.
+        robot: Who climbed.
+        treads: As they are in physics.
+    """
+    positions, rotations = sole_frames(robot, log.q, log.sole_deflection)
+    margins = np.full((len(robot.feet), len(treads)), np.nan)
+    for index, foot in enumerate(robot.feet):
+        stands = log.foot_mode[:, index] == FOOT_FIXED
+        corners = positions[index][stands, None] + np.einsum("tij,nj->tni", rotations[index][stands], robot.sole(foot))
+        for k, tread in enumerate(treads):
+            edges = tread.corners_at_point
+            on = np.abs(corners[:, :, 2].mean(axis=1) - edges[0, 2]) < 0.5 * abs(edges[0, 2])
+            middle = corners[:, :, 0].mean(axis=1)
+            on &= (middle > edges[:, 0].min()) & (middle < edges[:, 0].max())
+            if on.any():
+                inner = [corners[on] - edges.min(axis=0), edges.max(axis=0) - corners[on]]
+                margins[index, k] = min(float(side[:, :, :2].min()) for side in inner)
+    reached = np.isfinite(margins).all(axis=0)
+    return {
+        "treads": len(treads),
+        "treads_stood_on": int(reached.sum()),
+        "edge_margin_min_m": float(np.nanmin(margins)) if reached.any() else None,
+    }
+
+
+def show(figures: dict[str, Any], console: Console) -> None:
+    """Print what became of the climb."""
+    own = figures["stairs"]
+    margin = "" if own["edge_margin_min_m"] is None else f", soles {1e3 * own['edge_margin_min_m']:.0f} mm from edges"
+    console.print(
+        f"stairs: stood on {own['treads_stood_on']} of {own['treads']} treads{margin}", highlight=False, soft_wrap=True
+    )

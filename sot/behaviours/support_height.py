@@ -1,0 +1,35 @@
+"""How high the ground is that the feet stand on, and how fast a body over it tips."""
+
+import numpy as np
+
+from sot.control.tick import Tick
+from sot.gravity import GRAVITY
+from sot.robots.surface import FLOOR, Surface
+
+MIN_PENDULUM_HEIGHT = 0.1
+"""Least height of the centre of mass over the ground that is reckoned with [m]."""
+
+
+def support_height(tick: Tick) -> float:
+    """Height of the surfaces of the world under the standing feet, their mean weighted by the load that each may take.
+
+    On the floor, and while no foot stands, it is 0 [m].
+    """
+    total = height = 0.0
+    for contact in tick.contacts:
+        if contact.mode == "fixed" and contact.load > 0.0 and contact.is_footing and contact.point in tick.robot.feet:
+            total += contact.load
+            if contact.on is not FLOOR:
+                height += contact.load * _height_under(contact.on, tick.frame(contact.point).position)
+    return height / total if total else 0.0
+
+
+def divergence_rate(tick: Tick, ground: float) -> float:
+    """Rate ω = √(g / h) at which the divergent component leaves [1/s], h over ground of some height [m]."""
+    return float(np.sqrt(GRAVITY / max(tick.com[2] - ground, MIN_PENDULUM_HEIGHT)))
+
+
+def _height_under(surface: Surface, place: np.ndarray) -> float:
+    """Height of a surface's plane at a place (3,) seen from above [m]."""
+    normal, origin = surface.axes.rotation[:, 2], surface.axes.translation
+    return float(origin[2] - normal[:2] @ (place[:2] - origin[:2]) / normal[2])

@@ -1,0 +1,141 @@
+"""A climb over level treads, up and down, one step after the other with both feet on each tread."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from sot.errors import InputError
+from sot.gravity import GRAVITY
+from sot.motion.balance.feet_led import GroundHeight, feet_led
+from sot.motion.feet.contacts import Phase
+from sot.motion.feet.swing import FootPath
+from sot.motion.trajectory import Motion
+from sot.robots.robot import Robot
+from sot.robots.size import leg_length
+from sot.robots.surface import FLOOR, Surface
+from sot.smooth import minimum_jerk
+
+Array = np.ndarray
+
+KNOT_PERIOD = 0.02  # s, between knots
+EDGE_MARGIN = 0.01  # leg lengths, from a sole to the edges of its tread
+CLEARANCE = 0.05  # leg lengths, of a sole over the higher one of the treads that it leaves and comes to
+SWING_TIME, STANDING_TIME = 4.8, 2.4  # √(leg / g): of a step, and on both feet before the next one
+WAITING_TIME = 4.8  # √(leg / g) on both feet at the start and at the end
+RISE_SHARE = 0.45  # of a swing's time, in which a foot rises, and in which it comes down
+WAY_SHARES = 0.15, 0.85  # of a swing's time, between which a foot moves ahead, as long as it is over the higher tread
+
+
+def climb(robot: Robot, treads: Sequence[Surface], rate: float = 1000.0) -> Motion:
+    """The motion of a robot that climbs straight ahead, along x, over level treads of the world, and ends at rest.
+
+    The left foot goes ahead to the near end of each tread, and the right one comes after it to the far end, so that the
+    way from tread to tread is as short as it can be.
+
+    Args:
+        robot: who climbs; it starts on the floor, where it is at rest.
+        treads: in their order; the floor has no edges, and the foot goes as far as clears the tread before.
+        rate: samples per second of the motion [Hz].
+
+    Raises:
+        InputError: there is no tread, one is not level or too short for a sole, or legs do not reach.
+    """
+    if not treads:
+        raise InputError("a climb needs one tread or more")
+    unit, margin = float(np.sqrt(leg_length(robot) / GRAVITY)), EDGE_MARGIN * leg_length(robot)
+    first, second = robot.feet
+    stand = {foot: pose for foot, pose in _at_rest(robot).items()}
+    on = dict.fromkeys(robot.feet, FLOOR)
+    now, phases = WAITING_TIME * unit, [Phase(0.0, WAITING_TIME * unit, dict(stand), surfaces=dict(on))]
+    swings: list[tuple[str, float, float, pin.SE3, pin.SE3]] = []
+    for tread in treads:
+        near, far, height = _places(robot, tread, stand[second], on[second], margin)
+        for foot, x in ((first, near), (second, far)):
+            there = pin.SE3(stand[foot].rotation, np.array([x, stand[foot].translation[1], height]))
+            land = now + SWING_TIME * unit
+            other = second if foot == first else first
+            phases.append(Phase(now, land, {other: stand[other]}, surfaces={other: on[other]}))
+            swings.append((foot, now, land, stand[foot], there))
+            stand[foot], on[foot] = there, tread
+            last = tread is treads[-1] and foot == second
+            now = land + (WAITING_TIME if last else STANDING_TIME) * unit
+            phases.append(Phase(land, now, dict(stand), surfaces=dict(on)))
+    times = KNOT_PERIOD * np.arange(np.ceil(now / KNOT_PERIOD) + 1)
+    paths = _paths(robot, swings, times, CLEARANCE * leg_length(robot))
+    return feet_led(robot, phases, paths, KNOT_PERIOD, rate, _ground_height(swings), "these treads")
+
+
+def _at_rest(robot: Robot) -> dict[str, pin.SE3]:
+    """Places of the feet at rest."""
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.rest)
+    return {foot: data.oMf[robot.point(foot)].copy() for foot in robot.feet}
+
+
+def _places(robot: Robot, tread: Surface, stand: pin.SE3, on: Surface, margin: float) -> tuple[float, float, float]:
+    """Nearest and farthest x of the feet's frames on a tread, and its height [m]; `stand` on `on` is the foot before.
+
+    Raises:
+        InputError: it is not level, moves, or is too short for a sole.
+    """
+    if tread.point is not None or tread.axes.rotation[2, 2] < 1.0 - 1e-6:
+        raise InputError(f"{tread.name} is no tread: it moves, or is not level")
+    soles = np.vstack([robot.sole(foot) @ stand.rotation.T for foot in robot.feet])
+    heel, toe = -float(soles[:, 0].min()), float(soles[:, 0].max())
+    corners = tread.corners_at_point
+    if not len(corners):
+        near = (
+            (float(on.corners_at_point[:, 0].max()) if len(on.corners) else float(stand.translation[0])) + heel + margin
+        )
+        return near, near, float(tread.axes.translation[2])
+    near, far = float(corners[:, 0].min()) + heel + margin, float(corners[:, 0].max()) - toe - margin
+    aside = float(np.abs(soles[:, 1]).max()) + float(abs(stand.translation[1]))
+    if far < near or min(corners[:, 1].max(), -corners[:, 1].min()) < aside:
+        raise InputError(
+            f"{tread.name} is too small for the soles of {robot.label}: they need {heel + toe + 2.0 * margin:.2f} m"
+            f" along x and {aside:.2f} m to either side"
+        )
+    return near, far, float(corners[0, 2])
+
+
+def _paths(
+    robot: Robot, swings: Sequence[tuple[str, float, float, pin.SE3, pin.SE3]], times: Array, clearance: float
+) -> dict[str, FootPath]:
+    """Paths of the feet: up before the edge, ahead over it, and down behind it."""
+    paths = {}
+    for foot, start in _at_rest(robot).items():
+        position = np.tile(start.translation, (len(times), 1))
+        for own, lift, land, here, there in swings:
+            if own != foot:
+                continue
+            share = (times - lift) / (land - lift)
+            before, after = here.translation[2], there.translation[2]
+            higher, top = max(before, after), max(before, after) + clearance
+            begin = max(WAY_SHARES[0], _time_share(higher - before, top - before))
+            end = min(WAY_SHARES[1], 1.0 - _time_share(higher - after, top - after))
+            ahead = minimum_jerk((share - begin) / (end - begin))
+            way = here.translation + ahead[:, None] * (there.translation - here.translation)
+            way[:, 2] = before + (top - before) * minimum_jerk(share / RISE_SHARE)
+            way[:, 2] -= (top - after) * minimum_jerk((share - 1.0 + RISE_SHARE) / RISE_SHARE)
+            position[share > 0.0] = way[share > 0.0]
+        paths[foot] = FootPath(position, np.tile(start.rotation, (len(times), 1, 1)), np.zeros(len(times)))
+    return paths
+
+
+def _time_share(part: float, whole: float) -> float:
+    """Share of a swing's time within which a foot has risen by a part of the whole height."""
+    shares = np.linspace(0.0, 1.0, 201)
+    return RISE_SHARE * float(np.interp(part / whole, minimum_jerk(shares), shares))
+
+
+def _ground_height(swings: Sequence[tuple[str, float, float, pin.SE3, pin.SE3]]) -> GroundHeight:
+    """Mean height of what the feet stand on, each from the old one to the new one within its swing."""
+
+    def height(times: Array, places: Array) -> Array:
+        found = np.zeros(len(times))
+        for _, lift, land, here, there in swings:
+            found += 0.5 * (there.translation[2] - here.translation[2]) * minimum_jerk((times - lift) / (land - lift))
+        return found
+
+    return height

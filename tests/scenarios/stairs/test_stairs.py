@@ -1,0 +1,50 @@
+"""Stairs are climbed under physics, soles wholly on their treads; what cannot be climbed is told."""
+
+import json
+
+import numpy as np
+import pytest
+
+from scenarios.cli import main
+from scenarios.stairs.options import stairs_options
+from scenarios.stairs.stairs import Stairs
+from sot.errors import InputError
+from sot.robots.robot import Robot
+
+
+def test_treads_go_up_and_down_again():
+    robot = Robot.load("hrp2")
+    tops = [thing.surface("top").corners_at_point for thing in Stairs(rise=0.05, treads=3).things(robot)]
+    np.testing.assert_allclose([top[0, 2] for top in tops], [0.05, 0.1, 0.15, 0.1, 0.05], atol=1e-12)
+    starts = [top[:, 0].min() for top in tops]
+    np.testing.assert_allclose(np.diff(starts), 0.3, atol=1e-12)
+    noisy = Stairs(treads=1).things(robot, np.array([0.004]))[0].surface("top").corners_at_point
+    assert noisy[0, 2] == pytest.approx(0.104)
+
+
+def test_options_are_of_stairs_alone():
+    assert stairs_options("sliding", None, None, None, 3) is None
+    assert stairs_options("stairs", 0.05, None, 2, 1) == Stairs(rise=0.05, treads=2, seed=1)
+    for given, words in (((0.05, None, None), "--rise"), ((None, None, 3), "--treads")):
+        with pytest.raises(InputError, match=f"sliding takes no {words}"):
+            stairs_options("sliding", *given, None)
+    for given, words in (((-0.1, None, None), "--rise"), ((None, 3.0, None), "--depth"), ((None, None, 0), "--treads")):
+        with pytest.raises(InputError, match=words):
+            stairs_options("stairs", *given, None)
+
+
+def test_treads_too_short_for_the_soles_are_refused_before_anything_is_written(tmp_path, capsys):
+    assert main(["run", "stairs", "--depth", "0.15", "--out", str(tmp_path / "run")]) == 2
+    assert "too small for the soles" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", ["hrp2", "jvrc1"])
+def test_a_tread_is_climbed_and_left_with_heights_told_wrong(tmp_path, robot):
+    arguments = ["--treads", "1", "--rate", "500", "--seed", "1", "--robot", robot, "--out", str(tmp_path)]
+    assert main(["run", "stairs", *arguments]) == 0
+    found = json.loads((tmp_path / "report.json").read_text())
+    assert not found["fell"] and found["stairs"]["treads_stood_on"] == 1
+    assert found["stairs"]["edge_margin_min_m"] > 0.0
+    assert found["contacts"]["slip_max_m"] < 0.01
