@@ -1,6 +1,7 @@
 """Files of named arrays (.npz) that anybody may have written: read without running what is in them."""
 
 import struct
+import tokenize
 import zipfile
 import zlib
 from pathlib import Path
@@ -11,6 +12,7 @@ from sot.errors import InputError
 from sot.git_lfs import refuse_pointer
 
 MAX_BYTES = 4e9  # of all arrays of a file together
+MAX_QUOTED = 200  # characters of what numpy says, or of a name
 _DAMAGE = (
     OSError,
     ValueError,
@@ -23,6 +25,7 @@ _DAMAGE = (
     OverflowError,
     RuntimeError,  # encrypted, or packed by a method that is not there
     struct.error,
+    tokenize.TokenError,  # of an array's header
     zlib.error,
     zipfile.BadZipFile,
 )
@@ -51,10 +54,14 @@ def read_arrays(path: Path, kind: str) -> dict[str, np.ndarray]:
             if sum(member.file_size for member in file.infolist()) > MAX_BYTES:
                 raise InputError(f"{path}: holds more than {MAX_BYTES / 1e9:g} GB: no {kind}")
         with np.load(path, allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files if not _holds_objects(arrays, name)}
+            found = {name: arrays[name] for name in arrays.files if not _holds_objects(arrays, name)}
     except _DAMAGE as error:
         words = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"{path}: cannot be read as {kind} (.npz): {words}") from None
+        raise InputError(f"{path}: cannot be read as {kind} (.npz): {words[:MAX_QUOTED]}") from None
+    for name, values in found.items():
+        if not isinstance(values, np.ndarray):  # bytes, of what is no array at all
+            raise InputError(f"{path}: cannot be read as {kind} (.npz): '{name[:MAX_QUOTED]}' is damaged")
+    return found
 
 
 def _holds_objects(arrays: np.lib.npyio.NpzFile, name: str) -> bool:

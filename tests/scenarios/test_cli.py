@@ -11,7 +11,10 @@ from scenarios import cli, viewer
 from scenarios.inputs import clips
 from scenarios.inputs.groove import groove_bvh
 from scenarios.replay import RECORDING_FILE, REPORT_FILE, TRACES_FILE
+from sot.errors import InputError
+from sot.motion import read, recognise
 from sot.motion.trajectory import Motion
+from tests.sot.motion.human.formats.fuzz import ENDINGS, damaged_file
 
 UNKNOWN_SKELETON = """HIERARCHY
 ROOT Blob
@@ -70,6 +73,24 @@ def test_bad_clip(text, folder, capsys):
     assert said.startswith("sot: ")
     assert "clip" in said
     assert [path.name for path in folder.iterdir()] == ["clip.bvh"]
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_damaged_file_of_any_format_is_one_line(ending, folder, capsys):
+    refused = 0
+    for seed in range(6):
+        place = folder / f"{seed}"
+        place.mkdir()
+        clip, mapping = damaged_file(place, ending, seed)
+        there = sorted(folder.rglob("*"))
+        try:
+            recognise(read(clip), mapping)
+        except InputError:
+            status, said = lines(["retarget", str(clip), *(["--mapping", str(mapping)] if mapping else [])], capsys)
+            assert status == cli.BAD_INPUT and said.startswith("sot: ") and said.count("\n") == 1
+            refused += 1
+        assert sorted(folder.rglob("*")) == there
+    assert refused
 
 
 def test_an_unknown_skeleton_has_its_mapping_printed_to_be_completed(folder, capsys):

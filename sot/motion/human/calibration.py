@@ -68,8 +68,15 @@ def calibrate(capture: Capture, joints: dict[str, int]) -> Calibration:
             )
         turn = nearest_rotations((turns.swapaxes(1, 2) @ target[body])[seen].mean(axis=0))
         to_body[body] = _with_snapped_lateral_axis(turn) if body == "head" else turn
-    ahead = sum(points[f"{side}_toe"] - points[f"{side}_ankle"] for side in SIDES)
-    if np.sum(ahead * (capture.rotations[:, pelvis] @ to_body["pelvis"])[:, :, 0]) < 0:
+    across = points["left_hip"] - points["right_hip"]
+    ahead = sum(  # of the shanks, whatever trunk and thighs do
+        np.sum(
+            (points[f"{side}_toe"] - points[f"{side}_ankle"])
+            * np.cross(across, points[f"{side}_knee"] - points[f"{side}_ankle"])
+        )
+        for side in SIDES
+    )
+    if ahead < 0:
         raise InputError(f"{capture.name}: its toes point backwards; are left and right swapped in the joints' names?")
     leg = Human(capture.name, capture.rate, points, {}).leg
     return Calibration(joints, pelvis, chest, neck, to_body, _head_height(capture, joints["head"], leg))

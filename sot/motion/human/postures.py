@@ -33,12 +33,12 @@ TRUNK_CENTRE = 0.55  # of the way from waist to neck
 def standing(human: Human) -> Human:
     """The human on its feet on the floor, with a remark for each stretch in which it is not.
 
-    Who lies, leans on both hands or is upside down is turned upright, of who crawls the trunk is, and who climbs or
-    floats is put on the floor. Who sits, kneels or puts a hand down stays as it is: its hips are as low as they are,
-    and the robot's as low as it can have them.
+    Who lies, leans on both hands or is upside down is turned upright, of who crawls the trunk is, of who hangs from its
+    hips halfway, and who climbs or floats is put on the floor. Who sits, kneels or puts a hand down stays as it is: its
+    hips are as low as they are, and the robot's as low as it can have them.
     """
     shortest = MIN_POSTURE_DURATION * human.leg_time * human.rate
-    lies, inverted, crawls, sits = _postures(human)
+    lies, inverted, crawls, folds, sits = _postures(human)
     hand, _ = hands_down(human)
     low = lies | sits | crawls
     as_upright, bent = (
@@ -50,9 +50,10 @@ def standing(human: Human) -> Human:
         (lies, "lies", as_upright, False),
         (inverted & ~crawls, "is upside down", as_upright, False),
         (crawls, "crawls", "stands, its trunk upright", False),
+        (folds, "hangs its head below its hips", "bows as far as its balance allows", True),
         (sits, "sits", bent, False),
         (kneeling(human) & ~low, "kneels", bent, False),
-        (hand & ~low & ~inverted, "has a hand on the floor", "stands, its hands above it", True),
+        (hand & ~low & ~inverted & ~folds, "has a hand on the floor", "stands, its hands above it", True),
     ):
         stretches[verb] = _lasting(flags, shortest)
         remarks += [
@@ -70,12 +71,14 @@ def standing(human: Human) -> Human:
         )
     if not remarks:
         return human
-    for found, turned in (
-        ([(one.first, one.end) for one in carried], ()),
-        ([*stretches["lies"], *stretches["is upside down"]], tuple(human.points)),
-        (stretches["crawls"], tuple(name for name in human.points if not name.endswith(LEG_POINTS))),
+    upper = tuple(name for name in human.points if not name.endswith(LEG_POINTS))
+    for found, turned, tilt in (
+        ([(one.first, one.end) for one in carried], (), 0.0),
+        ([*stretches["lies"], *stretches["is upside down"]], tuple(human.points), 0.0),
+        (stretches["crawls"], upper, 0.0),
+        (stretches["hangs its head below its hips"], upper, MIN_RECLINED_TILT),
     ):
-        human = _on_floor(human, found, turned) if found else human
+        human = _on_floor(human, found, turned, tilt) if found else human
     return replace(human, remarks=(*human.remarks, *sorted(remarks, key=lambda remark: remark.start)))
 
 
@@ -96,8 +99,9 @@ def _off_floor_remark(human: Human, one: OffFloor) -> Remark:
     return _remark(human, one.first, one.end, what, "stays on the floor", False)
 
 
-def _postures(human: Human) -> tuple[Flags, Flags, Flags, Flags]:
-    """The frames (T,) in which a human lies or leans on its hands, is upside down, is on hands and knees, and sits."""
+def _postures(human: Human) -> tuple[Flags, Flags, Flags, Flags, Flags]:
+    """The frames (T,) in which a human lies or leans on its hands, is upside down, is on hands and knees, hangs from
+    its hips, and sits."""
     points, leg = human.points, human.leg
     trunk = points["neck"] - points["waist"]
     tilt = np.arctan2(np.linalg.norm(trunk[:, :2], axis=1), trunk[:, 2])
@@ -111,11 +115,12 @@ def _postures(human: Human) -> tuple[Flags, Flags, Flags, Flags]:
     )
     inverted: Flags = (tilt > MIN_UPSIDE_DOWN_TILT) & (legs[:, 2] < 0.0) & ~lies
     crawls: Flags = reclines & both_hands & kneeling(human) & ~lies & ~inverted
+    folds: Flags = (tilt > MIN_UPSIDE_DOWN_TILT) & ~lies & ~inverted & ~crawls
     thighs = [points[f"{side}_hip"] - points[f"{side}_knee"] for side in SIDES]
     level = np.all([np.arctan2(np.linalg.norm(t[:, :2], axis=1), t[:, 2]) > MIN_RECLINED_TILT for t in thighs], axis=0)
     carried = (height < FLOOR_SITTING_HEIGHT) | (_beside_feet(human) > MIN_UNSUPPORTED_DISTANCE * leg)
     sits: Flags = (tilt <= MIN_RECLINED_TILT) & level & (height < SITTING_HEIGHT) & carried
-    return lies, inverted, crawls, sits
+    return lies, inverted, crawls, folds, sits
 
 
 def _beside_feet(human: Human) -> Array:
@@ -158,9 +163,9 @@ def _lasting(flags: Flags, shortest: float) -> list[tuple[int, int]]:
     return [(first, last) for first, last in runs if last - first >= min(shortest, len(flags))]
 
 
-def _on_floor(human: Human, stretches: list[tuple[int, int]], turned: Sequence[str]) -> Human:
+def _on_floor(human: Human, stretches: list[tuple[int, int]], turned: Sequence[str], tilt: float) -> Human:
     """The human with its lower foot on the floor in some stretches, and the points that are named, with all bodies,
-    turned about its waist until the trunk is upright."""
+    turned about its waist until the trunk is upright, or has no more than a tilt [rad]."""
     rising = max(1.0, RISE_DURATION * human.leg_time * human.rate)
     frames, share = np.arange(human.count), np.zeros(human.count)
     for first, last in stretches:
@@ -170,7 +175,7 @@ def _on_floor(human: Human, stretches: list[tuple[int, int]], turned: Sequence[s
     trunk = human.points["neck"] - waist
     axis = np.column_stack([trunk[:, 1], -trunk[:, 0], np.zeros(human.count)])
     size = np.linalg.norm(axis, axis=1)
-    angle = np.arctan2(size, trunk[:, 2]) if turned else np.zeros(human.count)
+    angle = np.maximum(np.arctan2(size, trunk[:, 2]) - tilt, 0.0) if turned else np.zeros(human.count)
     turn = Rotation.from_rotvec((share * angle / np.maximum(size, 1e-9))[:, None] * axis).as_matrix()
     points = dict(human.points)
     points |= {name: waist + np.einsum("tij,tj->ti", turn, points[name] - waist) for name in turned}

@@ -20,7 +20,8 @@ UP_AXES = {sign + axis: (k, 1.0 if not sign else -1.0) for sign in ("", "-") for
 """Name of each axis of a file that may be up, or forward -> its index and sign."""
 CLEARLY_UPRIGHT = 0.8  # cosine of a body to an axis, on average, from which on the clip itself shows that it is up
 POSTURE_COSINE = 0.9  # of trunk and legs to each other and to an axis, in a zero pose that is a posture
-LYING_EXTENT = 0.75  # leg lengths: all that is recorded of who lies is within this height above the floor
+MIN_UPSIDE_DOWN = 0.4  # leg lengths that other parts of the body get below the feet: hands that are low get less
+LYING_EXTENT = 0.9  # leg lengths: all that is recorded of who lies or crawls is within this height above the floor
 FLOOR_TOLERANCE = 0.2  # leg lengths, between the origin of a file and its floor
 
 
@@ -30,7 +31,7 @@ def to_world(recorded: Capture, up: str | None = None, forward: str | None = Non
     Needs no joint names, only a pair of legs: the longest two chains of equal bones that hang off one joint. Their
     size gives the unit, knees and toes the front, the body above the hips and the legs below the up axis (see
     `up_axis`). A reference pose that precedes the motion is dropped. The first frame ends up heading +X with its mid
-    hips over the origin; the lowest point of the feet is at z = 0.
+    hips over the origin; the lowest point of the feet, or of who never stands on them, is at z = 0.
 
     Args:
         recorded: What a file holds.
@@ -65,7 +66,10 @@ def to_world(recorded: Capture, up: str | None = None, forward: str | None = Non
 
     hips = positions[0, [leg.hip for leg in legs]].mean(axis=0)
     feet = positions[:, [joint for leg in legs for joint in (leg.knee, leg.ankle, leg.tip)], 2].min(axis=1)
-    origin = np.array([hips[0], hips[1], np.percentile(feet, FLOOR_PERCENTILE)])
+    floor, lowest = (float(np.percentile(low, FLOOR_PERCENTILE)) for low in (feet, positions[:, :, 2].min(axis=1)))
+    if floor - lowest > MIN_UPSIDE_DOWN * AVERAGE_LEG_M:
+        floor = lowest  # it never stands on its feet
+    origin = np.array([hips[0], hips[1], floor])
     late = first / recorded.rate
     remarks = tuple(replace(one, start=one.start - late, end=one.end - late) for one in recorded.remarks)
     return replace(recorded, positions=positions - origin, rotations=rotations, remarks=remarks)
@@ -106,19 +110,20 @@ def up_axis(recorded: Capture, legs: tuple[Leg, Leg], scale: float) -> tuple[int
     """The file's up axis as its index and sign, in the manner of `UP_AXES`.
 
     It is the axis that hips are above ankles and the rest of the body is above the hips along, on average. Where the
-    clip does not clearly show one, or shows someone upright who would lie flat on the file's floor by its zero pose,
-    the zero pose decides if it is a posture: people sit, crawl and lie.
+    clip does not clearly show one, or shows someone upright who by its zero pose would lie flat on the file's floor or
+    be upside down, the zero pose decides if it is a posture: people sit, crawl, lie and stand on their hands.
 
     scale: metres per unit of the file.
     """
     direction = np.mean(_body_directions(recorded, recorded.positions, legs), axis=(0, 1))
     shown = int(np.argmax(np.abs(direction)))
     posture = None if recorded.zero_pose is None else _up_of_posture(recorded, recorded.zero_pose, legs)
+    sign = 1.0 if direction[shown] > 0.0 else -1.0
     if posture is not None:
         vague = np.abs(direction[shown]) < CLEARLY_UPRIGHT
-        if vague or (posture[0] != shown and _lies(recorded, legs, scale, posture, shown)):
+        if vague or posture == (shown, -sign) or _lies(recorded, legs, scale, posture, shown):
             return posture
-    return shown, 1.0 if direction[shown] > 0.0 else -1.0
+    return shown, sign
 
 
 def _body_directions(recorded: Capture, positions: np.ndarray, legs: tuple[Leg, Leg]) -> np.ndarray:

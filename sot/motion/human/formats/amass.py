@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 RATE_NAMES = ("mocap_framerate", "mocap_frame_rate")  # SMPL+H and SMPL-X
 ROBOT_NAMES = ("joint_pos", "qpos", "dof_pos", "dof_positions", "dof")  # of files that hold a robot's joints
+MAX_WAY_M = 1e5  # m, from the origin
 MAX_TURN = 4.0 * np.pi  # rad, of a rotation vector: larger ones are degrees, or no rotations
 
 # Joint, parent, offset [m] in the T-pose: X left, Y up, Z forward. Lengths are those of an average adult of 1.70 m by
@@ -71,6 +72,8 @@ def read_amass(path: str | Path) -> Capture:
         raise InputError(f"{path}: 'trans' has {len(way)} frames, its poses have {len(turns)}")
     if len(turns) < 2:
         raise InputError(f"{path}: holds {len(turns)} frames; a motion needs at least two")
+    if np.abs(way).max() > MAX_WAY_M:
+        raise InputError(f"{path}: 'trans' leads {np.abs(way).max():.0e} m away: the file is damaged")
     if np.abs(turns).max() > MAX_TURN:
         raise InputError(f"{path}: its poses hold turns of {np.abs(turns).max():.0f} rad: are they degrees?")
     positions, rotations = _forward_kinematics(turns)
@@ -93,7 +96,7 @@ def _check_human(path: Path, arrays: dict[str, Array]) -> None:
     if robot := [name for name in ROBOT_NAMES if name in arrays]:
         raise InputError(f"{path}: holds the joints of a robot ('{robot[0]}'), not a human's motion")
     held = ", ".join(sorted(arrays)[:20]) or "nothing"
-    raise InputError(f"{path}: neither AMASS poses nor a motion of `sot retarget`; it holds {held}")
+    raise InputError(f"{path}: neither AMASS poses nor a motion of `sot retarget`; it holds {held[:300]}")
 
 
 def _rate(path: Path, arrays: dict[str, Array]) -> float:

@@ -14,6 +14,7 @@ from sot.motion.human.formats.text import RATE_RANGE_HZ, parse_numbers
 Array = NDArray[np.float64]
 
 REST_FRAME = "identity"  # the frame of the posture in which no segment is turned
+MAX_WAY_M = 1e5  # m, from the origin
 MAX_NORM_ERROR = 0.05  # of a quaternion
 MAX_BONE_MOVE = 0.2  # of its length: how far a segment's start may move in the segment that carries it
 SHORT_BONE_M = 0.1  # m; of shorter ones that share is no measure
@@ -54,6 +55,8 @@ def read_mvnx(path: str | Path) -> Capture:
         raise InputError(f"{path}: holds {len(found.positions)} normal frames; a motion needs at least two")
     order = [found.labels.index(label) for label in labels]
     positions = np.array(found.positions).reshape(len(found.positions), -1, 3)[:, order]
+    if not np.abs(positions).max() < MAX_WAY_M:
+        raise InputError(f"{path}: its segments are where no human is: the file is damaged")
     quaternions = np.array(found.orientations).reshape(len(found.positions), -1, 4)[:, order]
     norms = np.linalg.norm(quaternions, axis=2)
     if np.abs(norms - 1.0).max() > MAX_NORM_ERROR:

@@ -88,3 +88,35 @@ def test_the_unit_can_be_asked_for(tmp_path: Path) -> None:
     assert recognise(read(path, unit="mm")).leg == pytest.approx(0.1 * leg)
     with pytest.raises(InputError, match="unit 'furlong' is not known: choose one of m, cm, mm, in, cmu, ft"):
         read(path, unit="furlong")
+
+
+def upside_down(joints: dict[str, np.ndarray]) -> None:
+    """On the hands, throughout."""
+    joints["Hips"][:] = 0.0, 180.0, 0.0
+    joints["place"][:] = 0.0, 112.0, 0.0
+    for side, sign in (("Left", 1.0), ("Right", -1.0)):
+        for joint in ("UpLeg", "Leg", "Foot", "ForeArm"):
+            joints[side + joint][:] = 0.0
+        joints[f"{side}Arm"][:] = 0.0, 0.0, 85.0 * sign
+    for joint in ("Spine", "Spine1", "Spine2"):
+        joints[joint][:] = 0.0
+
+
+def on_all_fours(joints: dict[str, np.ndarray]) -> None:
+    """On hands and knees, throughout."""
+    upside_down(joints)
+    joints["Hips"][:] = 0.0, 85.0, 0.0
+    joints["place"][:] = 0.0, 54.0, 0.0
+    for side, sign in (("Left", 1.0), ("Right", -1.0)):
+        joints[f"{side}UpLeg"][:] = 0.0, -85.0, 0.0
+        joints[f"{side}Leg"][:] = 0.0, 90.0, 0.0
+        joints[f"{side}Foot"][:] = 0.0, 50.0, 0.0
+        joints[f"{side}Arm"][:] = -60.0 * sign, 0.0, 0.0
+
+
+@pytest.mark.parametrize(("change", "words"), [(upside_down, "is upside down"), (on_all_fours, "crawls")])
+def test_who_never_stands_has_the_zero_poses_up_axis(tmp_path: Path, change: Change, words: str) -> None:
+    path = written(tmp_path, changed_groove(change))
+    assert found(read_bvh(path)) == UP_AXES["y"]
+    (told,) = recognise(read(path)).remarks
+    assert told.words.startswith(f"The dancer {words} from 0.00 to 1.98 s; the robot stands")
