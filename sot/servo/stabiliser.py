@@ -48,7 +48,7 @@ class DcmGains:
 
 
 class Stabiliser:
-    """Joint targets of a motion, with the sag of feet and servos undone, and with one of two kinds of feedback, or none.
+    """Joint targets of a motion, with the sag of feet and servos undone, and with one of two feedbacks, or none.
 
     The divergent component ξ = c + ċ/ω of the measured state asks for the zero-moment point
 
