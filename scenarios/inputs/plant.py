@@ -92,4 +92,5 @@ def position_controller(
     known: FootCompliance | Literal["estimated"] | None
     known = "estimated" if name == "dcm-adaptive" else hardware.compliance if name != "open" else None
     dcm = DcmGains() if name.startswith("dcm") else None
-    return Stabiliser(motion, period, known, hardware.servo, dcm, sample=sample)
+    servo = hardware.servo if name != "open" else None
+    return Stabiliser(motion, period, known, servo, dcm, sample=sample)

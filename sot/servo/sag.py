@@ -1,8 +1,14 @@
-"""The static deflection of compliant feet under their planned load, undone at the feet."""
+"""The static deflection of compliant feet and of joint servos under the planned load, undone beforehand."""
+
+from collections.abc import Mapping
 
 import numpy as np
+import pinocchio as pin
 
 from sot.hardware.compliance import FootCompliance
+from sot.hardware.servo import Servo
+from sot.motion.trajectory import MotionSample
+from sot.robots.robot import Robot
 from sot.rotation import cross
 from sot.servo.load_sharing import FootLoad
 
@@ -28,3 +34,35 @@ def sag_offset(load: FootLoad, compliance: Array, bush: Array) -> Array:
     """
     x, y, _ = load.moment - cross(bush, load.force)
     return -compliance * np.array([x, y, load.force[2]])
+
+
+class ServoSag:
+    """Offsets of joint targets at which servos give the torques of the plan where the plan has the joints.
+
+    A servo gives τ at an error τ / kp. The torques are those of the planned accelerations and of the loads of the feet.
+
+    Args:
+        robot: the robot.
+        servo: of its joints.
+    """
+
+    def __init__(self, robot: Robot, servo: Servo) -> None:
+        self._robot, self._data, self._stiffness = robot, robot.model.createData(), servo.stiffness
+
+    def __call__(self, plan: MotionSample, loads: Mapping[str, FootLoad]) -> Array:
+        """The offsets (na,) [rad].
+
+        Args:
+            plan: the planned state and its accelerations.
+            loads: of the feet that stand.
+        """
+        model, data = self._robot.model, self._data
+        force = pin.rnea(model, data, plan.q, plan.v, plan.a).copy()
+        pin.computeJointJacobians(model, data, plan.q)
+        for foot, load in loads.items():
+            frame = self._robot.point(foot)
+            pin.updateFramePlacement(model, data, frame)
+            jacobian = pin.getFrameJacobian(model, data, frame, pin.LOCAL)
+            force -= jacobian.T @ np.concatenate([load.force, load.moment])
+        offsets: Array = force[6:] / self._stiffness
+        return offsets

@@ -16,7 +16,7 @@ from sot.servo.admittance import AdmittanceGains, FootAdmittance
 from sot.servo.compliance_estimate import ComplianceEstimate
 from sot.servo.load_sharing import LoadSharing
 from sot.servo.posture_correction import PostureCorrection, leg_compliance
-from sot.servo.sag import bush_compliance, sag_offset
+from sot.servo.sag import ServoSag, bush_compliance, sag_offset
 
 Array = np.ndarray
 
@@ -48,7 +48,7 @@ class DcmGains:
 
 
 class Stabiliser:
-    """Joint targets of a motion, with the sag of the feet undone, and with one of two kinds of feedback, or none.
+    """Joint targets of a motion, with the sag of feet and servos undone, and with one of two feedbacks, or none.
 
     The divergent component ξ = c + ċ/ω of the measured state asks for the zero-moment point
 
@@ -62,7 +62,7 @@ class Stabiliser:
         period: control period [s].
         compliance: of the feet: what the planned load deflects is undone. "estimated" where it is not known; None for
             rigid feet.
-        servo: of the joints; unless given, the robot's by default.
+        servo: of the joints: what the planned load deflects is undone in them, too; None for none.
         dcm: gains of the feedback of the divergent component; None for none.
         damping: the damping controller; None for none.
         sample: where the posture comes from, `t -> MotionSample`, called once a tick: an `IntegratedStack`'s; the plan
@@ -91,6 +91,8 @@ class Stabiliser:
         self._compliance = bush_compliance(compliance) if isinstance(compliance, FootCompliance) else np.zeros(3)
         self._estimate = ComplianceEstimate(robot, length, self._bushes) if compliance == "estimated" else None
         self._legs = leg_compliance(robot, servo or Servo.of(robot))
+        self._servo_sag = ServoSag(robot, servo) if servo else None
+        self._servo_offset: Array | None = None
         known = compliance if isinstance(compliance, FootCompliance) else None
         relaxation = known.relaxation_time(robot) if known else DEFAULT_LOSS / float(self._omega)
         self._admittance = FootAdmittance(robot, length, dcm.feet, relaxation, period) if dcm else None
@@ -104,8 +106,9 @@ class Stabiliser:
         if self._estimate is not None and measured:
             self._compliance = self._estimate(readings)
         offsets = {foot: np.zeros(3) for foot in robot.feet}
+        loads = self._loads(t, plan.zmp, force)
         if self._compliance.any():
-            for foot, load in self._loads(t, plan.zmp, force).items():
+            for foot, load in loads.items():
                 offsets[foot] = sag_offset(load, self._compliance, self._bushes[foot])
         if self._dcm is not None and self._admittance is not None and measured:
             off = self.divergent_component(t, q, v) - (plan.com + plan.com_velocity / self._omega)[:2]
@@ -117,7 +120,14 @@ class Stabiliser:
         if self._damping is not None and measured:
             feet = self._loads.feet(t)
             shift = self._damping(t, measured_zmp({foot: readings.foot_wrench[foot] for foot in feet}, feet) - plan.zmp)
-        return self._correction(plan.q, plan.v, shift, offsets)
+        targets = self._correction(plan.q, plan.v, shift, offsets)
+        return targets if self._servo_sag is None else self._with_torques(targets, self._servo_sag(plan, loads))
+
+    def _with_torques(self, targets: JointTargets, offset: Array) -> JointTargets:
+        """Targets at which servos that give the planned torques are where they were to be."""
+        before, self._servo_offset = self._servo_offset, offset
+        rate = (offset - before) / self.period if before is not None else np.zeros_like(offset)
+        return JointTargets(targets.position + offset, targets.velocity + rate)
 
     def divergent_component(self, t: float, q: Array, v: Array) -> Array:
         """ξ of a state (2,), moved and turned along with the feet that stand from where they are to their plan [m]."""

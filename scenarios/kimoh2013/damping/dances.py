@@ -96,7 +96,8 @@ def stabilisers(
         feedbacks["damping"] = {"damping": damping}
 
     def maker(parts: Mapping[str, Callable[[], Any]], known: FootCompliance | None) -> Make:
-        return lambda: Stabiliser(motion, period, known, **{name: make() for name, make in parts.items()})
+        servo = None if known is None else Servo.of(motion.robot)
+        return lambda: Stabiliser(motion, period, known, servo, **{name: make() for name, make in parts.items()})
 
     made = {}
     for name, parts in feedbacks.items():
@@ -116,7 +117,7 @@ def gain_changes(motion: Motion, compliance: FootCompliance, period: float) -> d
             changed[f"{name} × {share:g}"] = replace(usual, feet=feet)
 
     def maker(gains: DcmGains) -> Make:
-        return lambda: Stabiliser(motion, period, compliance, dcm=gains)
+        return lambda: Stabiliser(motion, period, compliance, Servo.of(motion.robot), dcm=gains)
 
     return {name: maker(gains) for name, gains in changed.items()}
 

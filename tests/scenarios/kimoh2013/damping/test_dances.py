@@ -30,7 +30,7 @@ def numbers(gains):
 
 def test_each_gain_is_changed_alone(monkeypatch, stand):
     made = []
-    monkeypatch.setattr(dances, "Stabiliser", lambda motion, period, compliance, dcm: made.append(numbers(dcm)))
+    monkeypatch.setattr(dances, "Stabiliser", lambda motion, period, compliance, servo, dcm: made.append(numbers(dcm)))
     for make in dances.gain_changes(stand, SOFT, 0.002).values():
         make()
     usual = numbers(DcmGains())

@@ -43,8 +43,7 @@ def test_controllers_and_their_order():
     assert [one.name for one in found] == ["none", "0.3", "0.72", "paper"]
     assert found[0].planes is None
     assert min(found[2].margins.values()) > 0.5
-    unstable = [name for name, margin in found[3].margins.items() if margin == -1.0]
-    assert unstable == ["xz-double", "xz-single", "yz-double"]  # in yz-single the fit is far off beyond 8 Hz
+    assert set(found[3].margins.values()) == {-1.0}
 
 
 def test_picture(tmp_path):
