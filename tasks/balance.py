@@ -13,7 +13,6 @@ from sot.control.task import Task
 from sot.control.tick import Tick, TickContact, momentum_excess_per_weight
 from sot.gravity import GRAVITY
 from sot.polygon import WHOLE_FLOOR, Polygon, nearest_point
-from sot.robots.surface import Surface
 from sot.static_region import Patch, static_region
 
 Array = np.ndarray
@@ -24,8 +23,8 @@ BalanceReference = Callable[[float], tuple[Array, Array, Array, Array]]
 CATCHING_MARGIN = 0.009
 """Increase of the support margin while one foot makes a step of recovery [m]: on its very edge, the other foot has no
 friction left to turn with."""
-LEVEL_TOLERANCE = 1e-4
-"""By how much the cosine of a level surface's tilt may lack of 1."""
+REGION_CREEP = 0.005
+"""Distance by which contacts may have moved since the static region was computed [m]."""
 SUPPORT_UPDATE_INTERVAL = 0.01
 """Interval at which the support polygon is computed anew [s]; at once if the load ramp of a contact changes."""
 
@@ -43,10 +42,10 @@ class Balance(Task):
     leaves too little room to recover. What the body has beyond the plan, ΔL, has to go as well: at the rate ω + k that
     takes the zero-moment point (ω + k) / (m g) (ΔL_y, −ΔL_x) away from z*, and that, too, is to be inside.
 
-    Where hands stand on the world as well, or feet on what is not level, no polygon of a floor says where the
-    zero-moment point may be. The static region takes its place: where the centre of mass can rest by friction and
-    bounds of all contacts that carry (`static_region`). Level 0 spreads the forces. It takes a tenth of a second, once
-    for each set of contacts.
+    Where hands stand on the world as well, no polygon of soles says where the zero-moment point may be. The static
+    region takes its place: where the centre of mass can rest by friction and bounds of all contacts that carry
+    (`static_region`). Level 0 spreads the forces. It takes a tenth of a second, once for each set of contacts and their
+    places.
 
     While a foot makes a step that was not planned (its contact is off and has a `path`), the other one alone does not
     lead ξ back, the step does. The zero-moment point itself is then commanded to z*, and the centre of mass is left to
@@ -87,9 +86,8 @@ class Balance(Task):
         self.k, self.kp, self.margin = k, kp, margin
         self._polygon, self._displacement = WHOLE_FLOOR, Displacement.of(())
         self._ramps, self._updated_at, self._ground = [-1.0], -np.inf, 0.0
-        self._regions: dict[
-            tuple[tuple[str, str], ...], Polygon
-        ] = {}  # by the contacts that carry and what they are on
+        self._regions: dict[tuple[tuple[str, str], ...], tuple[Array, Polygon]] = {}
+        """By the contacts that carry and what they are on: their places then (n, 3), and the static region."""
 
     def rows(self, tick: Tick) -> Rows:
         """Rows ``J_c v̇ = c̈* − J̇_c v``."""
@@ -140,7 +138,7 @@ class Balance(Task):
         if not standing:
             return WHOLE_FLOOR
         others = [c for c in tick.contacts if c.mode == "fixed" and c.is_footing and not _is_foot(tick, c)]
-        if any(contact.load >= 1.0 for contact in others) or not all(_is_level(contact.on) for contact in standing):
+        if any(contact.load >= 1.0 for contact in others):
             return self._static_region(tick).inset(self.margin)
         soles = [tick.frame(contact.point).floor_projection(contact.vertices) for contact in standing]
         most = max(contact.load for contact in standing)
@@ -158,19 +156,15 @@ class Balance(Task):
         most = max(contact.load for contact in carrying)
         carrying = [contact for contact in carrying if contact.load == most]
         key = tuple((contact.name, contact.on.name) for contact in carrying)
-        if key not in self._regions:
+        places = np.array([tick.relative_frame(contact.surface, contact.on).position for contact in carrying])
+        if key not in self._regions or np.abs(places - self._regions[key][0]).max() > REGION_CREEP:
             patches = []
             for contact in carrying:
                 at, frame = tick.relative_frame(contact.surface, contact.on), tick.frame(contact.point)
                 points = frame.position + contact.vertices @ frame.rotation.T
                 patches.append(Patch(points, at.rotation, contact.friction, contact.most))
-            self._regions[key] = static_region(patches, tick.mass * GRAVITY)
-        return self._regions[key]
-
-
-def _is_level(surface: Surface) -> bool:
-    """Whether a surface of the world is level."""
-    return bool(surface.axes.rotation[2, 2] > 1.0 - LEVEL_TOLERANCE)
+            self._regions[key] = places, static_region(patches, tick.mass * GRAVITY)
+        return self._regions[key][1]
 
 
 def _is_foot(tick: Tick, contact: TickContact) -> bool:
