@@ -1,6 +1,7 @@
 """A climb over level treads, up and down, one step after the other with both feet on each tread."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -8,7 +9,7 @@ import pinocchio as pin
 from sot.errors import InputError
 from sot.gravity import GRAVITY
 from sot.motion.balance.feet_led import GroundHeight, feet_led
-from sot.motion.feet.contacts import Phase
+from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.swing import FootPath
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
@@ -25,6 +26,16 @@ SWING_TIME, STANDING_TIME = 4.8, 2.4  # √(leg / g): of a step, and on both fee
 WAITING_TIME = 4.8  # √(leg / g) on both feet at the start and at the end
 RISE_SHARE = 0.45  # of a swing's time, in which a foot rises, and in which it comes down
 WAY_SHARES = 0.15, 0.85  # of a swing's time, between which a foot moves ahead, as long as it is over the higher tread
+
+
+class _Swing(NamedTuple):
+    """A foot's way from one place of its frame to another, between two times [s]."""
+
+    foot: str
+    lift: float
+    land: float
+    here: pin.SE3
+    there: pin.SE3
 
 
 def climb(robot: Robot, treads: Sequence[Surface], rate: float = 1000.0) -> Motion:
@@ -45,10 +56,10 @@ def climb(robot: Robot, treads: Sequence[Surface], rate: float = 1000.0) -> Moti
         raise InputError("a climb needs one tread or more")
     unit, margin = float(np.sqrt(leg_length(robot) / GRAVITY)), EDGE_MARGIN * leg_length(robot)
     first, second = robot.feet
-    stand = {foot: pose for foot, pose in _at_rest(robot).items()}
+    stand = dict(planted_phases(robot, 0.0)[0].feet)
     on = dict.fromkeys(robot.feet, FLOOR)
     now, phases = WAITING_TIME * unit, [Phase(0.0, WAITING_TIME * unit, dict(stand), surfaces=dict(on))]
-    swings: list[tuple[str, float, float, pin.SE3, pin.SE3]] = []
+    swings: list[_Swing] = []
     for tread in treads:
         near, far, height = _places(robot, tread, stand[second], on[second], margin)
         for foot, x in ((first, near), (second, far)):
@@ -56,7 +67,7 @@ def climb(robot: Robot, treads: Sequence[Surface], rate: float = 1000.0) -> Moti
             land = now + SWING_TIME * unit
             other = second if foot == first else first
             phases.append(Phase(now, land, {other: stand[other]}, surfaces={other: on[other]}))
-            swings.append((foot, now, land, stand[foot], there))
+            swings.append(_Swing(foot, now, land, stand[foot], there))
             stand[foot], on[foot] = there, tread
             last = tread is treads[-1] and foot == second
             now = land + (WAITING_TIME if last else STANDING_TIME) * unit
@@ -64,13 +75,6 @@ def climb(robot: Robot, treads: Sequence[Surface], rate: float = 1000.0) -> Moti
     times = KNOT_PERIOD * np.arange(np.ceil(now / KNOT_PERIOD) + 1)
     paths = _paths(robot, swings, times, CLEARANCE * leg_length(robot))
     return feet_led(robot, phases, paths, KNOT_PERIOD, rate, _ground_height(swings), "these treads")
-
-
-def _at_rest(robot: Robot) -> dict[str, pin.SE3]:
-    """Places of the feet at rest."""
-    data = robot.model.createData()
-    pin.framesForwardKinematics(robot.model, data, robot.rest)
-    return {foot: data.oMf[robot.point(foot)].copy() for foot in robot.feet}
 
 
 def _places(robot: Robot, tread: Surface, stand: pin.SE3, on: Surface, margin: float) -> tuple[float, float, float]:
@@ -85,10 +89,8 @@ def _places(robot: Robot, tread: Surface, stand: pin.SE3, on: Surface, margin: f
     heel, toe = -float(soles[:, 0].min()), float(soles[:, 0].max())
     corners = tread.corners_at_point
     if not len(corners):
-        near = (
-            (float(on.corners_at_point[:, 0].max()) if len(on.corners) else float(stand.translation[0])) + heel + margin
-        )
-        return near, near, float(tread.axes.translation[2])
+        edge = float(on.corners_at_point[:, 0].max()) if len(on.corners) else float(stand.translation[0])
+        return edge + heel + margin, edge + heel + margin, float(tread.axes.translation[2])
     near, far = float(corners[:, 0].min()) + heel + margin, float(corners[:, 0].max()) - toe - margin
     aside = float(np.abs(soles[:, 1]).max()) + float(abs(stand.translation[1]))
     if far < near or min(corners[:, 1].max(), -corners[:, 1].min()) < aside:
@@ -99,12 +101,10 @@ def _places(robot: Robot, tread: Surface, stand: pin.SE3, on: Surface, margin: f
     return near, far, float(corners[0, 2])
 
 
-def _paths(
-    robot: Robot, swings: Sequence[tuple[str, float, float, pin.SE3, pin.SE3]], times: Array, clearance: float
-) -> dict[str, FootPath]:
+def _paths(robot: Robot, swings: Sequence[_Swing], times: Array, clearance: float) -> dict[str, FootPath]:
     """Paths of the feet: up before the edge, ahead over it, and down behind it."""
     paths = {}
-    for foot, start in _at_rest(robot).items():
+    for foot, start in planted_phases(robot, 0.0)[0].feet.items():
         position = np.tile(start.translation, (len(times), 1))
         for own, lift, land, here, there in swings:
             if own != foot:
@@ -129,7 +129,7 @@ def _time_share(part: float, whole: float) -> float:
     return RISE_SHARE * float(np.interp(part / whole, minimum_jerk(shares), shares))
 
 
-def _ground_height(swings: Sequence[tuple[str, float, float, pin.SE3, pin.SE3]]) -> GroundHeight:
+def _ground_height(swings: Sequence[_Swing]) -> GroundHeight:
     """Mean height of what the feet stand on, each from the old one to the new one within its swing."""
 
     def height(times: Array, places: Array) -> Array:
