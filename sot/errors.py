@@ -12,12 +12,13 @@ class UnknownSkeletonError(InputError):
     """Joints of a clip under names that nobody knows.
 
     Attributes:
+        lacking: what is missing, and what may be meant, in words.
         mapping: text of a mapping file (TOML), to be completed.
     """
 
-    def __init__(self, message: str, mapping: str):
-        super().__init__(message)
-        self.mapping = mapping
+    def __init__(self, lacking: str, mapping: str):
+        super().__init__(f"{lacking}; complete the mapping that `sot` prints, and give it to --mapping")
+        self.lacking, self.mapping = lacking, mapping
 
 
 class InvalidRowsError(InputError):

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sot.errors import InputError, UnknownSkeletonError
 from sot.live.frame import Frame, Skeleton, capture_of
 from sot.motion.body.targets import UPPER_BODY_SEGMENTS
 from sot.motion.human.calibration import calibrate, canonical_points, upright_frames
+from sot.motion.human.capture import Capture
 from sot.motion.human.human import SEGMENTS, Human
 from sot.motion.human.key_points import KEY_POINTS, LEG_PER_TRUNK, UpperBodyLengths, human_from_key_points
 from sot.motion.human.plausibility import check_plausible
@@ -87,12 +89,21 @@ class Acquaintance:
         if self._frames and self._frames[0].skeleton != frame.skeleton:
             self._frames.clear()
         if not self._frames and not _is_upper_body(frame.skeleton):
-            named_joints(capture_of([frame], 1.0, self._name))
+            _check_known(capture_of([frame], 1.0, self._name))
         self._frames.append(frame)
         seen = frame.stamp - self._frames[0].stamp
         if seen < CALIBRATION_TIME or len(self._frames) < MIN_CALIBRATION_FRAMES:
             return None
         return _person(self._frames, self._name)
+
+
+def _check_known(capture: Capture) -> None:
+    """Check that the joints of a stream have names that are known: a stream has no mapping file."""
+    try:
+        named_joints(capture)
+    except UnknownSkeletonError as error:
+        joints = ", ".join(capture.joints)
+        raise InputError(f"{error.lacking}; its joints are {joints}: send them under names of docs/live.md") from None
 
 
 def _person(frames: Sequence[Frame], name: str) -> Person:

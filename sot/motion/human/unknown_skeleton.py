@@ -34,8 +34,7 @@ def unknown_skeleton(
     )
     lacking = f"not found: {', '.join(missing)}" if missing else reason
     return UnknownSkeletonError(
-        f"{capture.name}: unknown skeleton ({lacking}){'; ' if told else ''}{told}; complete the mapping that"
-        " `sot` prints, and give it to --mapping",
+        f"{capture.name}: unknown skeleton ({lacking}){'; ' if told else ''}{told}",
         _mapping_text(capture, aliases, found, offers),
     )
 
