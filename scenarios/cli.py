@@ -16,7 +16,8 @@ from scenarios import viewer
 from scenarios.bench import benchmark_figures, read_figures
 from scenarios.bench import show as show_bench
 from scenarios.inputs import plant_options
-from scenarios.inputs.clip_options import ForwardAxis, MappingFile, Unit, UpAxis
+from scenarios.inputs.clip_options import Clip, Contacts, Duration, ForwardAxis, MappingFile, Start, Unit, UpAxis
+from scenarios.inputs.disturbance_options import MismatchText, Pushes
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.inputs.plant import parse_feet_compliance
 from scenarios.kimoh2013.damping import options as damping_cli
@@ -55,25 +56,10 @@ app.add_typer(robot_app, name="robot")
 app.command("live")(live_command)
 app.command("stream")(stream_command)
 
-Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .c3d, .mvnx, .npz) or a name of `sot list clips`.")]
 RobotName = Annotated[str, typer.Option("--robot", help="A name of `sot list robots`, or a robot file (.toml).")]
 SolverName = Annotated[str, typer.Option("--solver", help="A name of `sot list solvers`.")]
 Feet = Annotated[str, typer.Option(help="auto: they step if the dancer's do; steps; planted: they stay.")]
-Start = Annotated[float, typer.Option(help="Where in the clip to start [s].", min=0.0)]
-Duration = Annotated[float | None, typer.Option(help="How much of the clip to play [s]; to its end by default.")]
 Rate = Annotated[float, typer.Option(help="Control ticks per second.", min=100.0, max=2000.0)]
-Pushes = Annotated[
-    list[str] | None,
-    typer.Option("--push", help='A push, like "t=5 force=80,0,0 duration=0.1 body=chest" [s, N]; may be repeated.'),
-]
-MismatchText = Annotated[
-    str,
-    typer.Option(
-        "--mismatch",
-        help='What the controller is not told, like "mass=1.1 damping=2 delay=0.002 noise=0.05 friction=0.5 seed=1".',
-    ),
-]
-Contacts = Annotated[Path | None, typer.Option(help="File (.toml) of the steps, as `sot retarget -o` writes it.")]
 EditFile = Annotated[Path | None, typer.Option("--edit", help="File (.toml) of edits of the dance: docs/editing.md.")]
 
 

@@ -1,4 +1,4 @@
-"""Options of the command line on a clip's file: what the file does not say."""
+"""The clip on the command line: its file, the part to play, and what the file does not say."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,6 +7,10 @@ import typer
 
 from sot.motion.human.world import METRES_PER_UNIT
 
+Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .c3d, .mvnx, .npz) or a name of `sot list clips`.")]
+Start = Annotated[float, typer.Option(help="Where in the clip to start [s].", min=0.0)]
+Duration = Annotated[float | None, typer.Option(help="How much of the clip to play [s]; to its end by default.")]
+Contacts = Annotated[Path | None, typer.Option(help="File (.toml) of the steps, as `sot retarget -o` writes it.")]
 UpAxis = Annotated[
     str | None,
     typer.Option("--up", help="Up axis of the clip's file: x, y, z, -x, -y or -z; found in the clip by default."),
