@@ -1,4 +1,4 @@
-"""Options of the commands on a clip: which, what of it, and what its file does not say."""
+"""The clip on the command line: its file, the part to play, and what the file does not say."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,6 +7,12 @@ import typer
 
 from sot.motion.human.world import METRES_PER_UNIT
 
+Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .c3d, .mvnx, .npz) or a name of `sot list clips`.")]
+Start = Annotated[float, typer.Option(help="Where in the clip to start [s].", min=0.0)]
+Duration = Annotated[float | None, typer.Option(help="How much of the clip to play [s]; to its end by default.")]
+Feet = Annotated[str, typer.Option(help="auto: they step if the dancer's do; steps; planted: they stay.")]
+EditFile = Annotated[Path | None, typer.Option("--edit", help="File (.toml) of edits of the dance: docs/editing.md.")]
+Contacts = Annotated[Path | None, typer.Option(help="File (.toml) of the steps, as `sot retarget -o` writes it.")]
 UpAxis = Annotated[
     str | None,
     typer.Option("--up", help="Up axis of the clip's file: x, y, z, -x, -y or -z; found in the clip by default."),
@@ -20,9 +26,3 @@ Unit = Annotated[
     typer.Option("--unit", help=f"Unit of the clip's file: {', '.join(METRES_PER_UNIT)}; found by default."),
 ]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
-Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .c3d, .mvnx, .npz) or a name of `sot list clips`.")]
-Feet = Annotated[str, typer.Option(help="auto: they step if the dancer's do; steps; planted: they stay.")]
-Start = Annotated[float, typer.Option(help="Where in the clip to start [s].", min=0.0)]
-Duration = Annotated[float | None, typer.Option(help="How much of the clip to play [s]; to its end by default.")]
-Contacts = Annotated[Path | None, typer.Option(help="File (.toml) of the steps, as `sot retarget -o` writes it.")]
-EditFile = Annotated[Path | None, typer.Option("--edit", help="File (.toml) of edits of the dance: docs/editing.md.")]

@@ -75,8 +75,8 @@ class _Document:
         self.rate = 0.0
         self.labels: list[str] = []
         self.carried_by: dict[str, str] = {}
-        self.positions: list[tuple[float, ...]] = []
-        self.orientations: list[tuple[float, ...]] = []
+        self.positions: list[Array] = []
+        self.orientations: list[Array] = []
         self.rest: tuple[float, ...] | None = None
         self._path = path
         self._parser = expat.ParserCreate(namespace_separator="}")
@@ -161,8 +161,8 @@ class _Document:
         if self._kind == "normal":
             if missing := [name for name in ("position", "orientation") if name not in frame]:
                 raise InputError(f"{self._where}: a frame without {missing[0]}: export them too")
-            self.positions.append(frame["position"])
-            self.orientations.append(frame["orientation"])
+            self.positions.append(np.array(frame["position"]))
+            self.orientations.append(np.array(frame["orientation"]))
         elif self._kind == REST_FRAME:
             self.rest = frame.get("position", self.rest)
 
