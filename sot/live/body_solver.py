@@ -40,6 +40,9 @@ class BodySolver:
         robot: who follows.
         build: its sizes.
         limits: range of the coordinates y of `sot.motion.body.coordinates`.
+
+    Attributes:
+        head_columns: of the head's joints in the coordinates.
     """
 
     def __init__(self, robot: Robot, build: Build, limits: Limits) -> None:
@@ -51,14 +54,23 @@ class BodySolver:
         self._head = tuple(robot.point(point) for point in SEGMENTS["head"])
         joints = (*robot.groups["legs"], *robot.groups["chest"], *robot.groups["head"])
         self._columns = np.array([*range(6), *(6 + np.sort(np.array(joints, dtype=int)))])
+        self.head_columns = 6 + np.sort(np.array(robot.groups["head"], dtype=int))
         self._has_head = bool(robot.groups["head"])
 
     def solve(self, wanted: MomentTargets, y: Array) -> Array:
         """Coordinates (nv,) that meet the targets, from those of the moment before; the arms stay as they are."""
-        y, columns = y.copy(), self._columns
+        return self._improved(wanted, y, self._columns)
+
+    def solve_head(self, wanted: MomentTargets, y: Array) -> Array:
+        """Coordinates (nv,) of which those of the head meet its targets on a trunk as it is in y."""
+        return self._improved(wanted, y, self.head_columns) if self._has_head else y
+
+    def _improved(self, wanted: MomentTargets, y: Array, columns: NDArray[np.int_]) -> Array:
+        """Coordinates (nv,) of which some were moved by bounded Gauss-Newton steps."""
+        y = y.copy()
         lower, upper = self._limits.lower[columns], self._limits.upper[columns]
         for _ in range(GAUSS_NEWTON_STEPS):
-            e, J = self._residuals(wanted, y)
+            e, J = self._residuals(wanted, y, columns)
             H, g = J.T @ J + GAUSS_NEWTON_DAMPING * np.eye(len(columns)), J.T @ e
             x = y[columns]
             bounded_move(x, H, g, lower, upper)
@@ -70,7 +82,7 @@ class BodySolver:
         pin.forwardKinematics(self._model, self.data, pinocchio_state(y, y, y)[0])
         return self.data
 
-    def _residuals(self, wanted: MomentTargets, y: Array) -> tuple[Array, Array]:
+    def _residuals(self, wanted: MomentTargets, y: Array, columns: NDArray[np.int_]) -> tuple[Array, Array]:
         pin.computeJointJacobians(self._model, self.data, pinocchio_state(y, y, y)[0])
         pin.updateFramePlacements(self._model, self.data)
         base, rates = to_rotation(y[None, 3:6])[0], rate_matrix(y[None, 3:6])[0]
@@ -79,7 +91,7 @@ class BodySolver:
             J = pin.getFrameJacobian(self._model, self.data, frame, pin.LOCAL_WORLD_ALIGNED)
             J[:, :3] = J[:, :3] @ base.T
             J[:, 3:6] = J[:, 3:6] @ rates
-            return J[:, self._columns]
+            return J[:, columns]
 
         place = self.data.oMf
         rows: list[tuple[Array | float, Array, Array]] = []

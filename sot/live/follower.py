@@ -170,8 +170,10 @@ class Follower:
         self.shown.append((due - self.time_line.delay, targets))
         elapsed = due - self._last if self._last is not None else PERIOD
         y = self._body.solve(targets, self._solution)
-        # What the trunk will be late when the frame is due is the arms' to make up.
+        # What the trunk will be late when the frame is due is head's and arms' to make up.
         start = self.reference.expected(y, due)
+        head = self._body.head_columns
+        y[head] = self._body.solve_head(targets, start)[head]
         data = self._body.place(start)
         for arm in self._arms:
             y[arm.columns] = arm.solve(data, targets.directions, elapsed, start[arm.columns])
