@@ -14,8 +14,8 @@ Array = np.ndarray
 class IntegratedStack:
     """A stack that runs on a state of its own, which its accelerations move; what the robot does, it does not see.
 
-    Contacts hold in that state and forces are those of the stack's own solution, so that the zero-moment point and the
-    load of each foot come along.
+    Contacts hold in that state, and the zero-moment point is that of the stack's own forces. Steps happen as planned:
+    no floor stops a foot there that waits for its load, and it would sink.
 
     Args:
         controller: of the stack, at the period of the calls.
@@ -27,16 +27,15 @@ class IntegratedStack:
         self, controller: Controller, q: Array, v: Array, watch: Callable[[Command], object] | None = None
     ) -> None:
         self._controller, self._q, self._v = controller, q.copy(), v.copy()
-        self._zmp, self._loads, self._watch = np.zeros(2), dict[str, float](), watch
+        self._zmp, self._watch = np.zeros(2), watch
 
     def sample(self, t: float) -> MotionSample:
         """State at a time [s], one period after the last one that was asked for."""
         controller, q, v = self._controller, self._q, self._v
-        command, tick = controller(t, q, v, self._loads), controller.tick
+        command, tick = controller(t, q, v), controller.tick
         if self._watch is not None:
             self._watch(command)
-        a, contacts = command.acceleration, controller.stack.contacts
-        self._loads = {contact.name: float(command.wrenches[k, 2]) for k, contact in enumerate(contacts)}
+        a = command.acceleration
         self._zmp = np.where(np.isfinite(command.zmp), command.zmp, self._zmp)
         forward = tick.com_jacobian @ a + tick.com_drift
         sample = MotionSample(q, v, a, tick.com.copy(), tick.com_velocity.copy(), forward, self._zmp)

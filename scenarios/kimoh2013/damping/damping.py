@@ -83,7 +83,7 @@ def run(request: Replay, options: DampingOptions, out: Path, tell: ProgressCallb
 def _dance(request: Replay, options: DampingOptions, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     check_writable(out)
     robot, identified = Robot.load(request.robot), None
-    if options.study == dances.DANCE and (options.identified is not None or robot.name in identified_robots()):
+    if options.study != dances.GAINS and (options.identified is not None or robot.name in identified_robots()):
         identified = _identified(robot, options.identified)
         compliance = _feet(robot, identified, request.compliance)
     else:

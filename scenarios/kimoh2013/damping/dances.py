@@ -29,9 +29,10 @@ from sot.servo.stabiliser import DcmGains, Stabiliser
 
 Array = np.ndarray
 
-DANCE, GAINS = "dance", "gains"
+DANCE, STEPS, GAINS = "dance", "steps", "gains"
 STUDIES = {
     DANCE: "planted",
+    STEPS: "auto",
     GAINS: "auto",
 }
 """Studies of dances, and whether feet stay or step in them."""
@@ -66,7 +67,7 @@ def dance_figures(
     robot = Robot.load(request.robot)
     request = replace(request, clip=request.clip or CLIP, feet=STUDIES[study])
     period = 1.0 / request.rate
-    planes = identified.designs(ratio, period)[0] if identified is not None and study == DANCE else None
+    planes = identified.designs(ratio, period)[0] if identified is not None and study != GAINS else None
     motion, _ = reference_motion(request, robot, tell)
     refuse_soft_feet(compliance, motion)
     if study == GAINS:

@@ -15,6 +15,7 @@ TAKEN = {
     "identify": ("--case",),
     "push": ("--case", "--damping-ratio", "--form", "--identified", "--seeds"),
     "dance": ("--damping-ratio", "--identified"),
+    "steps": ("--damping-ratio", "--identified"),
     "gains": (),
 }
 """Options of each study."""
@@ -25,12 +26,13 @@ Case = Annotated[
 DampingRatio = Annotated[
     float | None,
     typer.Option(
-        help="For damping push and dance: asked of the damping controller; 0.3, 0.5 and 0.72 in turn, or 0.72."
+        help="For damping push, dance and steps: asked of the damping controller; 0.3, 0.5 and 0.72 in turn, or 0.72."
     ),
 ]
 Form = Annotated[str | None, typer.Option(help="For damping push: filtered, or paper: Kim & Oh's own.")]
 IdentifiedFile = Annotated[
-    Path | None, typer.Option("--identified", help="For damping push and dance: pendulum.toml of damping identify.")
+    Path | None,
+    typer.Option("--identified", help="For damping push, dance and steps: pendulum.toml of damping identify."),
 ]
 Seeds = Annotated[int | None, typer.Option(help="For damping push: pushes of each kind; 5 by default.")]
 

@@ -83,10 +83,8 @@ def test_the_papers_form_is_refused_by_its_margin():
 def test_what_comes_with_the_project_fits_what_was_measured():
     for path in identified_robots().values():
         for one in read_identified(path).cases.values():
-            # On one foot the response rises again at 10 Hz, which no pendulum's does.
-            below = FrequencyResponse(*(series[one.measured.frequency < 9.0] for series in one.measured))
-            errors = fit_errors(one.pendulum, below)
-            assert errors.gain_db < 1.5
-            assert errors.phase_deg < 8.0
+            errors = fit_errors(one.pendulum, one.measured)
+            assert errors.gain_db < 0.5
+            assert errors.phase_deg < 4.0
         planes, _ = read_identified(path).designs(0.72, 0.005)
         DampingController(planes, lambda t: 0.5, np.array([0.1, 0.1]))(0.0, np.zeros(2))
