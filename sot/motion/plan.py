@@ -36,6 +36,7 @@ from sot.motion.feet.swing import feet_heading
 from sot.motion.feet.tempo import clock_from_slowness, slowness_raised
 from sot.motion.feet.travel import Travel
 from sot.motion.human.human import Human
+from sot.motion.likeness import hip_heading
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.smooth import low_passed, minimum_jerk
@@ -66,6 +67,7 @@ class Plan:
             the robot's size, limb by limb, over the clip; "frames_per_s", clip frames retargeted per second.
         clock: (n,) the motion's time at the clip's frames at PLAN_RATE [s]: it runs slower than the dancer's where the
             robot needs more time.
+        heading: (n,) which way the dancer faces at those frames, in the clip [rad].
         travel: steps and footholds, of feet that may step.
         flights: of the dancer; the robot has a foot on the floor all the time.
         seconds: time that planning took, by step.
@@ -82,6 +84,7 @@ class Plan:
     start: float
     end: float
     clock: Array
+    heading: Array
     travel: Travel | None
     flights: tuple[Flight, ...]
     retarget: dict[str, float]
@@ -225,15 +228,16 @@ def _plan(
         "key_point_rms_m": _key_point_rms(robot, wanted, body_motion, span),
         "frames_per_s": human.count / (retargeted - begun),
     }
-    ended = time.perf_counter()
+    dancer, ended = human_on_time_line(smooth, PLAN_RATE), time.perf_counter()
     return Plan(
         motion=motion,
         human=course.human,
         start=float(course.clock[start]),
         end=float(course.clock[end]),
         clock=course.clock[start : end + 1],
+        heading=hip_heading(dancer.points)[start : end + 1],
         travel=course.travel,
-        flights=find_flights(human_on_time_line(smooth, PLAN_RATE)),
+        flights=find_flights(dancer),
         retarget=figures,
         seconds={"retarget": retargeted - begun, "balance": ended - retargeted, "total": ended - begun},
         imitation=imitation,
