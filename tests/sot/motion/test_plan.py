@@ -7,8 +7,8 @@ import pytest
 from sot.errors import InputError
 from sot.motion import Human, Plan, plan, read, recognise
 from sot.motion.feet.contacts import Phase, support_polygon
+from sot.motion.fitter import BOUNCE_FADE_TIME, PLAN_RATE, hips_without_bounce_in_slides
 from sot.motion.likeness import UPPER_SEGMENTS, hand_path_ratio, mean_segment_angle_deg
-from sot.motion.plan import BOUNCE_FADE_TIME, PLAN_RATE, hips_without_bounce_in_slides
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer
 
