@@ -10,6 +10,7 @@ from sot.motion.balance.centroidal import Centroidal
 from sot.motion.balance.rounds import BalanceRounds
 from sot.motion.balance.torques import overloaded_at_rest, overloaded_knots
 from sot.motion.body.coordinates import to_pinocchio
+from sot.motion.body.free_feet import DancersFeet
 from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import Targets, targets_of_human
@@ -21,6 +22,7 @@ from sot.motion.feet.slides import SlideWay, find_slide
 from sot.motion.feet.stance import Build, human_on_time_line
 from sot.motion.feet.swing import feet_heading
 from sot.motion.feet.tempo import clock_from_slowness, slowness_raised
+from sot.motion.feet.travel import HIGH_LIFT_LEGS
 from sot.motion.human.human import Human
 from sot.robots.robot import Robot
 from sot.smooth import low_passed, minimum_jerk
@@ -30,6 +32,11 @@ Flags = NDArray[np.bool_]
 
 PLAN_RATE = 50.0  # knots per second
 SLOWDOWN_FACTOR, MAX_SLOWNESS = 1.3, 3.0  # by which one slowdown slows, and times slower than the dancer in all
+SHARE_GIVEN_UP = 0.5  # of what of a swing is the dancer's, at a time
+MIN_SHARES = {False: 0.0, True: 0.5}  # least share before the dance is slowed down; of a high lift
+STRAIN_MARGIN = 0.1  # s about a swing, in which what the body cannot follow is taken for its doing
+MAX_FOLLOWED_DELAY = 0.15  # s off the dancer's step: a swing farther off is a plain one
+MAX_FOLLOWED_TURN = 0.5  # rad, of a foot: a swing that turns farther is a plain one
 BOUNCE_FADE_TIME = 0.5  # s before a slide, in which the hips stop bouncing
 BOUNCE_HZ = 0.5  # slower motion of the hips is no bounce
 
@@ -43,9 +50,21 @@ class Fitter:
     limits: Limits
     hip_height_error: float | None
 
-    def stepping_course(self, human: Human, contacts: Sequence[Step] | None) -> Course:
-        """A course that steps; contacts: the steps to make, on the clip's time, instead of those found."""
-        return stepping_course(human_on_time_line(human, PLAN_RATE), self.robot, self.build, contacts)
+    def stepping_course(self, human: Human, contacts: Sequence[Step] | None, follow: bool = True) -> Course:
+        """A course that steps.
+
+        contacts: the steps to make, on the clip's time, instead of those found.
+        follow: whether feet swing as the dancer's do.
+        """
+        course = stepping_course(human_on_time_line(human, PLAN_RATE), self.robot, self.build, contacts)
+        return self.with_dancers_swings(course, swings_at_first(course) if follow else ())
+
+    def with_dancers_swings(self, course: Course, shares: tuple[float, ...]) -> Course:
+        """The course with feet that swing as the dancer's do; shares: for each step by how much, 0 to 1."""
+        if not shares:
+            return course
+        swings = DancersFeet(self.robot, self.build, self.limits, course, self.targets(course))
+        return replace(course, feet=swings.paths(shares), swing_shares=shares)
 
     def targets(self, course: Course) -> Targets:
         wanted = targets_of_human(course.human, self.robot, self.build, feet_heading(course.feet))
@@ -75,25 +94,30 @@ class Fitter:
         fresh: the body is that of `unbalanced_body`.
         relieved: its posture relieves motors already.
         """
-        changed, period = None, 1.0 / PLAN_RATE
+        changed, period, moved = None, 1.0 / PLAN_RATE, False
         for left in range(0 if any(phase.sliding for phase in course.phases) else slowdowns, -1, -1):
             rounds = BalanceRounds(
                 self.robot, self.build, wanted, course.feet, course.phases, self.limits, body_motion, relieved
             )
-            strained_times = rounds.balance_all(fresh) if changed is None else rounds.balance_about(changed)
+            strained_times = rounds.balance_all(fresh) if changed is None else rounds.balance_about(changed, moved)
             body_motion = rounds.body_motion
             if not left:
                 break
             hasty, heavy = self.overloaded(course, body_motion)
             if heavy.any() and not relieved:
-                changed, relieved = heavy, True
+                changed, relieved, moved = heavy, True, False
                 continue
             slower = np.union1d(strained_times, period * np.flatnonzero(hasty))
             if not len(slower):
                 break
+            calmer, about = calmer_swings(course, slower)
+            if about.any():
+                course, changed, moved = self.with_dancers_swings(course, calmer), about, True
+                continue
             clock = clock_from_slowness(slowness_about(course, slower), period)
-            course, body_motion = with_clock(course, self.robot, clock), body_at_clock(body_motion, clock)
-            wanted, changed = self.targets(course), slowed_knots(clock, period)
+            course = self.with_dancers_swings(with_clock(course, self.robot, clock), course.swing_shares)
+            body_motion = body_at_clock(body_motion, clock)
+            wanted, changed, moved = self.targets(course), slowed_knots(clock, period), False
         return course, body_motion, relieved
 
     def overloaded(self, course: Course, body_motion: Spline) -> tuple[Flags, Flags]:
@@ -106,6 +130,34 @@ class Fitter:
         still = over[knots] & overloaded_at_rest(self.robot, course.phases, body_motion, knots)
         hasty[knots] = np.any(over[knots] & ~still, axis=1)
         return hasty, heavy
+
+
+def swings_at_first(course: Course) -> tuple[float, ...]:
+    """How much of each swing is the dancer's: all, but where the robot steps at another time, or the foot turns far."""
+    if course.travel is None:
+        return ()
+    stands, shares = {foot: list(own) for foot, own in course.travel.stands.items()}, []
+    for step, move in zip(course.travel.steps, course.travel.moves, strict=True):
+        here, there = stands[step.foot].pop(0), stands[step.foot][0]
+        late = max(abs(step.lift - move.lift), abs(step.land - move.land))
+        turned = abs(there.heading - here.heading)
+        shares.append(float(late <= MAX_FOLLOWED_DELAY and turned <= MAX_FOLLOWED_TURN))
+    return tuple(shares)
+
+
+def calmer_swings(course: Course, strained_times: Array) -> tuple[tuple[float, ...], Flags]:
+    """By how much each swing of a course is to be the dancer's where the body cannot follow at some times [s], and the
+    knots (T,) at which that changes something: amplitude is given up before time, of a high lift little."""
+    times, shares = course.human.times, list(course.swing_shares)
+    about = np.zeros(len(times), bool)
+    if course.travel is not None and shares:
+        for k, (step, lift) in enumerate(zip(course.travel.steps, course.travel.lifts, strict=True)):
+            least = MIN_SHARES[lift > HIGH_LIFT_LEGS * course.human.leg]
+            inside = (strained_times > step.lift - STRAIN_MARGIN) & (strained_times < step.land + STRAIN_MARGIN)
+            if inside.any() and shares[k] > least:
+                shares[k] = max(least, shares[k] - SHARE_GIVEN_UP)
+                about |= (times > step.lift - STRAIN_MARGIN) & (times < step.land + STRAIN_MARGIN)
+    return tuple(shares), about
 
 
 def slowness_about(course: Course, strained_times: Array) -> Array:

@@ -41,10 +41,14 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 FEET_MODES = ("auto", "steps", "planted")
-MAX_SLOWDOWNS, MAX_FINAL_SLOWDOWNS = 4, 2  # times that a body gets more time, before and after its arms are fitted
+MAX_MENDS, MAX_FINAL_MENDS = 6, 2  # times that swings get calmer or more time, before and after the arms are fitted
 MAX_FOOT_ERROR_LEGS = 0.1  # leg lengths: a foot that is planned so far off its place makes the robot fall
 LIMB_REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
 CAPTURE_NOISE_HZ = 6.0  # faster motion of a capture is noise
+
+
+class UnreachableFeetError(InputError):
+    """No motion comes near what a clip asks of the feet."""
 
 
 @dataclass(frozen=True)
@@ -141,7 +145,7 @@ def plan(
     """
     try:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            planned = _plan(human, robot, feet, rate, contacts, slide, height)
+            planned = _plan_with_swings(human, robot, feet, rate, contacts, slide, height)
         if np.isfinite(planned.motion.q).all() and np.isfinite(planned.motion.a).all():
             return planned
     except np.linalg.LinAlgError:
@@ -169,6 +173,26 @@ def imitation(human: Human, robot: Robot, rate: float = 1000.0) -> Motion:
     return sampled_motion(robot, body_motion, course.phases, rate)
 
 
+def _plan_with_swings(
+    human: Human,
+    robot: Robot,
+    feet: str,
+    rate: float,
+    contacts: Sequence[Step] | None,
+    slide: SlideWay | None,
+    height: float | None,
+) -> Plan:
+    """The plan with feet that swing as the dancer's do, or plainly where that falls short of anything."""
+    try:
+        planned = _plan(human, robot, feet, rate, contacts, slide, height)
+        if planned.travel is None or not planned.shortfalls:
+            return planned
+    except UnreachableFeetError:
+        if feet == "planted":
+            raise
+    return _plan(human, robot, feet, rate, contacts, slide, height, follow=False)
+
+
 def _plan(
     human: Human,
     robot: Robot,
@@ -177,6 +201,7 @@ def _plan(
     contacts: Sequence[Step] | None,
     slide: SlideWay | None,
     height: float | None,
+    follow: bool = True,
 ) -> Plan:
     if feet not in FEET_MODES:
         raise InputError(f"feet '{feet}' are not known: choose one of {', '.join(FEET_MODES)}")
@@ -188,7 +213,7 @@ def _plan(
     begun = time.perf_counter()
     fit = Fitter(robot, Build.of(robot), Limits.of(robot), height)
     smooth = human.low_passed(CAPTURE_NOISE_HZ)
-    course = None if feet == "planted" else fit.stepping_course(smooth, contacts)
+    course = None if feet == "planted" else fit.stepping_course(smooth, contacts, follow)
     if course is None or (feet == "auto" and contacts is None and len(course.phases) == 1):
         course = standing_course(human_on_time_line(human_over_feet(smooth, fit.build), PLAN_RATE), robot)
     wanted, imitation = fit.unbalanced_body(course)
@@ -196,12 +221,12 @@ def _plan(
         course = fit.with_slide(course, imitation, slide)
         wanted, imitation = fit.unbalanced_body(course)
     retargeted = time.perf_counter()
-    course, body_motion, relieved = fit.balanced(course, wanted, imitation, MAX_SLOWDOWNS, fresh=True, relieved=False)
+    course, body_motion, relieved = fit.balanced(course, wanted, imitation, MAX_MENDS, fresh=True, relieved=False)
     body_motion = fit_limbs(
         robot, fit.targets(course), fit.limits, body_motion, LIMB_REFIT_STEPS
     )  # the chest has moved
     course, body_motion, _ = fit.balanced(
-        course, fit.targets(course), body_motion, MAX_FINAL_SLOWDOWNS, fresh=False, relieved=relieved
+        course, fit.targets(course), body_motion, MAX_FINAL_MENDS, fresh=False, relieved=relieved
     )
     wanted = fit.targets(course)
     short = shortfalls(robot, course.feet, supports(robot, course.phases), body_motion)
@@ -210,7 +235,7 @@ def _plan(
     for one in short:
         if not one.foot < MAX_FOOT_ERROR_LEGS * fit.build.leg:
             first, last = (_clip_time(course.clock[start : end + 1], t) for t in (one.start, one.end))
-            raise InputError(
+            raise UnreachableFeetError(
                 f"{robot.label} cannot dance this clip from {first:.1f} to {last:.1f} s: its feet would be "
                 f"{one.foot:.2f} m off their places; choose another part"
                 + ("" if feet == "planted" else ", or planted feet")
