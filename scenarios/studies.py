@@ -16,6 +16,7 @@ from scenarios.inputs.stack_file import Composition
 from scenarios.kimoh2013 import imitation, planar3r, printed_bounds
 from scenarios.kimoh2013.damping import damping
 from scenarios.kimoh2013.damping.damping import DampingOptions
+from scenarios.legs import legs
 from scenarios.otani2017 import otani
 from scenarios.otani2017.otani import Handling
 from scenarios.ramos2011 import ramos, sliding
@@ -41,7 +42,7 @@ MOTION_SCENARIOS: dict[str, ModuleType] = {"sliding": sliding, "imitation": imit
 `show` them."""
 STUDIES: dict[str, ModuleType] = {"planar3r": planar3r, "bounds": printed_bounds}
 """Scenarios without physics: `study(rate, out, tell)` returns figures, `show(figures, console)` prints them."""
-CLIP_STUDIES: dict[str, ModuleType] = {"hammam": hammam, "dariush": dariush}
+CLIP_STUDIES: dict[str, ModuleType] = {"hammam": hammam, "dariush": dariush, "legs": legs}
 """Studies of clips, their `CLIPS` unless one is named: `study(rate, out, tell, parts)`, the rest as of STUDIES.
 One whose `TAKES_RATE` is false has nothing under physics, and is given no rate."""
 CLIP_SCENARIOS: dict[str, ModuleType] = {"ramos": ramos}

@@ -61,6 +61,14 @@ _CLIPS = (
         licence="CC0 1.0",
         members=(Member("data/groove.bvh"),),
     ),
+    Clip(
+        name="kick",
+        what="a kick as high as the hips, and a foot held in the air; written by `python -m scenarios.inputs.kick`",
+        seconds=14.0,
+        source="this project",
+        licence="CC0 1.0",
+        members=(Member("data/kick.bvh"),),
+    ),
     *(
         Clip(
             name=name,

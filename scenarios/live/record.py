@@ -13,6 +13,7 @@ from sot.live.follower import EASE_IN_TIME, Follower
 from sot.motion.feet.flight import Flight
 from sot.motion.feet.travel import Travel
 from sot.motion.human.human import SIDES, Human, nearest_rotations
+from sot.motion.likeness import hip_heading
 from sot.motion.trajectory import Motion
 
 Array = NDArray[np.float64]
@@ -37,6 +38,11 @@ class LiveRecord:
     flights: Sequence[Flight] = ()
     speed_min: float = 1.0
     added_time: float = 0.0
+
+    @property
+    def heading(self) -> Array:
+        """Which way the human faces, once placed before the robot."""
+        return hip_heading(self.human.points)
 
     @property
     def retarget(self) -> dict[str, float | None]:

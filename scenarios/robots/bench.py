@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from scenarios.replay import Dance, ProgressCallback, Replay
-from scenarios.suite import Columns, Piece, bench_suite, show
+from scenarios.suite import Columns, Piece, SuccessRule, bench_suite, show
 from sot.errors import InputError
 from sot.robots.robot import Robot, robot_names
 from sot.robots.size import leg_length
@@ -59,7 +59,7 @@ def bench_robots(request: Replay, pieces: Sequence[Piece], out: Path | None, tel
     A success is upright, no farther off than a robot of its size may be, without a tick whose hard level had to give
     way, and with torques that saturate rarely: where a clip asks for more, it is to be slowed down.
     """
-    return bench_suite(request, pieces, out, tell, COLUMNS, _more, _succeeded)
+    return bench_suite(request, pieces, out, tell, COLUMNS, _more, SUCCESS)
 
 
 def show_robots(table: Mapping[str, Any], console: Console) -> None:
@@ -78,7 +78,14 @@ def _more(danced: Dance, report: Mapping[str, Any]) -> dict[str, Any]:
     return {"allowed_mm": allowed_mm(danced.motion.robot), JOINTS_COLUMN: ", ".join(worst)}
 
 
-def _succeeded(row: Mapping[str, Any]) -> bool:
+def _meets_the_rule(row: Mapping[str, Any]) -> bool:
     near = row["tracking.mpjpe_mm"] is not None and row["tracking.mpjpe_mm"] <= row["allowed_mm"]
     strong = row["torque_saturated"] is not None and row["torque_saturated"] <= MAX_SATURATED_SHARE
     return near and strong and row["solver.infeasible_ticks"] == 0
+
+
+SUCCESS = SuccessRule(
+    "upright, key bodies as near to their reference as a robot's size allows, torques at their limit in"
+    f" {100.0 * MAX_SATURATED_SHARE:.0f} % of the ticks at most, no tick whose hard level had to give way",
+    _meets_the_rule,
+)

@@ -11,7 +11,15 @@ from sim.log import FOOT_FIXED, FOOT_OFF, RunInfo, RunLog, constant_stretches, n
 from sim.support import planned_support
 from solvers.rows import Status
 from sot.motion.feet.path import path_length
-from sot.motion.likeness import hand_path_ratio, mean_segment_angle_deg
+from sot.motion.leg_likeness import foot_lift_ratio, knee_bend_deg
+from sot.motion.likeness import (
+    LEG_SEGMENTS,
+    UPPER_SEGMENTS,
+    hand_path_ratio,
+    heading_difference_deg,
+    hip_heading,
+    mean_segment_angle_deg,
+)
 from sot.motion.performance import Performance
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
@@ -35,6 +43,11 @@ KEY_POINTS = (
         for point in ("foot", "knee", "hip", "hand", "elbow", "shoulder")
     ),
 )
+LIKENESS_KEYS = (
+    *("segment_deg", "upper_segment_deg", "leg_segment_deg", "knee_bend_deg", "foot_lift_ratio", "heading_deg"),
+    "hand_path_ratio",
+)
+HIPS = ("left_hip", "right_hip")
 
 
 @dataclass(frozen=True)
@@ -95,7 +108,7 @@ def tracking(log: RunLog, motion: Motion) -> Figures:
 
 def likeness(log: RunLog, plan: Performance | None) -> Figures:
     """The simulated robot against the human, while the clip plays."""
-    nothing: Figures = dict.fromkeys(("segment_deg", "upper_segment_deg", "hand_path_ratio"))
+    nothing: Figures = dict.fromkeys(LIKENESS_KEYS)
     if plan is None or not log.ticks:
         return nothing
     human, motion = plan.human, plan.motion
@@ -106,9 +119,15 @@ def likeness(log: RunLog, plan: Performance | None) -> Figures:
     rows = nearest_frames(human.times[shown], 1.0 / log.period, log.ticks)
     robot = Points.of(motion.robot, log.q[rows]).positions
     person = {name: positions[shown] for name, positions in human.points.items()}
+    faced = plan.clock <= end
+    hips = Points.of(motion.robot, log.q[nearest_frames(plan.clock[faced], 1.0 / log.period, log.ticks)], HIPS)
     return {
         "segment_deg": mean_segment_angle_deg(person, robot),
-        "upper_segment_deg": mean_segment_angle_deg(person, robot, upper_body_only=True),
+        "upper_segment_deg": mean_segment_angle_deg(person, robot, UPPER_SEGMENTS),
+        "leg_segment_deg": mean_segment_angle_deg(person, robot, LEG_SEGMENTS),
+        "knee_bend_deg": knee_bend_deg(person, robot),
+        "foot_lift_ratio": foot_lift_ratio(person, robot, human.rate),
+        "heading_deg": heading_difference_deg(plan.heading[faced], hip_heading(hips.positions)),
         "hand_path_ratio": hand_path_ratio(person, robot, human.rate),
     }
 

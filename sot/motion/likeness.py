@@ -1,6 +1,6 @@
-"""Measures of how much a robot's motion looks like a human's: angles of segments, and the path of the hands."""
+"""Measures of how much a robot's motion looks like a human's: angles of segments, heading, the path of the hands."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,9 @@ Array = NDArray[np.float64]
 Points = Mapping[str, Array]
 
 LEG_SEGMENTS = tuple(f"{side}_{part}" for side in SIDES for part in ("thigh", "shank"))
+UPPER_SEGMENTS = tuple(name for name in SEGMENTS if name not in LEG_SEGMENTS)
 HAND_CUTOFF_HZ = 6.0
+MIN_HAND_PATH_ARMS = 1.0  # arm lengths that a human's hands have to go, both together, for a ratio to mean something
 
 
 def segment_angles(human: Points, robot: Points) -> dict[str, Array]:
@@ -21,7 +23,7 @@ def segment_angles(human: Points, robot: Points) -> dict[str, Array]:
     Args:
         human, robot: point -> (T, 3) positions at the same times, named as in SEGMENTS.
     """
-    turn = _heading(human) - _heading(robot)
+    turn = hip_heading(human) - hip_heading(robot)
     cosine, sine = np.cos(turn), np.sin(turn)
     angles = {}
     for segment, (near, far) in SEGMENTS.items():
@@ -31,21 +33,31 @@ def segment_angles(human: Points, robot: Points) -> dict[str, Array]:
     return angles
 
 
-def mean_segment_angle_deg(human: Points, robot: Points, upper_body_only: bool = False) -> float:
-    """Mean of `segment_angles` over time and segments [deg], with `upper_body_only` without the legs."""
+def mean_segment_angle_deg(human: Points, robot: Points, segments: Collection[str] = tuple(SEGMENTS)) -> float:
+    """Mean of `segment_angles` over time and some of the segments, by default all [deg]."""
     angles = segment_angles(human, robot)
-    return float(
-        np.degrees(np.mean([angle for name, angle in angles.items() if not (upper_body_only and name in LEG_SEGMENTS)]))
-    )
+    return float(np.degrees(np.mean([angles[name] for name in segments])))
 
 
-def hand_path_ratio(human: Points, robot: Points, rate: float) -> float:
+def heading_difference_deg(human: Array, robot: Array) -> float:
+    """Root mean square difference of two bodies' headings (T,) [rad] over time, a constant one left out [deg]."""
+    off = np.exp(1j * (robot - human))
+    return float(np.degrees(np.sqrt(np.mean(np.angle(off * np.conj(off.mean())) ** 2))))
+
+
+def hip_heading(body: Points) -> Array:
+    """Yaw (T,) of the line through the hips, from right to left, less a quarter turn [rad]."""
+    across = body["left_hip"] - body["right_hip"]
+    return np.arctan2(-across[:, 0], across[:, 1])
+
+
+def hand_path_ratio(human: Points, robot: Points, rate: float) -> float | None:
     """Path length of the hands relative to the waist in arm lengths of their owner, robot over human.
 
-    Both are low-passed at HAND_CUTOFF_HZ; 1 where the human's hands rest.
+    Both are low-passed at HAND_CUTOFF_HZ; None where the human's hands go less than MIN_HAND_PATH_ARMS.
     """
     there = _hand_path_in_arm_lengths(human, rate)
-    return _hand_path_in_arm_lengths(robot, rate) / there if there > 0.0 else 1.0
+    return _hand_path_in_arm_lengths(robot, rate) / there if there >= MIN_HAND_PATH_ARMS else None
 
 
 def _hand_path_in_arm_lengths(body: Points, rate: float) -> float:
@@ -59,12 +71,6 @@ def _hand_path_in_arm_lengths(body: Points, rate: float) -> float:
             hand = sosfiltfilt(sos, hand, axis=0, padlen=min(len(hand) - 1, round(rate)))
         total += float(np.linalg.norm(np.diff(hand, axis=0), axis=1).sum() / arm)
     return total
-
-
-def _heading(body: Points) -> Array:
-    """Yaw (T,) of the line through the hips, from right to left, less a quarter turn [rad]."""
-    across = body["left_hip"] - body["right_hip"]
-    return np.arctan2(-across[:, 0], across[:, 1])
 
 
 def _unit_direction(body: Points, near: str, far: str) -> Array:

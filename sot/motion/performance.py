@@ -43,6 +43,11 @@ class Performance(Protocol):
         ...
 
     @property
+    def heading(self) -> Array:
+        """(n,) which way the human faced at its frames, in the clip and not as the robot's feet have it turn [rad]."""
+        ...
+
+    @property
     def travel(self) -> Travel | None:
         """Steps and footholds, of feet that may step."""
         ...

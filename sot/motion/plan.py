@@ -2,20 +2,17 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sot.errors import InputError
 from sot.motion.balance.centroidal import Centroidal
-from sot.motion.balance.rounds import BalanceRounds
 from sot.motion.balance.strain import Shortfall, shortfall_remark, shortfalls
 from sot.motion.balance.torques import (
     Overload,
     overload_remark,
-    overloaded_at_rest,
-    overloaded_knots,
     overloads,
 )
 from sot.motion.body.coordinates import to_pinocchio
@@ -23,35 +20,35 @@ from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.body.lean import LeanCut, lean_cut, lean_remark
 from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
-from sot.motion.body.targets import Targets, key_points, targets_of_human
-from sot.motion.body.whole_body import fit_limbs, retarget
+from sot.motion.body.targets import Targets, key_points
+from sot.motion.body.whole_body import fit_limbs
 from sot.motion.feet.contacts import Phase, planted_phases
-from sot.motion.feet.course import Course, standing_course, stepping_course, with_clock, with_slides
+from sot.motion.feet.course import standing_course
 from sot.motion.feet.flight import Flight, find_flights, flight_remark
 from sot.motion.feet.footwork import Step
-from sot.motion.feet.slides import SlideWay, find_slide
+from sot.motion.feet.slides import SlideWay
 from sot.motion.feet.stance import LEAD_IN_TIME, TAIL_TIME, Build, human_on_time_line, human_over_feet
 from sot.motion.feet.support import supports
-from sot.motion.feet.swing import feet_heading
-from sot.motion.feet.tempo import clock_from_slowness, slowness_raised
 from sot.motion.feet.travel import Travel
+from sot.motion.fitter import PLAN_RATE as PLAN_RATE
+from sot.motion.fitter import Fitter
 from sot.motion.human.human import Human
+from sot.motion.likeness import hip_heading
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.smooth import low_passed, minimum_jerk
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 FEET_MODES = ("auto", "steps", "planted")
-PLAN_RATE = 50.0  # knots per second
-MAX_SLOWDOWNS, MAX_FINAL_SLOWDOWNS = 4, 2  # times that a body gets more time, before and after its arms are fitted
-SLOWDOWN_FACTOR, MAX_SLOWNESS = 1.3, 3.0  # by which one slowdown slows, and times slower than the dancer in all
+MAX_MENDS, MAX_FINAL_MENDS = 6, 2  # times that swings get calmer or more time, before and after the arms are fitted
 MAX_FOOT_ERROR_LEGS = 0.1  # leg lengths: a foot that is planned so far off its place makes the robot fall
 LIMB_REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
-BOUNCE_FADE_TIME = 0.5  # s before a slide, in which the hips stop bouncing
-BOUNCE_HZ = 0.5  # slower motion of the hips is no bounce
 CAPTURE_NOISE_HZ = 6.0  # faster motion of a capture is noise
+
+
+class UnreachableFeetError(InputError):
+    """No motion comes near what a clip asks of the feet."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +63,7 @@ class Plan:
             the robot's size, limb by limb, over the clip; "frames_per_s", clip frames retargeted per second.
         clock: (n,) the motion's time at the clip's frames at PLAN_RATE [s]: it runs slower than the dancer's where the
             robot needs more time.
+        heading: (n,) which way the dancer faces at those frames, in the clip [rad].
         travel: steps and footholds, of feet that may step.
         flights: of the dancer; the robot has a foot on the floor all the time.
         seconds: time that planning took, by step.
@@ -82,6 +80,7 @@ class Plan:
     start: float
     end: float
     clock: Array
+    heading: Array
     travel: Travel | None
     flights: tuple[Flight, ...]
     retarget: dict[str, float]
@@ -146,7 +145,7 @@ def plan(
     """
     try:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            planned = _plan(human, robot, feet, rate, contacts, slide, height)
+            planned = _plan_with_swings(human, robot, feet, rate, contacts, slide, height)
         if np.isfinite(planned.motion.q).all() and np.isfinite(planned.motion.a).all():
             return planned
     except np.linalg.LinAlgError:
@@ -167,11 +166,31 @@ def imitation(human: Human, robot: Robot, rate: float = 1000.0) -> Motion:
         robot: Who imitates it.
         rate: Samples per second of the motion [Hz].
     """
-    fit = _Fitter(robot, Build.of(robot), Limits.of(robot), None)
+    fit = Fitter(robot, Build.of(robot), Limits.of(robot), None)
     smooth = human.low_passed(CAPTURE_NOISE_HZ)
     course = standing_course(human_on_time_line(human_over_feet(smooth, fit.build), PLAN_RATE), robot)
     _, body_motion = fit.unbalanced_body(course)
     return sampled_motion(robot, body_motion, course.phases, rate)
+
+
+def _plan_with_swings(
+    human: Human,
+    robot: Robot,
+    feet: str,
+    rate: float,
+    contacts: Sequence[Step] | None,
+    slide: SlideWay | None,
+    height: float | None,
+) -> Plan:
+    """The plan with feet that swing as the dancer's do, or plainly where that falls short of anything."""
+    try:
+        planned = _plan(human, robot, feet, rate, contacts, slide, height)
+        if planned.travel is None or not planned.shortfalls:
+            return planned
+    except UnreachableFeetError:
+        if feet == "planted":
+            raise
+    return _plan(human, robot, feet, rate, contacts, slide, height, follow=False)
 
 
 def _plan(
@@ -182,6 +201,7 @@ def _plan(
     contacts: Sequence[Step] | None,
     slide: SlideWay | None,
     height: float | None,
+    follow: bool = True,
 ) -> Plan:
     if feet not in FEET_MODES:
         raise InputError(f"feet '{feet}' are not known: choose one of {', '.join(FEET_MODES)}")
@@ -191,9 +211,9 @@ def _plan(
         raise InputError("only planted feet slide, and let the hips bounce: choose them, or leave slide and height out")
     supports(robot, planted_phases(robot, 1.0))  # compiles what it needs, once an installation: that is no planning
     begun = time.perf_counter()
-    fit = _Fitter(robot, Build.of(robot), Limits.of(robot), height)
+    fit = Fitter(robot, Build.of(robot), Limits.of(robot), height)
     smooth = human.low_passed(CAPTURE_NOISE_HZ)
-    course = None if feet == "planted" else fit.stepping_course(smooth, contacts)
+    course = None if feet == "planted" else fit.stepping_course(smooth, contacts, follow)
     if course is None or (feet == "auto" and contacts is None and len(course.phases) == 1):
         course = standing_course(human_on_time_line(human_over_feet(smooth, fit.build), PLAN_RATE), robot)
     wanted, imitation = fit.unbalanced_body(course)
@@ -201,12 +221,12 @@ def _plan(
         course = fit.with_slide(course, imitation, slide)
         wanted, imitation = fit.unbalanced_body(course)
     retargeted = time.perf_counter()
-    course, body_motion, relieved = fit.balanced(course, wanted, imitation, MAX_SLOWDOWNS, fresh=True, relieved=False)
+    course, body_motion, relieved = fit.balanced(course, wanted, imitation, MAX_MENDS, fresh=True, relieved=False)
     body_motion = fit_limbs(
         robot, fit.targets(course), fit.limits, body_motion, LIMB_REFIT_STEPS
     )  # the chest has moved
     course, body_motion, _ = fit.balanced(
-        course, fit.targets(course), body_motion, MAX_FINAL_SLOWDOWNS, fresh=False, relieved=relieved
+        course, fit.targets(course), body_motion, MAX_FINAL_MENDS, fresh=False, relieved=relieved
     )
     wanted = fit.targets(course)
     short = shortfalls(robot, course.feet, supports(robot, course.phases), body_motion)
@@ -215,7 +235,7 @@ def _plan(
     for one in short:
         if not one.foot < MAX_FOOT_ERROR_LEGS * fit.build.leg:
             first, last = (_clip_time(course.clock[start : end + 1], t) for t in (one.start, one.end))
-            raise InputError(
+            raise UnreachableFeetError(
                 f"{robot.label} cannot dance this clip from {first:.1f} to {last:.1f} s: its feet would be "
                 f"{one.foot:.2f} m off their places; choose another part"
                 + ("" if feet == "planted" else ", or planted feet")
@@ -225,15 +245,16 @@ def _plan(
         "key_point_rms_m": _key_point_rms(robot, wanted, body_motion, span),
         "frames_per_s": human.count / (retargeted - begun),
     }
-    ended = time.perf_counter()
+    dancer, ended = human_on_time_line(smooth, PLAN_RATE), time.perf_counter()
     return Plan(
         motion=motion,
         human=course.human,
         start=float(course.clock[start]),
         end=float(course.clock[end]),
         clock=course.clock[start : end + 1],
+        heading=hip_heading(dancer.points)[start : end + 1],
         travel=course.travel,
-        flights=find_flights(human_on_time_line(smooth, PLAN_RATE)),
+        flights=find_flights(dancer),
         retarget=figures,
         seconds={"retarget": retargeted - begun, "balance": ended - retargeted, "total": ended - begun},
         imitation=imitation,
@@ -246,118 +267,6 @@ def _plan(
 def _clip_time(clock: Array, t: float) -> float:
     """The clip's time when the motion's is t, from the motion's times at the clip's frames `clock` (n,) [s]."""
     return float(np.interp(t, clock, np.arange(len(clock)) / PLAN_RATE))
-
-
-@dataclass(frozen=True)
-class _Fitter:
-    """The fit of a robot's body to a course of human and feet."""
-
-    robot: Robot
-    build: Build
-    limits: Limits
-    hip_height_error: float | None
-
-    def stepping_course(self, human: Human, contacts: Sequence[Step] | None) -> Course:
-        """A course that steps; contacts: the steps to make, on the clip's time, instead of those found."""
-        return stepping_course(human_on_time_line(human, PLAN_RATE), self.robot, self.build, contacts)
-
-    def targets(self, course: Course) -> Targets:
-        wanted = targets_of_human(course.human, self.robot, self.build, feet_heading(course.feet))
-        if self.hip_height_error is None:
-            return wanted
-        return replace(
-            wanted, hips=hips_without_bounce_in_slides(wanted.hips, course.phases), height=self.hip_height_error
-        )
-
-    def unbalanced_body(self, course: Course) -> tuple[Targets, Spline]:
-        """The body's targets, and the motion of a body that meets them, not yet balanced."""
-        wanted = self.targets(course)
-        return wanted, retarget(self.robot, self.build, wanted, course.feet, self.limits, 1.0 / PLAN_RATE)
-
-    def with_slide(self, course: Course, body_motion: Spline, way: SlideWay) -> Course:
-        """The course with a slide where the ZMP of the body's motion allows it best."""
-        zmp = Centroidal.along(self.robot, *to_pinocchio(*(body_motion(course.human.times, k) for k in range(3)))).zmp()
-        return with_slides(course, self.robot, [find_slide(self.robot, course.phases, zmp, PLAN_RATE, way)])
-
-    def balanced(
-        self, course: Course, wanted: Targets, body_motion: Spline, slowdowns: int, fresh: bool, relieved: bool
-    ) -> tuple[Course, Spline, bool]:
-        """The course, slowed down where body or motors cannot follow, the balanced motion of the body, and whether its
-        posture relieves the motors of legs that stand alone.
-
-        slowdowns: times that it is slowed down, or its posture changed to relieve motors, at most.
-        fresh: the body is that of `unbalanced_body`.
-        relieved: its posture relieves motors already.
-        """
-        changed, period = None, 1.0 / PLAN_RATE
-        for left in range(0 if any(phase.sliding for phase in course.phases) else slowdowns, -1, -1):
-            rounds = BalanceRounds(
-                self.robot, self.build, wanted, course.feet, course.phases, self.limits, body_motion, relieved
-            )
-            strained_times = rounds.balance_all(fresh) if changed is None else rounds.balance_about(changed)
-            body_motion = rounds.body_motion
-            if not left:
-                break
-            hasty, heavy = self.overloaded(course, body_motion)
-            if heavy.any() and not relieved:
-                changed, relieved = heavy, True
-                continue
-            slower = np.union1d(strained_times, period * np.flatnonzero(hasty))
-            if not len(slower):
-                break
-            clock = clock_from_slowness(slowness_about(course, slower), period)
-            course, body_motion = with_clock(course, self.robot, clock), body_at_clock(body_motion, clock)
-            wanted, changed = self.targets(course), slowed_knots(clock, period)
-        return course, body_motion, relieved
-
-    def overloaded(self, course: Course, body_motion: Spline) -> tuple[Flags, Flags]:
-        """Flags of the knots (T,) at which motors give more than they can, but would not if the body moved slower; and
-        of those at which a leg's give more than they can."""
-        over, _ = overloaded_knots(self.robot, course.phases, body_motion)
-        knots = np.flatnonzero(over.any(axis=1))
-        hasty: Flags = np.any(over, axis=1, keepdims=True)[:, 0]
-        heavy: Flags = np.any(over[:, list(self.robot.groups["legs"])], axis=1, keepdims=True)[:, 0]
-        still = over[knots] & overloaded_at_rest(self.robot, course.phases, body_motion, knots)
-        hasty[knots] = np.any(over[knots] & ~still, axis=1)
-        return hasty, heavy
-
-
-def slowness_about(course: Course, strained_times: Array) -> Array:
-    """The slowness (T,) of a course's frames with more time near the times `strained_times` (m,) [s]."""
-    times = course.human.times
-    already = np.interp(times, course.clock, PLAN_RATE * np.gradient(course.clock))
-    most = np.maximum(1.0, MAX_SLOWNESS / np.maximum(already, 1.0))
-    return slowness_raised(np.ones(len(times)), times, strained_times.tolist(), SLOWDOWN_FACTOR, most)
-
-
-def slowed_knots(clock: Array, period: float) -> Flags:
-    """Flags of the knots, of a motion played at the times (T,) of a clock, at which it is played slower."""
-    times = np.arange(round(clock[-1] / period) + 1) * period
-    late = np.interp(times, clock, clock - period * np.arange(len(clock)))
-    flags: Flags = np.gradient(late) > 1e-9
-    return flags
-
-
-def body_at_clock(body_motion: Spline, clock: Array) -> Spline:
-    """The motion of a body that does at the times (T,) of a clock what it did at its knots."""
-    times = np.arange(round(clock[-1] / body_motion.period) + 1) * body_motion.period
-    y = body_motion(np.interp(times, clock, body_motion.period * np.arange(len(clock))))
-    slow = Spline.through(y, body_motion.period)
-    slow.control[:3], slow.control[-3:] = y[0], y[-1]  # at rest
-    return slow
-
-
-def hips_without_bounce_in_slides(hips: Array, phases: Sequence[Phase]) -> Array:
-    """The hips (T, 3) without their bounce where a foot slides, whose load has to be light and steady [m]."""
-    times = np.arange(len(hips)) / PLAN_RATE
-    share = np.zeros(len(hips))
-    for phase in phases:
-        if phase.sliding:
-            inside = np.minimum(times - phase.start, phase.end - times)
-            share = np.maximum(share, minimum_jerk(1.0 + inside / BOUNCE_FADE_TIME))
-    calm = hips.copy()
-    calm[:, 2] += share * (low_passed(hips[:, 2], PLAN_RATE, BOUNCE_HZ) - hips[:, 2])
-    return calm
 
 
 def sampled_motion(robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate: float) -> Motion:

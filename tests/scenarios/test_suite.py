@@ -52,7 +52,13 @@ def test_rows_of_a_dance_and_of_a_clip_that_is_refused(tmp_path):
     assert (tmp_path / "kept/short" / RECORDING_FILE).is_file() and (tmp_path / "kept/short" / REPORT_FILE).is_file()
     console = Console(file=StringIO(), width=250)
     show(done, console)
-    assert "1 of 2" in console.file.getvalue()
+    assert "1 of 2" in console.file.getvalue() and "A success: upright, key bodies" in console.file.getvalue()
+
+
+@pytest.mark.parametrize(("mpjpe", "segments", "met"), [(9, 9, True), (101, 9, False), (9, 21, False), (9, None, True)])
+def test_a_success_is_near_its_reference_and_looks_like_its_human(mpjpe, segments, met):
+    row = {"tracking.mpjpe_mm": mpjpe, "likeness.segment_deg": segments}
+    assert suite.LIKE_ITS_HUMAN.is_met(row) == met
 
 
 def test_from_the_command_line(tmp_path, capsys, monkeypatch):

@@ -61,6 +61,7 @@ def same_plan(motion: Motion) -> Plan:
         0.0,
         motion.duration,
         motion.times,
+        np.zeros(len(motion.times)),
         None,
         (),
         {"key_point_rms_m": 0.01, "frames_per_s": 600.0},

@@ -103,17 +103,22 @@ class BalanceRounds:
         """
         if rough:
             self._asked.rate[:] = 0.0
-            self._fit_each_knot()
+            self._plan_com_and_zmp(self._everything)
+            self._fit_each_knot(np.arange(self._human.length))
         count = WHOLE_CLIP_ITERATIONS_ROUGH if rough else WHOLE_CLIP_ITERATIONS
         left, _ = self._improve(self._everything, np.ones(self._human.length, bool), count)
         return self.balance_about(left)
 
-    def balance_about(self, changed: Flags) -> Array:
+    def balance_about(self, changed: Flags, rough: bool = False) -> Array:
         """Balances the motion about the knots (T,) at which it is not what has been balanced before.
+
+        rough: it is not even near what its feet are to do there.
 
         Returns:
             The times (n,) there at which feet that step still ask too much of it [s].
         """
+        if rough:
+            self._fit_each_knot(np.flatnonzero(changed))
         left = changed.copy()
         for attempt in range(WINDOW_ATTEMPTS):
             for part in _windows(left, round(WINDOW_OVERLAP_S / self.body_motion.period)):
@@ -162,14 +167,14 @@ class BalanceRounds:
             *((array, part) for array in (*states, self._strain)),
         ]
 
-    def _fit_each_knot(self) -> None:
-        """Fits every knot for itself, after which the motion's accelerations mean something."""
-        self._plan_com_and_zmp(self._everything)
+    def _fit_each_knot(self, knots: NDArray[np.int_]) -> None:
+        """Fits some knots each for itself, after which the motion's accelerations there mean something."""
+        self._asked.rate[knots] = 0.0
         body = Body(self._robot, self._build, self._body_targets(), self._feet, self._com.knots)
         y = self.body_motion.knots
-        y[:, body.columns], _ = solve_knots(body, np.arange(len(y)), y, self._limits)
+        y[knots[:, None], body.columns], _ = solve_knots(body, knots, y[knots], self._limits)
         self.body_motion = Spline.through(y, self.body_motion.period)
-        self.body_motion.control[:3] = y[0]  # at rest
+        self.body_motion.control[:3], self.body_motion.control[-3:] = y[0], y[-1]  # at rest
 
     def _round(self, part: slice) -> Flags:
         """Plans and fits a part of the knots once; returns which of them (n,) are not settled by it."""

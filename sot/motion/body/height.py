@@ -15,11 +15,11 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-MAX_LEG_EXTENSION = 0.975  # share of its length that a leg may reach; the closed loop needs the rest
+MAX_LEG_EXTENSION = 0.99  # share of its length that a leg may reach; the closed loop needs the rest
 END_ACCELERATION_SHARE = 0.5  # of the acceleration, with which hips may come down from the ends
-MAX_HIP_ACCELERATION = 2.5  # m/s², of the hips, up and down
+MAX_HIP_ACCELERATION = 4.0  # m/s², of the hips, up and down
 ACCEPTED_HEIGHT_ERROR = 0.02  # m, deviation that costs as much as a jerk of ACCEPTED_JERK
-ACCEPTED_JERK = 20.0  # m/s³
+ACCEPTED_JERK = 80.0  # m/s³
 HELD_END_WEIGHT = 1e9  # weight that holds the control points at both ends
 HELD_HEIGHT_ROOM = 1e-4  # m, added to the bound where a height is held
 
@@ -45,7 +45,8 @@ def reachable_hip_height(robot: Robot, y: Array, feet: Mapping[str, FootPath]) -
         target = path.position + np.einsum("tij,tj->ti", path.rotation, own)
         flat = np.sum((hip - target)[:, :2] ** 2, axis=1)
         above = np.sqrt(np.maximum((MAX_LEG_EXTENSION * leg) ** 2 - flat, 0.0))
-        highest = np.minimum(highest, target[:, 2] + above - (hip[:, 2] - middle))
+        beyond = path.free * leg  # a foot in the air comes along with the hips
+        highest = np.minimum(highest, target[:, 2] + above + beyond - (hip[:, 2] - middle))
     return highest
 
 

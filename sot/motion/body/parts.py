@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 FOOT_WEIGHT = 1.0 / 0.0001  # 1/m and 1/rad
-ACCEPTED_SWING_TILT = 0.05  # rad, of a foot in the middle of a swing
+ACCEPTED_FREE_ERROR, ACCEPTED_FREE_TILT = 0.004, 0.1  # m and rad, of a foot in the middle of a swing
 COM_WEIGHT_STANDING, COM_WEIGHT_STEPPING = 1.0 / 0.0003, 1.0 / 0.00005  # 1/m: support is scarce where feet step
 HIP_PLACE_WEIGHT = 1.0 / 0.05  # 1/m, of the hips' horizontal place, where there is no CoM to follow
 HIP_HEIGHT_WEIGHT_STANDING, HIP_HEIGHT_WEIGHT_STEPPING = 1.0 / 0.05, 1.0 / 0.01  # 1/m
@@ -30,6 +30,7 @@ TRUNK_WEIGHT = 1.0 / 0.05
 CHEST_WEIGHT = 1.0 / 0.15
 SEGMENT_WEIGHT = 1.0 / 0.05  # of the directions of head, upper arms and forearms
 HEAD_ORIENTATION_WEIGHT = 1.0 / 0.15  # of the head's orientation
+FREE_FOOT_WEIGHT = 1.0 / 0.3  # 1/rad, of the orientation of a foot in the air
 POSTURE_WEIGHT = 1.0 / 2.0  # 1/rad, of an arm's joints, for what the directions leave free: the twist of a straight arm
 MIN_LEVER = 1e-6  # m, distance from its axis below which a joint does not move a point
 
@@ -75,12 +76,12 @@ class Body:
         tilt, J_tilt = kinematics.orientation_residual(self._waist, wanted.frames["pelvis"][knots])
         feet = []
         for foot, path in self._feet:
-            level = FOOT_WEIGHT / (1.0 + FOOT_WEIGHT * ACCEPTED_SWING_TILT * path.free[knots, None])
+            free = path.free[knots, None]
+            near = FOOT_WEIGHT / (1.0 + FOOT_WEIGHT * ACCEPTED_FREE_ERROR * free)
+            level = FOOT_WEIGHT / (1.0 + FOOT_WEIGHT * ACCEPTED_FREE_TILT * free)
+            off, J_off = kinematics.position_residual(foot, path.position[knots])
             turn, J_turn = kinematics.orientation_residual(foot, path.rotation[knots])
-            feet += [
-                (FOOT_WEIGHT, *kinematics.position_residual(foot, path.position[knots])),
-                (1.0, level * turn, level[:, None] * J_turn),
-            ]
+            feet += [(1.0, near * off, near[:, None] * J_off), (1.0, level * turn, level[:, None] * J_turn)]
         return _stacked_residuals(
             *feet,
             place,
@@ -128,6 +129,31 @@ class Arm:
                 for near, far, way in self._segments
             ),
             (POSTURE_WEIGHT, y[:, self.columns] - self._rest, np.broadcast_to(np.eye(size), (len(y), size, size))),
+        )
+
+
+class Leg:
+    """Hip, knee and ankle of a leg in the air, which follow the directions of thigh and shank, and how its foot is
+    turned."""
+
+    def __init__(self, robot: Robot, side: str, directions: Mapping[str, Array], foot: Array):
+        """directions: segment -> (T, 3) unit vectors; foot: (T, 3, 3) orientation of its frame."""
+        self.columns: Indices = 6 + np.sort(np.array(robot.groups[f"{side}_leg"], dtype=int))
+        self._chains, self._foot, self._turned = JointTree(robot), robot.point(f"{side}_foot"), foot
+        self._segments = [
+            (robot.point(near), robot.point(far), directions[segment])
+            for segment in (f"{side}_thigh", f"{side}_shank")
+            for near, far in (SEGMENTS[segment],)
+        ]
+
+    def evaluate(self, knots: Indices, y: Array) -> tuple[Array, Array]:
+        kinematics = Kinematics(self._chains, y, self.columns)
+        return _stacked_residuals(
+            *(
+                (SEGMENT_WEIGHT, *kinematics.direction_residual(near, far, way[knots]))
+                for near, far, way in self._segments
+            ),
+            (FREE_FOOT_WEIGHT, *kinematics.orientation_residual(self._foot, self._turned[knots])),
         )
 
 

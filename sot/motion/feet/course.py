@@ -29,6 +29,7 @@ class Course:
         feet: their paths at the frames.
         clock: (n,) the motion's time at the dancer's frames, lead-in and tail included [s].
         travel: of feet that step.
+        swing_shares: of each step, how much of its swing is the dancer's, 0 to 1; none where all are plain ones.
     """
 
     human: Human
@@ -36,6 +37,7 @@ class Course:
     feet: Mapping[str, FootPath]
     clock: Array
     travel: Travel | None = None
+    swing_shares: tuple[float, ...] = ()
 
 
 def standing_course(human: Human, robot: Robot) -> Course:

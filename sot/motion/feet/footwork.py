@@ -36,12 +36,19 @@ MIN_TOUCH_TIME = 0.08  # s: a shorter touch between two moves does not part them
 
 @dataclass(frozen=True)
 class FootTrack:
-    """A dancer's foot over time, seen on the floor: `place` (T, 2), under the ankle were the sole flat [m]; `heading`
-    (T,), unwrapped [rad]; `lift` (T,), height of its lowest point over standing [m]; `mode` (T,), FREE, SLIDING or
-    FIXED."""
+    """A dancer's foot over time, seen on the floor.
+
+    Attributes:
+        place: (T, 2) under the ankle were the sole flat [m].
+        heading: (T,) unwrapped [rad].
+        toe_drop: (T,) by how much lower than as it stands its toes are, seen from the ankle [m].
+        lift: (T,) height of its lowest point over standing [m].
+        mode: (T,) FREE, SLIDING or FIXED.
+    """
 
     place: Array
     heading: Array
+    toe_drop: Array
     lift: Array
     mode: Modes
 
@@ -96,7 +103,9 @@ def foot_track(human: Human, side: str) -> FootTrack:
     mode = np.where(touching, np.where(still, FIXED, SLIDING), FREE).astype(np.int8)
     mode[: round((LEAD_IN_TIME - END_SWING_TIME) * human.rate)] = FIXED
     mode[len(mode) - round((TAIL_TIME - END_SWING_TIME) * human.rate) :] = FIXED
-    return FootTrack(place, heading, np.maximum(height.min(axis=0), 0.0), mode)
+    drop = ankle[:, 2] - toe[:, 2]
+    drop -= np.median(drop[mode == FIXED])
+    return FootTrack(place, heading, drop, np.maximum(height.min(axis=0), 0.0), mode)
 
 
 def _standing_level(point: Array, human: Human) -> tuple[float, Array]:

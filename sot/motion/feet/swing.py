@@ -8,6 +8,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from sot.gravity import GRAVITY
 from sot.motion.feet.contacts import Phase
 from sot.motion.feet.footholds import LegReach, min_ankle_separation
 from sot.motion.feet.footwork import Foothold, Step
@@ -15,9 +16,11 @@ from sot.robots.robot import Robot
 from sot.smooth import minimum_jerk
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 SWING_HEIGHT_RANGE = 0.07, 0.30  # leg lengths, least and greatest height of a swing
 MAX_LIFT_ACCELERATION = 12.0  # m/s², up or down, unless the foot has to clear the floor
+HELD_TIME, EASING_TIME = 0.16, 0.57  # √(leg / g), in which a foot keeps to its path at either end, and grows free
 HEIGHT_PROFILE_CURVATURE = 28.9  # greatest second derivative of `_height_profile`
 
 
@@ -28,7 +31,7 @@ class FootPath:
     Attributes:
         position: (T, 3) [m].
         rotation: (T, 3, 3).
-        free: (T,) by how much the foot may tilt: 1 in the middle of a swing, 0 where it stands or slides.
+        free: (T,) by how much the foot may be off its path: 1 in the middle of a swing, 0 where it stands or slides.
     """
 
     position: Array
@@ -69,7 +72,7 @@ def contact_phases(
     robot: Robot, stands: Mapping[str, Sequence[Foothold]], steps: Sequence[Step], duration: float
 ) -> tuple[Phase, ...]:
     """The contact phases of steps: double supports, and single supports while a foot swings."""
-    rest = _feet_at_rest(robot)
+    rest = feet_at_rest(robot)
     now = dict.fromkeys(stands, 0)
 
     def poses(*feet: str) -> dict[str, pin.SE3]:
@@ -84,6 +87,43 @@ def contact_phases(
     return (*phases, Phase(start, duration, poses(*stands)))
 
 
+@dataclass(frozen=True)
+class Swing:
+    """A swing of a foot from one foothold to the next, past where the other foot stands, and how high it gets [m]."""
+
+    step: Step
+    here: Foothold
+    there: Foothold
+    anchor: Foothold
+    height: float
+
+    def knots(self, times: Array) -> Flags:
+        """Flags of the times (T,) at which the foot is in the air."""
+        return (times > self.step.lift) & (times < self.step.land)
+
+    def share(self, times: Array) -> Array:
+        """The share of the swing that is over at times (n,)."""
+        return (times - self.step.lift) / (self.step.land - self.step.lift)
+
+
+def swings_between(
+    stands: Mapping[str, Sequence[Foothold]], steps: Sequence[Step], lifts: Sequence[float], reach: LegReach
+) -> list[Swing]:
+    """The swings of steps; lifts: how high the dancer's foot gets in each, in the robot's size [m]."""
+    now, found = dict.fromkeys(stands, 0), []
+    for step, lift in zip(steps, lifts, strict=True):
+        here, there = stands[step.foot][now[step.foot] : now[step.foot] + 2]
+        other = next(foot for foot in stands if foot != step.foot)
+        most = min(
+            SWING_HEIGHT_RANGE[1] * reach.leg_length,
+            MAX_LIFT_ACCELERATION / HEIGHT_PROFILE_CURVATURE * (step.land - step.lift) ** 2,
+        )
+        height = max(min(lift, most), SWING_HEIGHT_RANGE[0] * reach.leg_length)
+        found.append(Swing(step, here, there, stands[other][now[other]], height))
+        now[step.foot] += 1
+    return found
+
+
 def foot_paths(
     robot: Robot,
     stands: Mapping[str, Sequence[Foothold]],
@@ -96,26 +136,15 @@ def foot_paths(
 
     lifts: how high the dancer's foot gets in each step, in the robot's size [m].
     """
-    rest = _feet_at_rest(robot)
-    now = dict.fromkeys(stands, 0)
+    rest = feet_at_rest(robot)
     ankles = {foot: np.tile([own[0].x, own[0].y, 0.0, own[0].heading], (len(times), 1)) for foot, own in stands.items()}
     free = {foot: np.zeros(len(times)) for foot in stands}
-    other = dict(zip(robot.feet, robot.feet[::-1], strict=True))
-    for step, lift in zip(steps, lifts, strict=True):
-        here, there = stands[step.foot][now[step.foot] : now[step.foot] + 2]
-        anchor = stands[other[step.foot]][now[other[step.foot]]]
-        now[step.foot] += 1
-        track = ankles[step.foot]
-        track[times >= step.land] = (there.x, there.y, 0.0, there.heading)
-        inside = (times > step.lift) & (times < step.land)
-        share = (times[inside] - step.lift) / (step.land - step.lift)
-        most = min(
-            SWING_HEIGHT_RANGE[1] * reach.leg_length,
-            MAX_LIFT_ACCELERATION / HEIGHT_PROFILE_CURVATURE * (step.land - step.lift) ** 2,
-        )
-        track[inside] = _swing_track(here, there, share, max(min(lift, most), SWING_HEIGHT_RANGE[0] * reach.leg_length))
-        free[step.foot][inside] = _height_profile(share)
-        track[inside, :2] += _detour(track[inside], anchor, share, step.foot, reach)
+    for swing in swings_between(stands, steps, lifts, reach):
+        foot, there, inside = swing.step.foot, swing.there, swing.knots(times)
+        track = ankles[foot]
+        track[times >= swing.step.land] = (there.x, there.y, 0.0, there.heading)
+        track[inside] = swing_track(swing, swing.share(times[inside]), reach)
+        free[foot][inside] = freedom(swing.step, times[inside], reach.leg_length)
     return {
         foot: FootPath(
             track[:, :3] + Rotation.from_euler("z", track[:, 3:]).apply(rest[foot].translation),
@@ -124,6 +153,43 @@ def foot_paths(
         )
         for foot, track in ankles.items()
     }
+
+
+def freedom(step: Step, times: Array, leg: float) -> Array:
+    """By how much a foot is free at times (n,) in the air: not at once when it has left the floor, nor up to its
+    landing, and all in between."""
+    held, eased = HELD_TIME * np.sqrt(leg / GRAVITY), EASING_TIME * np.sqrt(leg / GRAVITY)
+    return minimum_jerk((np.minimum(times - step.lift, step.land - times) - held) / eased)
+
+
+def swing_track(swing: Swing, share: Array, reach: LegReach) -> Array:
+    """x, y, height and heading (n, 4) of a swing at shares (n,) of its time, clear of the standing foot."""
+    track = _swing_track(swing.here, swing.there, share, swing.height)
+    beside, needed, across = sole_gap(swing, track, reach)
+    window = _height_profile(share)
+    wide = float((np.maximum(needed - beside, 0.0) / np.maximum(window, 0.1)).max(initial=0.0))
+    track[:, :2] += wide * window[:, None] * across
+    return track
+
+
+def sole_gap(swing: Swing, track: Array, reach: LegReach) -> tuple[Array, Array, Array]:
+    """How far beside the standing foot a swinging one is, how far it has to be to keep clear of it (n,) [m], and the
+    way (n, 2) from the one to the other, along a track (n, 4)."""
+    sign = 1.0 if swing.step.foot == "left_foot" else -1.0
+    anchor = swing.anchor
+    middle = 0.5 * (track[:, 3] + anchor.heading)
+    across = sign * np.column_stack([-np.sin(middle), np.cos(middle)])
+    beside = np.sum((track[:, :2] - [anchor.x, anchor.y]) * across, axis=1)
+    needed = np.empty(len(track))
+    for k in range(len(track)):
+        yaws = (track[k, 3], anchor.heading) if sign > 0.0 else (anchor.heading, track[k, 3])
+        needed[k] = min_ankle_separation(yaws, reach, sign * across[k])
+    return beside, needed, across
+
+
+def least_height(share: Array, reach: LegReach) -> Array:
+    """The least height (n,) of a foot at shares (n,) of its swing [m]."""
+    return SWING_HEIGHT_RANGE[0] * reach.leg_length * _height_profile(share)
 
 
 def _swing_track(here: Foothold, there: Foothold, share: Array, lift: float) -> Array:
@@ -135,22 +201,6 @@ def _swing_track(here: Foothold, there: Foothold, share: Array, lift: float) -> 
     return track
 
 
-def _detour(track: Array, anchor: Foothold, share: Array, foot: str, reach: LegReach) -> Array:
-    """How far a swinging foot has to go aside to keep clear of the standing one, (n, 2) [m]."""
-    sign = 1.0 if foot == "left_foot" else -1.0
-    middle = 0.5 * (track[:, 3] + anchor.heading)
-    across = sign * np.column_stack([-np.sin(middle), np.cos(middle)])
-    beside = np.sum((track[:, :2] - [anchor.x, anchor.y]) * across, axis=1)
-    needed = np.empty(len(track))
-    for k in range(len(track)):
-        yaws = (track[k, 3], anchor.heading) if sign > 0.0 else (anchor.heading, track[k, 3])
-        needed[k] = min_ankle_separation(yaws, reach, sign * across[k])
-    window = _height_profile(share)
-    lacking = np.maximum(needed - beside, 0.0)
-    wide = float((lacking / np.maximum(window, 0.1)).max(initial=0.0))
-    return wide * window[:, None] * across
-
-
 def _height_profile(share: Array) -> Array:
     """The height of a swing over its greatest, from 0 to 1 and back, at rest and without acceleration at both ends.
 
@@ -159,7 +209,7 @@ def _height_profile(share: Array) -> Array:
     return (7.0 / 3.0 * share) ** 3 * (7.0 / 4.0 * (1.0 - share)) ** 4
 
 
-def _feet_at_rest(robot: Robot) -> dict[str, pin.SE3]:
+def feet_at_rest(robot: Robot) -> dict[str, pin.SE3]:
     """The poses of the feet's frames at rest, relative to the point on the floor below their ankle."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)

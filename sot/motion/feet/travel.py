@@ -21,6 +21,7 @@ BODY_SHIFT_HZ = 1.0  # up to which the body follows a shift of its footholds
 MIN_FOOTFALL_LENGTH = 0.10  # m of a dancer: a shorter step is not counted as a footfall
 OMISSIBLE_LENGTH_LEGS = 0.115  # leg lengths: a shorter step may be left out where there is no time for it
 OMISSIBLE_TURN, OMISSIBLE_LIFT_LEGS = 1.0, 0.15  # rad and leg lengths: unless it turns or lifts the foot by more
+HIGH_LIFT_LEGS, KEPT_TIME_SHARE = 0.3, 0.95  # leg lengths of a lift that keeps so much of the dancer's time in the air
 MAX_TIME_RESERVED_FOR_TURN = 0.4  # s that a step takes at least for the foot's turn, at most
 
 
@@ -40,6 +41,7 @@ class Travel:
     Attributes:
         human: the dancer in the robot's size, over its feet.
         steps: in order of time.
+        moves: the dancer's of the steps, on the same clock: at other times, where the robot could not step at these.
         stands: foot -> its footholds before, between and after its steps.
         places: foot -> those of the dancer, in the robot's size along the scaled path.
         lifts: how high the dancer's foot gets in each step [m], in the robot's size.
@@ -52,6 +54,7 @@ class Travel:
 
     human: Human
     steps: tuple[Step, ...]
+    moves: tuple[Step, ...]
     stands: Mapping[str, Sequence[Foothold]]
     places: Mapping[str, Sequence[Foothold]]
     lifts: tuple[float, ...]
@@ -88,7 +91,7 @@ def plan_travel(human: Human, build: Build, reach: LegReach, contacts: Sequence[
         foot: stance_frames(track, [move for move in moves if move.foot == foot], human.rate)
         for foot, track in feet.items()
     }
-    ends = np.array([(step.lift, step.land) for step in timed]).reshape(-1, 2)
+    ends = np.round(human.rate * np.array([(step.lift, step.land) for step in timed])).astype(int).reshape(-1, 2)
     found, scales = reachable_footholds(
         footholds(_foot_tracks(human), moves, human.rate),
         turned,
@@ -96,7 +99,7 @@ def plan_travel(human: Human, build: Build, reach: LegReach, contacts: Sequence[
         reach,
         {foot: way.carry_at(frames) for foot, frames in asked_at.items()},
         way.stiffness,
-        human.points["waist"][np.round(ends * human.rate).astype(int), :2],
+        human.points["waist"][ends, :2],
     )
     scaled = _human_shifted(human, way.shift(scales))
     own = footholds(_foot_tracks(scaled), moves, human.rate)
@@ -108,6 +111,7 @@ def plan_travel(human: Human, build: Build, reach: LegReach, contacts: Sequence[
     return Travel(
         human=_human_shifted(scaled, _mean_of_standing_feet(moved, timed, human)),
         steps=timed,
+        moves=tuple(moves),
         stands=found,
         places=own,
         lifts=lifts,
@@ -131,6 +135,7 @@ def travel_at_clock(travel: Travel, clock: Array) -> Travel:
         travel,
         human=human.resampled_at(np.interp(times, clock, human.times), human.rate),
         steps=tuple(Step(step.foot, late(step.lift), late(step.land)) for step in travel.steps),
+        moves=tuple(step_at_clock(move, clock, human.rate) for move in travel.moves),
         clock=np.interp(travel.clock, human.times, clock),
         footfalls=tuple(
             replace(fall, landed=None if fall.landed is None else late(fall.landed)) for fall in travel.footfalls
@@ -195,7 +200,9 @@ def _asked_steps(
         moved, turned = float(np.hypot(there.x - here.x, there.y - here.y)), abs(there.heading - here.heading)
         lift = _lift_height(feet[step.foot], step, human.rate)
         least = max(
-            reach.swing_time(min(moved, reach.max_stride)), min(turned / reach.turn_speed, MAX_TIME_RESERVED_FOR_TURN)
+            reach.swing_time(min(moved, reach.max_stride)),
+            min(turned / reach.turn_speed, MAX_TIME_RESERVED_FOR_TURN),
+            KEPT_TIME_SHARE * (step.land - step.lift) if lift > HIGH_LIFT_LEGS * human.leg else 0.0,
         )
         small = (
             not given

@@ -12,6 +12,7 @@ import pytest
 
 from scenarios.inputs import clips
 from scenarios.inputs.groove import groove_bvh
+from scenarios.inputs.kick import kick_bvh
 from sot.errors import InputError
 from sot.motion import read, recognise
 
@@ -78,6 +79,17 @@ def test_the_shipped_clip_is_what_its_script_writes() -> None:
     ours, theirs = (text.split("Frame Time: 0.02\n") for text in (shipped.read_text(), groove_bvh()))
     assert ours[0] == theirs[0]
     np.testing.assert_allclose(*(np.fromstring(motion[1], sep=" ") for motion in (ours, theirs)), atol=2e-3)
+
+
+def test_the_shipped_kick_is_what_its_script_writes_and_as_high_as_it_says() -> None:
+    shipped = clips.find_clip("kick")
+    ours, theirs = (text.split("Frame Time: 0.02\n") for text in (shipped.read_text(), kick_bvh()))
+    assert ours[0] == theirs[0]
+    np.testing.assert_allclose(*(np.fromstring(motion[1], sep=" ") for motion in (ours, theirs)), atol=2e-3)
+    points = recognise(read(shipped)).points
+    hip, knee = (np.median(points[f"right_{joint}"][:, 2]) for joint in ("hip", "knee"))
+    assert points["right_ankle"][:, 2].max() > 0.98 * hip
+    assert np.count_nonzero(points["left_ankle"][:, 2] > 0.95 * knee) / 50.0 >= 3.0
 
 
 def test_the_shipped_clip_dances_on_planted_feet() -> None:

@@ -72,7 +72,10 @@ def test_has_the_agreed_keys(motion, log):
     }
     assert set(made["tick_us"]) == {"p50", "p99", "max", "model", "assemble", "solve"}
     assert set(made["tracking"]) == {"mpjpe_mm", "joint_rms_rad", "com_rms_m", "hand_rms_m", "head_rms_rad"}
-    assert set(made["likeness"]) == {"segment_deg", "upper_segment_deg", "hand_path_ratio"}
+    assert set(made["likeness"]) == {
+        *("segment_deg", "upper_segment_deg", "leg_segment_deg", "knee_bend_deg", "foot_lift_ratio", "heading_deg"),
+        "hand_path_ratio",
+    }
     assert set(made["retarget"]) == {"key_point_rms_m", "frames_per_s"}
     assert set(made["zmp"]) == {"inside", "min_margin_m", "rms_to_planned_m"}
     assert set(made["contacts"]) == {
@@ -141,6 +144,18 @@ def test_likeness_of_a_bent_arm(motion, log):
     alike = figures.likeness(log, same_plan(motion))
     assert alike["segment_deg"] == pytest.approx(np.rad2deg(0.5) / 10, rel=1e-6)
     assert alike["upper_segment_deg"] == pytest.approx(np.rad2deg(0.5) / 6, rel=1e-6)
+    assert alike["leg_segment_deg"] == pytest.approx(0.0, abs=1e-5)
+
+
+def test_likeness_of_a_bent_knee_and_of_a_turned_robot(motion, log):
+    log.q[:, 7 + motion.robot.joints.index("LLEG3")] += 0.5
+    alike = figures.likeness(log, same_plan(motion))
+    assert alike["knee_bend_deg"] == pytest.approx(np.rad2deg(0.25), rel=1e-2)
+    assert alike["leg_segment_deg"] == pytest.approx(np.rad2deg(0.125), rel=1e-2)
+    assert (alike["heading_deg"], alike["foot_lift_ratio"]) == (pytest.approx(0.0, abs=1e-6), None)
+    swaying = 0.2 * (np.arange(len(motion.times)) < 0.5 * len(motion.times))
+    turned = replace(same_plan(motion), heading=swaying)
+    assert figures.likeness(log, turned)["heading_deg"] == pytest.approx(np.rad2deg(0.1), rel=1e-2)
 
 
 def test_zmp_close_to_the_edge_is_not_inside(motion, log):

@@ -7,8 +7,8 @@ import pytest
 from sot.errors import InputError
 from sot.motion import Human, Plan, plan, read, recognise
 from sot.motion.feet.contacts import Phase, support_polygon
-from sot.motion.likeness import hand_path_ratio, mean_segment_angle_deg
-from sot.motion.plan import BOUNCE_FADE_TIME, PLAN_RATE, hips_without_bounce_in_slides
+from sot.motion.fitter import BOUNCE_FADE_TIME, PLAN_RATE, hips_without_bounce_in_slides
+from sot.motion.likeness import UPPER_SEGMENTS, hand_path_ratio, mean_segment_angle_deg
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer
 
@@ -86,7 +86,7 @@ def test_starts_from_the_rest_posture_and_ends_at_rest(planned):
 def test_robot_looks_like_the_human(planned):
     human = dancer()
     theirs, ours = points_of(planned, human)
-    assert mean_segment_angle_deg(theirs, ours, upper_body_only=True) < 5.0
+    assert mean_segment_angle_deg(theirs, ours, UPPER_SEGMENTS) < 5.0
     assert 0.8 < hand_path_ratio(theirs, ours, planned.motion.rate) < 1.2
 
 
@@ -100,7 +100,7 @@ def test_too_fast_a_human_costs_likeness_but_no_limit(robot):
     planned = plan(human, robot, rate=500.0)
     assert_feasible(planned.motion, zmp_margin=0.0)
     assert np.abs(planned.motion.v[:, 6:] / robot.velocity).max() > 0.9
-    assert mean_segment_angle_deg(*points_of(planned, human), upper_body_only=True) < 25.0
+    assert mean_segment_angle_deg(*points_of(planned, human), UPPER_SEGMENTS) < 25.0
 
 
 def test_unknown_feet(robot):
@@ -148,5 +148,5 @@ def test_punch():
     planned = plan(human, Robot.load("hrp2"), rate=500.0)
     assert_feasible(planned.motion, zmp_margin=0.02)
     theirs, ours = points_of(planned, human)
-    assert mean_segment_angle_deg(theirs, ours, upper_body_only=True) < 8.0
+    assert mean_segment_angle_deg(theirs, ours, UPPER_SEGMENTS) < 8.0
     assert 0.8 < hand_path_ratio(theirs, ours, 500.0) < 1.2

@@ -14,7 +14,7 @@ from sot.motion.feet.course import stepping_course
 from sot.motion.feet.stance import Build, human_on_time_line
 from sot.motion.feet.support import supports
 from sot.motion.feet.swing import feet_heading
-from sot.motion.plan import PLAN_RATE, body_at_clock, slowed_knots
+from sot.motion.fitter import PLAN_RATE, body_at_clock, slowed_knots
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import walker
 

@@ -8,7 +8,7 @@ import quadprog
 from sot.motion.body.branches import choose_arm_path
 from sot.motion.body.coordinates import from_configuration, to_configuration
 from sot.motion.body.limits import MAX_LEG_EXTENSION, Limits
-from sot.motion.body.parts import Arm, Body, Head
+from sot.motion.body.parts import Arm, Body, Head, Leg
 from sot.motion.body.retarget import PartFit, bounded_step, solve_knots
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import targets_of_human
@@ -46,10 +46,13 @@ def make(name, robot, wanted):
         return Arm(robot, "left", wanted)
     if name == "head":
         return Head(robot, wanted)
+    if name == "leg":
+        ways = {f"left_{part}": wanted.directions["left_forearm"] for part in ("thigh", "shank")}
+        return Leg(robot, "left", ways, wanted.frames["chest"])
     return Body(robot, build, wanted, feet, np.zeros((wanted.length, 2)) if name == "balanced body" else None)
 
 
-@pytest.mark.parametrize("name", ["body", "balanced body", "head", "arm"])
+@pytest.mark.parametrize("name", ["body", "balanced body", "head", "arm", "leg"])
 def test_jacobians_against_finite_differences(robot, wanted, name):
     rng = np.random.default_rng(0)
     part = make(name, robot, wanted)

@@ -1,0 +1,1 @@
+"""Dancer and robot side by side: what becomes of a dancer's legs."""
