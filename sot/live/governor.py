@@ -27,8 +27,10 @@ END_MARGIN = 0.01
 """Part at the ends of a joint's range where no target is put [rad]: bounds that act all the time make it tremble."""
 JERK_TIME = 0.03
 """Time in which an acceleration goes from nothing to its limit [s]."""
-MAX_HIP_SPEED, MAX_HIP_ACCELERATION = 1.0, 3.0
-"""Bounds of the hips' velocity [m/s] and acceleration [m/s²]."""
+MAX_RISING_SPEED, MAX_RISING_ACCELERATION = 1.0, 3.0
+"""Bounds of the pelvis' vertical velocity [m/s] and acceleration [m/s²]."""
+MAX_SHIFT_SPEED, MAX_SHIFT_ACCELERATION = 2.0, 9.0
+"""The same of its horizontal ones: it shifts against what the upper body does, and would else have to tilt for that."""
 MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION = 4.0, 6.0
 """Bounds of the pelvis' velocity [rad/s] and acceleration [rad/s²]: the whole upper body turns with it."""
 MAX_CHEST_ACCELERATION = 8.0
@@ -64,7 +66,8 @@ class Governor:
         self.y, self.dy, self.ddy = start.copy(), np.zeros_like(start), np.zeros_like(start)
         self._period, self._legs = period, legs
         velocity, acceleration = USABLE_VELOCITY_SHARE * limits.velocity, limits.acceleration.copy()
-        velocity[:3], acceleration[:3] = MAX_HIP_SPEED, MAX_HIP_ACCELERATION
+        velocity[:2], acceleration[:2] = MAX_SHIFT_SPEED, MAX_SHIFT_ACCELERATION
+        velocity[2], acceleration[2] = MAX_RISING_SPEED, MAX_RISING_ACCELERATION
         velocity[3:6], acceleration[3:6] = MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION
         chest = 6 + np.array(robot.groups["chest"], dtype=int)
         acceleration[chest] = np.minimum(acceleration[chest], MAX_CHEST_ACCELERATION)
