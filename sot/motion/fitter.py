@@ -32,6 +32,7 @@ Flags = NDArray[np.bool_]
 
 PLAN_RATE = 50.0  # knots per second
 SLOWDOWN_FACTOR, MAX_SLOWNESS = 1.3, 3.0  # by which one slowdown slows, and times slower than the dancer in all
+MAX_CALMINGS = 2  # times that swings get calmer, beside those that the dance is slowed down
 SHARE_GIVEN_UP = 0.5  # of what of a swing is the dancer's, at a time
 MIN_SHARES = {False: 0.0, True: 0.5}  # least share before the dance is slowed down; of a high lift
 STRAIN_MARGIN = 0.1  # s about a swing, in which what the body cannot follow is taken for its doing
@@ -95,7 +96,9 @@ class Fitter:
         relieved: its posture relieves motors already.
         """
         changed, period, moved = None, 1.0 / PLAN_RATE, False
-        for left in range(0 if any(phase.sliding for phase in course.phases) else slowdowns, -1, -1):
+        left = 0 if any(phase.sliding for phase in course.phases) else slowdowns
+        calmings = MAX_CALMINGS
+        while True:
             rounds = BalanceRounds(
                 self.robot, self.build, wanted, course.feet, course.phases, self.limits, body_motion, relieved
             )
@@ -105,19 +108,20 @@ class Fitter:
                 break
             hasty, heavy = self.overloaded(course, body_motion)
             if heavy.any() and not relieved:
-                changed, relieved, moved = heavy, True, False
+                changed, relieved, moved, left = heavy, True, False, left - 1
                 continue
             slower = np.union1d(strained_times, period * np.flatnonzero(hasty))
             if not len(slower):
                 break
             calmer, about = calmer_swings(course, slower)
-            if about.any():
+            if calmings and about.any():
+                calmings -= 1
                 course, changed, moved = self.with_dancers_swings(course, calmer), about, True
                 continue
             clock = clock_from_slowness(slowness_about(course, slower), period)
             course = self.with_dancers_swings(with_clock(course, self.robot, clock), course.swing_shares)
             body_motion = body_at_clock(body_motion, clock)
-            wanted, changed, moved = self.targets(course), slowed_knots(clock, period), False
+            wanted, changed, moved, left = self.targets(course), slowed_knots(clock, period), False, left - 1
         return course, body_motion, relieved
 
     def overloaded(self, course: Course, body_motion: Spline) -> tuple[Flags, Flags]:

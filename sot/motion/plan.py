@@ -41,7 +41,8 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 FEET_MODES = ("auto", "steps", "planted")
-MAX_MENDS, MAX_FINAL_MENDS = 6, 2  # times that swings get calmer or more time, before and after the arms are fitted
+MAX_SLOWDOWNS, MAX_FINAL_SLOWDOWNS = 4, 2  # times that a body gets more time, before and after its arms are fitted
+MAX_ADDED_SHARE = 0.07  # of a clip's time, that swings may add before plain ones are tried
 MAX_FOOT_ERROR_LEGS = 0.1  # leg lengths: a foot that is planned so far off its place makes the robot fall
 LIMB_REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
 CAPTURE_NOISE_HZ = 6.0  # faster motion of a capture is noise
@@ -182,15 +183,21 @@ def _plan_with_swings(
     slide: SlideWay | None,
     height: float | None,
 ) -> Plan:
-    """The plan with feet that swing as the dancer's do, or plainly where that falls short of anything."""
+    """The plan with feet that swing as the dancer's do; with plain swings where that falls short of anything or takes
+    much time, and those do better."""
+    followed = None
     try:
-        planned = _plan(human, robot, feet, rate, contacts, slide, height)
-        if planned.travel is None or not planned.shortfalls:
-            return planned
+        followed = _plan(human, robot, feet, rate, contacts, slide, height)
+        slow = followed.added_time > MAX_ADDED_SHARE * human.duration
+        if followed.travel is None or not (followed.shortfalls or slow):
+            return followed
     except UnreachableFeetError:
         if feet == "planted":
             raise
-    return _plan(human, robot, feet, rate, contacts, slide, height, follow=False)
+    plain = _plan(human, robot, feet, rate, contacts, slide, height, follow=False)
+    if followed is None or len(plain.shortfalls) < len(followed.shortfalls):
+        return plain
+    return followed if followed.added_time <= plain.added_time else plain
 
 
 def _plan(
@@ -221,12 +228,12 @@ def _plan(
         course = fit.with_slide(course, imitation, slide)
         wanted, imitation = fit.unbalanced_body(course)
     retargeted = time.perf_counter()
-    course, body_motion, relieved = fit.balanced(course, wanted, imitation, MAX_MENDS, fresh=True, relieved=False)
+    course, body_motion, relieved = fit.balanced(course, wanted, imitation, MAX_SLOWDOWNS, fresh=True, relieved=False)
     body_motion = fit_limbs(
         robot, fit.targets(course), fit.limits, body_motion, LIMB_REFIT_STEPS
     )  # the chest has moved
     course, body_motion, _ = fit.balanced(
-        course, fit.targets(course), body_motion, MAX_FINAL_MENDS, fresh=False, relieved=relieved
+        course, fit.targets(course), body_motion, MAX_FINAL_SLOWDOWNS, fresh=False, relieved=relieved
     )
     wanted = fit.targets(course)
     short = shortfalls(robot, course.feet, supports(robot, course.phases), body_motion)
