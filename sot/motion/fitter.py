@@ -51,13 +51,13 @@ class Fitter:
     limits: Limits
     hip_height_error: float | None
 
-    def stepping_course(self, human: Human, contacts: Sequence[Step] | None, follow: bool = True) -> Course:
+    def stepping_course(self, human: Human, contacts: Sequence[Step] | None, follow: bool) -> Course:
         """A course that steps.
 
         contacts: the steps to make, on the clip's time, instead of those found.
-        follow: whether feet swing as the dancer's do.
+        follow: whether feet swing as the dancer's do, and take as long for high lifts.
         """
-        course = stepping_course(human_on_time_line(human, PLAN_RATE), self.robot, self.build, contacts)
+        course = stepping_course(human_on_time_line(human, PLAN_RATE), self.robot, self.build, contacts, follow)
         return self.with_dancers_swings(course, swings_at_first(course) if follow else ())
 
     def with_dancers_swings(self, course: Course, shares: tuple[float, ...]) -> Course:

@@ -40,7 +40,7 @@ from sot.robots.robot import Robot
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-FEET_MODES = ("auto", "steps", "planted")
+FEET_MODES = ("auto", "dancer", "steps", "planted")
 MAX_SLOWDOWNS, MAX_FINAL_SLOWDOWNS = 4, 2  # times that a body gets more time, before and after its arms are fitted
 MAX_ADDED_SHARE = 0.07  # of a clip's time, that swings may add before plain ones are tried
 MAX_FOOT_ERROR_LEGS = 0.1  # leg lengths: a foot that is planned so far off its place makes the robot fall
@@ -132,7 +132,8 @@ def plan(
         human: a clip, or the part of one to dance.
         robot: who dances.
         feet: "planted", both soles where the rest posture puts them; "steps", where and when the dancer steps;
-            "auto", planted if the dancer's feet never really move.
+            "auto" and "dancer", planted if the dancer's feet never really move; feet in the air go the dancer's way by
+            "dancer", which may take more time.
         contacts: the steps to make, in the clip's time, instead of those found in it; none may be planted.
         rate: samples per second of the motion [Hz].
         slide: the way of a slide to put in where the dancer stands on one foot most, see `slides.find_slide`; feet
@@ -183,17 +184,18 @@ def _plan_with_swings(
     slide: SlideWay | None,
     height: float | None,
 ) -> Plan:
-    """The plan with feet that swing as the dancer's do; with plain swings where that falls short of anything or takes
+    """The plan; if feet are to swing as the dancer's do, with plain swings where that falls short of anything or takes
     much time, and those do better."""
+    if feet != "dancer":
+        return _plan(human, robot, feet, rate, contacts, slide, height, follow=False)
     followed = None
     try:
-        followed = _plan(human, robot, feet, rate, contacts, slide, height)
+        followed = _plan(human, robot, feet, rate, contacts, slide, height, follow=True)
         slow = followed.added_time > MAX_ADDED_SHARE * human.duration
         if followed.travel is None or not (followed.shortfalls or slow):
             return followed
     except UnreachableFeetError:
-        if feet == "planted":
-            raise
+        pass
     plain = _plan(human, robot, feet, rate, contacts, slide, height, follow=False)
     if followed is None or len(plain.shortfalls) < len(followed.shortfalls):
         return plain
@@ -208,7 +210,7 @@ def _plan(
     contacts: Sequence[Step] | None,
     slide: SlideWay | None,
     height: float | None,
-    follow: bool = True,
+    follow: bool,
 ) -> Plan:
     if feet not in FEET_MODES:
         raise InputError(f"feet '{feet}' are not known: choose one of {', '.join(FEET_MODES)}")
@@ -221,7 +223,7 @@ def _plan(
     fit = Fitter(robot, Build.of(robot), Limits.of(robot), height)
     smooth = human.low_passed(CAPTURE_NOISE_HZ)
     course = None if feet == "planted" else fit.stepping_course(smooth, contacts, follow)
-    if course is None or (feet == "auto" and contacts is None and len(course.phases) == 1):
+    if course is None or (feet in ("auto", "dancer") and contacts is None and len(course.phases) == 1):
         course = standing_course(human_on_time_line(human_over_feet(smooth, fit.build), PLAN_RATE), robot)
     wanted, imitation = fit.unbalanced_body(course)
     if slide is not None:

@@ -52,12 +52,15 @@ def with_slides(course: Course, robot: Robot, slides: Sequence[Slide]) -> Course
     return replace(course, phases=phases, feet=paths_with_slides(course.feet, slides, robot, course.human.times))
 
 
-def stepping_course(human: Human, robot: Robot, build: Build, contacts: Sequence[Step] | None) -> Course:
+def stepping_course(
+    human: Human, robot: Robot, build: Build, contacts: Sequence[Step] | None, keep_lifts: bool = False
+) -> Course:
     """The course of feet that step where and when the human's do.
 
     contacts: the steps to make, in the clip's time, instead of those found.
+    keep_lifts: whether high lifts keep the dancer's time in the air.
     """
-    return _course_along(plan_travel(human, build, LegReach.of(robot), contacts), robot)
+    return _course_along(plan_travel(human, build, LegReach.of(robot), contacts, keep_lifts), robot)
 
 
 def with_clock(course: Course, robot: Robot, clock: Array) -> Course:

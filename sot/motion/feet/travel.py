@@ -65,8 +65,10 @@ class Travel:
     footfalls: tuple[Footfall, ...]
 
 
-def plan_travel(human: Human, build: Build, reach: LegReach, contacts: Sequence[Step] | None) -> Travel:
-    """The robot's steps and footholds for a human on the motion's time line.
+def plan_travel(
+    human: Human, build: Build, reach: LegReach, contacts: Sequence[Step] | None, keep_lifts: bool = False
+) -> Travel:
+    """The robot's steps and footholds for a human on the motion's time line; high lifts may keep their time in the air.
 
     Its path is scaled down, piece by piece, where its strides are out of reach; footholds are moved by the least, and
     the body with them.
@@ -75,7 +77,7 @@ def plan_travel(human: Human, build: Build, reach: LegReach, contacts: Sequence[
     human = human.scaled(ratio)
     feet = _foot_tracks(human)
     dancer = find_steps(feet, human.rate, human.leg) if contacts is None else _steps_in_motion_time(contacts)
-    asked = _asked_steps(feet, dancer, human, reach, given=contacts is not None)
+    asked = _asked_steps(feet, dancer, human, reach, contacts is not None, keep_lifts)
     pace = step_tempo(asked, human.times)
     human = _human_over_start(human, footholds(feet, dancer, human.rate), build)
     path = path_length(human.points["waist"][:, :2], human.rate)
@@ -190,9 +192,10 @@ def _steps_in_motion_time(contacts: Sequence[Step]) -> tuple[Step, ...]:
 
 
 def _asked_steps(
-    feet: Mapping[str, FootTrack], found: Sequence[Step], human: Human, reach: LegReach, given: bool
+    feet: Mapping[str, FootTrack], found: Sequence[Step], human: Human, reach: LegReach, given: bool, keep_lifts: bool
 ) -> list[AskedStep]:
     """The dancer's steps with what each asks of the robot; none may be left out if they were given."""
+    kept = KEPT_TIME_SHARE if keep_lifts else 0.0
     own, now, moves = footholds(feet, found, human.rate), dict.fromkeys(feet, 0), []
     for step in found:
         here, there = own[step.foot][now[step.foot] : now[step.foot] + 2]
@@ -202,7 +205,7 @@ def _asked_steps(
         least = max(
             reach.swing_time(min(moved, reach.max_stride)),
             min(turned / reach.turn_speed, MAX_TIME_RESERVED_FOR_TURN),
-            KEPT_TIME_SHARE * (step.land - step.lift) if lift > HIGH_LIFT_LEGS * human.leg else 0.0,
+            kept * (step.land - step.lift) if lift > HIGH_LIFT_LEGS * human.leg else 0.0,
         )
         small = (
             not given

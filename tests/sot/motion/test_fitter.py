@@ -15,7 +15,7 @@ from tests.sot.motion.human.humans import walker
 @pytest.fixture(scope="module")
 def course():
     robot = Robot.load("hrp2")
-    return Fitter(robot, Build.of(robot), Limits.of(robot), None).stepping_course(walker(), None)
+    return Fitter(robot, Build.of(robot), Limits.of(robot), None).stepping_course(walker(), None, follow=True)
 
 
 def middle(course, step):

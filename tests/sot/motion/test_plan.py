@@ -104,7 +104,7 @@ def test_too_fast_a_human_costs_likeness_but_no_limit(robot):
 
 
 def test_unknown_feet(robot):
-    with pytest.raises(InputError, match="choose one of auto, steps, planted"):
+    with pytest.raises(InputError, match="choose one of auto, dancer, steps, planted"):
         plan(dancer(), robot, feet="flying")
 
 
