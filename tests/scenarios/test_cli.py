@@ -187,7 +187,7 @@ BAD_ARGUMENTS = {
     "no such clip": (["replay", "grove"], "did you mean groove"),
     "robot": (["replay", "groove", "--robot", "asimo"], "asimo"),
     "solver": (["replay", "groove", "--solver", "magic"], "choose one of cascade, weighted, iktc"),
-    "feet": (["replay", "groove", "--feet", "flying"], "choose one of auto, steps, planted"),
+    "feet": (["replay", "groove", "--feet", "flying"], "choose one of auto, dancer, steps, planted"),
     "stack file": (["replay", "groove", "--stack", "none.py"], "none.py: no such stack file"),
     "edit file": (["replay", "groove", "--edit", "none.toml"], "none.toml: cannot be read"),
     "start": (["replay", "groove", "--start", "500"], "the clip lasts"),
