@@ -16,7 +16,7 @@ HIP_HEIGHTS_LEGS = (
     0.83,
     0.90,
 )  # leg lengths, of the hip over the ankle: the last one for strides, all to shift weight
-MAX_EXTENSION = 0.985  # leg lengths, from hip to ankle
+MAX_EXTENSION = 0.97  # leg lengths, from hip to ankle
 RANGE_MARGIN = 0.05  # rad, kept free at either end of a joint's range, for the closed loop and for a tilted pelvis
 DISTANCE_RESOLUTION_LEGS = 0.006  # leg lengths, of the distances
 NEWTON_STEPS = 5  # of inverse kinematics from one place to the next

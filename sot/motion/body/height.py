@@ -15,11 +15,11 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-MAX_LEG_EXTENSION = 0.99  # share of its length that a leg may reach; the closed loop needs the rest
+MAX_LEG_EXTENSION = 0.975  # share of its length that a leg may reach; the closed loop needs the rest
 END_ACCELERATION_SHARE = 0.5  # of the acceleration, with which hips may come down from the ends
-MAX_HIP_ACCELERATION = 4.0  # m/s², of the hips, up and down
+MAX_HIP_ACCELERATION = 2.5  # m/s², of the hips, up and down
 ACCEPTED_HEIGHT_ERROR = 0.02  # m, deviation that costs as much as a jerk of ACCEPTED_JERK
-ACCEPTED_JERK = 80.0  # m/s³
+ACCEPTED_JERK = 20.0  # m/s³
 HELD_END_WEIGHT = 1e9  # weight that holds the control points at both ends
 HELD_HEIGHT_ROOM = 1e-4  # m, added to the bound where a height is held
 

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 RANGE_MARGIN = 0.02  # rad, kept free at both ends of a joint's range for the closed loop
 USABLE_LIMIT_SHARE = 0.97  # share of the velocity and acceleration limits that a reference may use
 LEG_VELOCITY_SHARE = 0.92  # the same share of the legs' velocity limits: feedback needs the rest
-MAX_LEG_EXTENSION = 0.997  # share of its length that a leg may extend to: at full length it can no longer push
+MAX_LEG_EXTENSION = 0.985  # share of its length that a leg may extend to: at full length it can no longer push
 
 
 @dataclass(frozen=True)
