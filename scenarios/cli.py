@@ -167,6 +167,8 @@ def run_command(
     pendulum = case, damping_ratio, form, identified, seeds
     swaying = damping_cli.damping_options(scenario, study, *pendulum)
     climbing = stairs_cli.stairs_options(scenario, rise, depth, treads, seed)
+    if seed is not None and handling is None and climbing is None:
+        raise InputError(f"{scenario} takes no --seed: only {options.NAME} and {stairs_cli.NAME} do")
     if study is not None and handling is None and swaying is None:
         raise InputError(f"{scenario} takes no {study}: it has no studies to choose from")
     pushes, changed = tuple(parse_push(text) for text in push or ()), parse_mismatch(mismatch)

@@ -16,7 +16,7 @@ robot, period, BOW, WAVE = Robot.load("hrp2"), 0.002, np.eye(6)[4] * 0.5, np.arr
 block = Thing.load("block", placement=(0.02, 0.1, 0.0), size=(0.3, 0.16, 0.1))
 under = {"left_foot": block.surface("top")}
 motion = Motion.standing(robot, 4.0, 1.0 / period, on=under)
-stack = planted_stack(robot, motion, on=under)
+stack = planted_stack(robot, motion)
 
 
 def swing(point, way, rate):  # way: metres over radians (6,), there and back; rate: rad/s

@@ -16,7 +16,7 @@ robot, period, BOW, WAVE = Robot.load("hrp2"), 0.002, np.eye(6)[4] * 0.5, np.arr
 slope = Thing.load("slope", placement=pin.SE3(pin.utils.rotate("y", np.deg2rad(-10.0)), np.array([0.0, 0.0, 0.3])))
 under = dict.fromkeys(robot.feet, slope.surface("top"))
 motion = Motion.standing(robot, 4.0, 1.0 / period, on=under)
-stack = planted_stack(robot, motion, on=under)
+stack = planted_stack(robot, motion)
 
 
 def swing(point, way, rate):  # way: metres over radians (6,), there and back; rate: rad/s

@@ -50,3 +50,7 @@ stack.add(OperationalPoint(robot, "right_hand", reach, kp=60.0, weight=100.0), "
 stack.add(FreePoint(robot, "left_foot", lift, kp=100.0), "foot", before="waist")
 schedule = Schedule().mode(5.0, palm.name, "fixed", ramp=0.4).mode(10.0, "left_foot", "off", ramp=0.4)
 done = run(Controller(robot, stack, Cascade(), period, schedule), World(robot, period, things=[table]), motion)
+log = done.log.trimmed()
+edge = motion.pose("right_foot")(0.0)[0][0] + robot.sole("right_foot")[:, 0].max()
+force = log.contact_normal[-1, log.contact_names.index(palm.name)]
+print(f"centre of mass {1e3 * (log.com[-1, 0] - edge):.0f} mm beyond the sole, {force:.0f} N on the hand")

@@ -174,7 +174,7 @@ class RecoverySchedule(SteppingSchedule):
 
     def _dcm_and_error(self, tick: Tick) -> tuple[Array, float]:
         """ξ with angular momentum (2,) [m], and its distance from the plan as displaced by the feet [m]."""
-        t, omega = tick.t, divergence_rate(tick, support_height(tick))
+        t, omega = tick.t, divergence_rate(tick)
         com, velocity, _, _ = self._motion.balance(t)
         xi = (
             tick.com[:2]
@@ -233,4 +233,4 @@ class RecoverySchedule(SteppingSchedule):
 def _predicted_dcm(tick: Tick, xi: Array, support: Polygon, span: float) -> Array:
     """ξ (2,) after a time [s], if the zero-moment point in the support does what it can [m]."""
     z = support.inset(ZMP_MARGIN).nearest_point(xi)
-    return z + (xi - z) * np.exp(divergence_rate(tick, support_height(tick)) * span)
+    return z + (xi - z) * np.exp(divergence_rate(tick) * span)

@@ -4,7 +4,6 @@ import numpy as np
 
 from sot.control.tick import Tick
 from sot.gravity import GRAVITY
-from sot.robots.surface import FLOOR, Surface
 
 MIN_PENDULUM_HEIGHT = 0.1
 """Least height of the centre of mass over the ground that is reckoned with [m]."""
@@ -19,17 +18,10 @@ def support_height(tick: Tick) -> float:
     for contact in tick.contacts:
         if contact.mode == "fixed" and contact.load > 0.0 and contact.is_footing and contact.point in tick.robot.feet:
             total += contact.load
-            if contact.on is not FLOOR:
-                height += contact.load * _height_under(contact.on, tick.frame(contact.point).position)
+            height += contact.load * float(contact.on.height_at(tick.frame(contact.point).position[:2]))
     return height / total if total else 0.0
 
 
-def divergence_rate(tick: Tick, ground: float) -> float:
-    """Rate ω = √(g / h) at which the divergent component leaves [1/s], h over ground of some height [m]."""
-    return float(np.sqrt(GRAVITY / max(tick.com[2] - ground, MIN_PENDULUM_HEIGHT)))
-
-
-def _height_under(surface: Surface, place: np.ndarray) -> float:
-    """Height of a surface's plane at a place (3,) seen from above [m]."""
-    normal, origin = surface.axes.rotation[:, 2], surface.axes.translation
-    return float(origin[2] - normal[:2] @ (place[:2] - origin[:2]) / normal[2])
+def divergence_rate(tick: Tick) -> float:
+    """Rate ω = √(g / h) at which the divergent component leaves [1/s], h the height over what the feet stand on."""
+    return float(np.sqrt(GRAVITY / max(tick.com[2] - support_height(tick), MIN_PENDULUM_HEIGHT)))

@@ -46,8 +46,7 @@ class Ground:
 
     def height(self, places: Array) -> Array:
         """Height (...,) of the ground at horizontal places (..., 2) [m]."""
-        rise: Array = self._origin[2] - (places - self._origin[:2]) @ self._normal[:2] / self._normal[2]
-        return rise
+        return self.surface.height_at(places)
 
     def laid(self, pose: pin.SE3) -> pin.SE3:
         """The pose on this ground of what is at a pose on the level floor."""

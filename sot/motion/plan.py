@@ -1,8 +1,9 @@
 """The plan of a dance, from a human's motion to one that the robot can do: retarget, balance, sample."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,7 +148,8 @@ def plan(
     """
     try:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            planned = _plan_with_swings(human, robot, feet, rate, contacts, slide, height)
+            once = partial(_plan, human, robot, feet, rate, contacts, slide, height)
+            planned = _better_swings(once, human.duration) if feet == "dancer" else once(follow=False)
         if np.isfinite(planned.motion.q).all() and np.isfinite(planned.motion.a).all():
             return planned
     except np.linalg.LinAlgError:
@@ -175,28 +177,18 @@ def imitation(human: Human, robot: Robot, rate: float = 1000.0) -> Motion:
     return sampled_motion(robot, body_motion, course.phases, rate)
 
 
-def _plan_with_swings(
-    human: Human,
-    robot: Robot,
-    feet: str,
-    rate: float,
-    contacts: Sequence[Step] | None,
-    slide: SlideWay | None,
-    height: float | None,
-) -> Plan:
-    """The plan; if feet are to swing as the dancer's do, with plain swings where that falls short of anything or takes
-    much time, and those do better."""
-    if feet != "dancer":
-        return _plan(human, robot, feet, rate, contacts, slide, height, follow=False)
+def _better_swings(once: Callable[..., Plan], duration: float) -> Plan:
+    """The plan with feet that swing as the dancer's do, of a clip of some duration [s]; with plain swings where that
+    falls short of anything or takes much time, and those do better."""
     followed = None
     try:
-        followed = _plan(human, robot, feet, rate, contacts, slide, height, follow=True)
-        slow = followed.added_time > MAX_ADDED_SHARE * human.duration
+        followed = once(follow=True)
+        slow = followed.added_time > MAX_ADDED_SHARE * duration
         if followed.travel is None or not (followed.shortfalls or slow):
             return followed
     except UnreachableFeetError:
         pass
-    plain = _plan(human, robot, feet, rate, contacts, slide, height, follow=False)
+    plain = once(follow=False)
     if followed is None or len(plain.shortfalls) < len(followed.shortfalls):
         return plain
     return followed if followed.added_time <= plain.added_time else plain

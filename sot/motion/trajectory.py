@@ -150,7 +150,7 @@ class Motion:
             if not reached:
                 names = ", ".join(f"{foot} on {surface.name}" for foot, surface in on.items())
                 raise InputError(f"{robot.label} cannot stand with {names}: its legs do not reach")
-            phases = tuple(replace(phase, feet=dict(feet)) for phase in phases)
+            phases = tuple(replace(phase, feet=dict(feet), surfaces=dict(on)) for phase in phases)
         com = pin.centerOfMass(robot.model, robot.model.createData(), q).copy()
         still, nothing = np.zeros((count, robot.nv)), np.zeros((count, 3))
         return Motion(

@@ -93,6 +93,12 @@ class Surface:
         """Its corners (n, 3) in the frame of its point, or in the world [m]."""
         return self.corners @ self.placement.rotation.T + self.placement.translation
 
+    def height_at(self, places: Array) -> Array:
+        """Height (...,) of its plane at horizontal places (..., 2) of the frame that it is placed in [m]."""
+        origin, normal = self.axes.translation, self.axes.rotation[:, 2]
+        height: Array = origin[2] - (places - origin[:2]) @ normal[:2] / normal[2]
+        return height
+
     def pad(self) -> tuple[Array, pin.SE3]:
         """Half sides (3,) of a thin box behind the surface, and its place in the frame of the point [m]."""
         low, high = self.corners.min(axis=0), self.corners.max(axis=0)

@@ -156,8 +156,8 @@ def test_a_floor_that_is_lower_than_planned(motion):
 
 
 @pytest.mark.slow
-def test_feet_that_slip(robot):
-    """A floor like ice: feet slip under the robot, and the state is off by as much at most and does not go astray."""
-    _, figures = stepped(stepping_motion(robot, rate=RATE), mismatch=Mismatch(friction=0.05))
-    assert 0.005 < figures["position_max_m"] < 0.1  # firm floors: 1 mm
-    assert figures["tilt_max_deg"] < 1.0 and figures["velocity_rms_m_s"] < 0.1
+def test_feet_that_slip(motion):
+    """A floor like ice: feet slip under the robot, are found out, and the state does not go astray."""
+    estimator, figures = stepped(motion, mismatch=Mismatch(friction=0.1))
+    assert estimator.slips.sum() > 0
+    assert figures["position_max_m"] < 0.1 and figures["tilt_max_deg"] < 1.0 and figures["velocity_rms_m_s"] < 0.1

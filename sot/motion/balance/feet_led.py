@@ -18,6 +18,7 @@ from sot.motion.feet.contacts import Phase
 from sot.motion.feet.support import supports
 from sot.motion.feet.swing import FootPath
 from sot.motion.footing import footing_on
+from sot.motion.ground import UP
 from sot.motion.human.human import SIDES
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
@@ -25,7 +26,6 @@ from sot.robots.robot import Robot
 Array = NDArray[np.float64]
 GroundHeight = Callable[[Array, Array], Array]
 
-UP = np.array([0.0, 0.0, 1.0])
 BALANCE_ROUNDS = 2  # of balance and inverse kinematics: the second knows the body's height and momentum
 NEWTON_STEPS = 4  # of inverse kinematics at each knot, from the knot before
 REACH_TOLERANCE = 1e-2  # m and rad, before the last Newton step, of what is within reach
