@@ -27,6 +27,8 @@ WIDTH_LEGS = 2.0
 """Width of the stairs [leg lengths]."""
 TOE_GAP_LEGS = 0.03
 """Distance of the toes from the first riser at the start [leg lengths]."""
+ON_TREAD_M = 0.01
+"""Distance from a tread's plane within which a sole stands on it [m]."""
 NOISE_M = 0.003
 """Standard deviation of the treads' heights, with a seed [m]."""
 
@@ -113,13 +115,11 @@ def stair_figures(log: RunLog, robot: Robot, treads: list[Surface]) -> dict[str,
         stands = log.foot_mode[:, index] == FOOT_FIXED
         corners = positions[index][stands, None] + np.einsum("tij,nj->tni", rotations[index][stands], robot.sole(foot))
         for k, tread in enumerate(treads):
-            edges = tread.corners_at_point
-            on = np.abs(corners[:, :, 2].mean(axis=1) - edges[0, 2]) < 0.5 * abs(edges[0, 2])
-            middle = corners[:, :, 0].mean(axis=1)
-            on &= (middle > edges[:, 0].min()) & (middle < edges[:, 0].max())
+            middle = corners.mean(axis=1)
+            on = np.abs(middle[:, 2] - tread.height_at(middle[:, :2])) < ON_TREAD_M
+            on &= tread.edge_margins(middle) > 0.0
             if on.any():
-                inner = [corners[on] - edges.min(axis=0), edges.max(axis=0) - corners[on]]
-                margins[index, k] = min(float(side[:, :, :2].min()) for side in inner)
+                margins[index, k] = float(tread.edge_margins(corners[on]).min())
     reached = np.isfinite(margins).all(axis=0)
     return {
         "treads": len(treads),

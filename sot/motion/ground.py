@@ -35,14 +35,14 @@ class Ground:
     def __init__(self, surface: Surface = FLOOR) -> None:
         if surface.point is not None:
             raise InputError(f"{surface.name} is no ground to walk on: it is part of '{surface.owner}', which moves")
-        self.surface, self._origin, self._normal = surface, surface.placement.translation, surface.axes.rotation[:, 2]
-        slope = float(np.arccos(np.clip(self._normal[2], -1.0, 1.0)))
+        self.surface, normal = surface, surface.axes.rotation[:, 2]
+        slope = float(np.arccos(np.clip(normal[2], -1.0, 1.0)))
         if np.tan(slope) > surface.friction or slope > 0.5 * np.pi - EDGE_TOLERANCE:
             raise InputError(
                 f"{surface.name} is too steep to walk on: {np.degrees(slope):.0f} degrees, and its friction of"
                 f" {surface.friction:g} holds a sole up to {np.degrees(np.arctan(surface.friction)):.0f}"
             )
-        self.tilt: Array = pin.Quaternion.FromTwoVectors(UP, self._normal).matrix()
+        self.tilt: Array = pin.Quaternion.FromTwoVectors(UP, normal).matrix()
 
     def height(self, places: Array) -> Array:
         """Height (...,) of the ground at horizontal places (..., 2) [m]."""
@@ -79,13 +79,7 @@ class Ground:
         return found
 
     def _check_inside(self, foot: str, start: float, sole: Array) -> None:
-        corners = self.surface.corners[:, :2]
-        if not len(corners):
-            return
-        local = ((sole - self._origin) @ self.surface.axes.rotation)[:, :2]
-        edges = np.roll(corners, -1, axis=0) - corners
-        inward = np.column_stack([-edges[:, 1], edges[:, 0]]) / np.linalg.norm(edges, axis=1, keepdims=True)
-        margin = float(np.einsum("knj,nj->kn", local[:, None] - corners, inward).min())
+        margin = float(self.surface.edge_margins(sole).min())
         if margin < -EDGE_TOLERANCE:
             raise InputError(
                 f"{foot} would stand {-1e2 * margin:.0f} cm beyond the edge of {self.surface.name} from"

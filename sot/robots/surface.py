@@ -99,6 +99,20 @@ class Surface:
         height: Array = origin[2] - (places - origin[:2]) @ normal[:2] / normal[2]
         return height
 
+    def edge_margins(self, points: Array) -> Array:
+        """Distances (...,) of points (..., 3) of its plane from its nearest edge [m], negative beyond it, inf without.
+
+        The points are in the frame that it is placed in; its corners are those of a convex patch.
+        """
+        corners = self.corners[:, :2]
+        if not len(corners):
+            return np.full(points.shape[:-1], np.inf)
+        local = ((points - self.axes.translation) @ self.axes.rotation)[..., :2]
+        edges = np.roll(corners, -1, axis=0) - corners
+        inward = np.column_stack([-edges[:, 1], edges[:, 0]]) / np.linalg.norm(edges, axis=1, keepdims=True)
+        margins: Array = np.einsum("...nj,nj->...n", local[..., None, :] - corners, inward).min(axis=-1)
+        return margins
+
     def pad(self) -> tuple[Array, pin.SE3]:
         """Half sides (3,) of a thin box behind the surface, and its place in the frame of the point [m]."""
         low, high = self.corners.min(axis=0), self.corners.max(axis=0)

@@ -2,10 +2,12 @@
 
 import mujoco
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from sim import World
 from sot.robots import Robot, Surface
+from sot.robots.surface import FLOOR
 
 
 def test_axes_come_of_the_corners():
@@ -46,3 +48,14 @@ def test_palms_face_each_other_and_touch_before_the_hand_does(name):
                     axis = data.geom_xmat[geom].reshape(3, 3)[:, 2]
                     assert normal @ data.geom_xpos[geom] + radius + half * abs(normal @ axis) < face - 0.01
     assert model.body_mass.sum() == pytest.approx(robot.mass)
+
+
+def test_height_and_edges_of_a_patch_on_a_slope():
+    tilt = pin.exp3(np.array([0.0, -0.3, 0.0]))
+    square = np.array([[-1.0, -0.5, 0.0], [1.0, -0.5, 0.0], [1.0, 0.5, 0.0], [-1.0, 0.5, 0.0]])
+    surface = Surface("slope", square, pin.SE3(tilt, np.array([2.0, 0.0, 0.4])))
+    places = np.array([[2.0, 0.3], [2.5, -0.2]])
+    np.testing.assert_allclose(surface.height_at(places), [0.4, 0.4 + 0.5 * np.tan(0.3)])
+    points = np.array([[0.9, 0.0, 0.0], [0.0, -0.45, 0.0], [1.2, 0.0, 0.0]]) @ tilt.T + [2.0, 0.0, 0.4]
+    np.testing.assert_allclose(surface.edge_margins(points), [0.1, 0.05, -0.2], atol=1e-12)
+    assert np.isinf(FLOOR.edge_margins(points)).all() and (FLOOR.height_at(places) == 0.0).all()
