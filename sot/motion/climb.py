@@ -119,7 +119,7 @@ def _paths(robot: Robot, swings: Sequence[_Swing], times: Array, clearance: floa
             way[:, 2] = before + (top - before) * minimum_jerk(share / RISE_SHARE)
             way[:, 2] -= (top - after) * minimum_jerk((share - 1.0 + RISE_SHARE) / RISE_SHARE)
             position[share > 0.0] = way[share > 0.0]
-        paths[foot] = FootPath(position, np.tile(start.rotation, (len(times), 1, 1)), np.zeros(len(times)))
+        paths[foot] = FootPath(position, np.tile(start.rotation, (len(times), 1, 1)), *np.zeros((2, len(times))))
     return paths
 
 

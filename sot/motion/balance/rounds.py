@@ -224,7 +224,7 @@ class BalanceRounds:
     def _lower_hips(self, part: slice) -> None:
         """Lowers the hips, in a part of the knots, to where both legs reach."""
         feet = {
-            foot: FootPath(path.position[part], path.rotation[part], path.free[part])
+            foot: FootPath(path.position[part], path.rotation[part], path.free[part], path.yielding[part])
             for foot, path in self._feet.items()
         }
         highest = reachable_hip_height(self._robot, self.body_motion.knots[part], feet)

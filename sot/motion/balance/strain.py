@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 MIN_ZMP_MARGIN_LEGS = 0.0166  # leg lengths, from the ZMP to the edge of the support, for longer than an instant
 MAX_FOOT_ERROR_LEGS = 0.0033  # leg lengths, of a foot off its path
-MAX_FREE_FOOT_ERROR_LEGS = 0.05  # leg lengths more, of a foot in the air
+MAX_YIELD_LEGS = 0.05  # leg lengths more, of a foot that yields
 MAX_NAMED_STRETCHES = 4  # stretches in a sentence
 MERGED_GAP_S = 0.5  # s: what falls short twice within that time does so once
 
@@ -124,12 +124,12 @@ def _zmp_margins(robot: Robot, where: Sequence[Support], body_motion: Spline, st
 
 
 def _foot_errors(robot: Robot, feet: Mapping[str, FootPath], body_motion: Spline, part: slice) -> Array:
-    """The distance of the foot that is farthest off its path, at the knots of a part (n,), beyond what is free in the
-    air [m]."""
+    """The distance of the foot that is farthest off its path, at the knots of a part (n,), beyond what it may
+    yield [m]."""
     kinematics, leg, worst = Kinematics(JointTree(robot), body_motion.knots[part]), leg_length(robot), []
     for foot, path in feet.items():
         away = np.linalg.norm(kinematics.frame_pose(robot.point(foot))[1] - path.position[part], axis=1)
-        worst.append(np.maximum(away - MAX_FREE_FOOT_ERROR_LEGS * leg * path.free[part], 0.0))
+        worst.append(np.maximum(away - MAX_YIELD_LEGS * leg * path.yielding[part], 0.0))
     return np.max(worst, axis=0)
 
 

@@ -1,7 +1,6 @@
 """The ways of feet in the air: the dancer's, as far as the robot's legs can do them, from foothold to foothold."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -21,7 +20,16 @@ from sot.motion.feet.course import Course
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import foot_track
 from sot.motion.feet.stance import Build
-from sot.motion.feet.swing import FootPath, Swing, feet_at_rest, least_height, sole_gap, swing_track, swings_between
+from sot.motion.feet.swing import (
+    FootPath,
+    Swing,
+    feet_at_rest,
+    freedom,
+    least_height,
+    sole_gap,
+    swing_track,
+    swings_between,
+)
 from sot.motion.feet.travel import Travel
 from sot.robots.robot import Robot
 
@@ -63,7 +71,7 @@ class DancersFeet:
         """The paths; shares: for each step how much of its swing is the dancer's, 1 all of it, 0 nothing."""
         travel, times = self._course.travel, self._course.human.times
         paths = {
-            foot: replace(path, position=path.position.copy(), rotation=path.rotation.copy(), free=path.free.copy())
+            foot: FootPath(path.position.copy(), path.rotation.copy(), path.free.copy(), path.yielding.copy())
             for foot, path in self._course.feet.items()
         }
         if travel is None:
@@ -72,9 +80,11 @@ class DancersFeet:
             swings_between(travel.stands, travel.steps, travel.lifts, self._reach), shares, strict=True
         ):
             path, knots = paths[swing.step.foot], np.flatnonzero(swing.knots(times))
-            path.free[knots] *= PLAIN_FREEDOM + (1.0 - PLAIN_FREEDOM) * share
+            followed = PLAIN_FREEDOM + (1.0 - PLAIN_FREEDOM) * share
+            free = followed * freedom(swing.step, times[knots], self._reach.leg_length)
+            path.free[knots] = path.yielding[knots] = free
             if share > 0.0 and len(knots) >= MIN_KNOTS:
-                found = self._swing(swing, knots, share, path.free[knots])
+                found = self._swing(swing, knots, share, free)
                 if found is not None:
                     path.position[knots], path.rotation[knots] = found
         return paths

@@ -45,7 +45,7 @@ def reachable_hip_height(robot: Robot, y: Array, feet: Mapping[str, FootPath]) -
         target = path.position + np.einsum("tij,tj->ti", path.rotation, own)
         flat = np.sum((hip - target)[:, :2] ** 2, axis=1)
         above = np.sqrt(np.maximum((MAX_LEG_EXTENSION * leg) ** 2 - flat, 0.0))
-        beyond = path.free * leg  # a foot in the air comes along with the hips
+        beyond = path.yielding * leg  # a foot that yields comes along with the hips
         highest = np.minimum(highest, target[:, 2] + above + beyond - (hip[:, 2] - middle))
     return highest
 

@@ -21,7 +21,8 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 FOOT_WEIGHT = 1.0 / 0.0001  # 1/m and 1/rad
-ACCEPTED_FREE_ERROR, ACCEPTED_FREE_TILT = 0.004, 0.1  # m and rad, of a foot in the middle of a swing
+ACCEPTED_SWING_TILT = 0.05  # rad, of a foot in the middle of a swing, and as much again where it yields
+ACCEPTED_YIELD = 0.004  # m, off its path, of a foot that yields
 COM_WEIGHT_STANDING, COM_WEIGHT_STEPPING = 1.0 / 0.0003, 1.0 / 0.00005  # 1/m: support is scarce where feet step
 HIP_PLACE_WEIGHT = 1.0 / 0.05  # 1/m, of the hips' horizontal place, where there is no CoM to follow
 HIP_HEIGHT_WEIGHT_STANDING, HIP_HEIGHT_WEIGHT_STEPPING = 1.0 / 0.05, 1.0 / 0.01  # 1/m
@@ -76,9 +77,9 @@ class Body:
         tilt, J_tilt = kinematics.orientation_residual(self._waist, wanted.frames["pelvis"][knots])
         feet = []
         for foot, path in self._feet:
-            free = path.free[knots, None]
-            near = FOOT_WEIGHT / (1.0 + FOOT_WEIGHT * ACCEPTED_FREE_ERROR * free)
-            level = FOOT_WEIGHT / (1.0 + FOOT_WEIGHT * ACCEPTED_FREE_TILT * free)
+            free, yielding = path.free[knots, None], path.yielding[knots, None]
+            near = FOOT_WEIGHT / (1.0 + FOOT_WEIGHT * ACCEPTED_YIELD * yielding)
+            level = FOOT_WEIGHT / (1.0 + FOOT_WEIGHT * ACCEPTED_SWING_TILT * (free + yielding))
             off, J_off = kinematics.position_residual(foot, path.position[knots])
             turn, J_turn = kinematics.orientation_residual(foot, path.rotation[knots])
             feet += [(1.0, near * off, near[:, None] * J_off), (1.0, level * turn, level[:, None] * J_turn)]

@@ -133,6 +133,7 @@ def paths_with_slides(
             np.concatenate([before.position[:k], way.position]),
             np.concatenate([before.rotation[:k], way.rotation]),
             before.free,
+            before.yielding,
         )
     return made
 
@@ -158,7 +159,7 @@ def _poses_along_slide(here: pin.SE3, slide: Slide, robot: Robot, share: Array) 
     position = np.tile(here.translation, (len(share), 1))
     position[:, :2] += share[:, None] * (forward * ahead + outward * aside)
     turns = np.array([pin.utils.rotate("z", side * turn * part) for part in share.tolist()])
-    return FootPath(position, turns @ here.rotation, np.zeros(len(share)))
+    return FootPath(position, turns @ here.rotation, *np.zeros((2, len(share))))
 
 
 def _zmp_excess(robot: Robot, phase: Phase, foot: str, zmp: Array) -> Array:

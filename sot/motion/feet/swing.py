@@ -31,12 +31,14 @@ class FootPath:
     Attributes:
         position: (T, 3) [m].
         rotation: (T, 3, 3).
-        free: (T,) by how much the foot may be off its path: 1 in the middle of a swing, 0 where it stands or slides.
+        free: (T,) by how much the foot may tilt: 1 in the middle of a swing, 0 where it stands or slides.
+        yielding: (T,) by how much it may be off its path in all ways; nothing in a swing that is an arc.
     """
 
     position: Array
     rotation: Array
     free: Array
+    yielding: Array
 
 
 def standing_paths(phase: Phase, length: int) -> dict[str, FootPath]:
@@ -45,6 +47,7 @@ def standing_paths(phase: Phase, length: int) -> dict[str, FootPath]:
         foot: FootPath(
             np.broadcast_to(pose.translation, (length, 3)).copy(),
             np.broadcast_to(pose.rotation, (length, 3, 3)).copy(),
+            np.zeros(length),
             np.zeros(length),
         )
         for foot, pose in phase.feet.items()
@@ -143,21 +146,22 @@ def foot_paths(
         foot, there, inside = swing.step.foot, swing.there, swing.knots(times)
         track = ankles[foot]
         track[times >= swing.step.land] = (there.x, there.y, 0.0, there.heading)
-        track[inside] = swing_track(swing, swing.share(times[inside]), reach)
-        free[foot][inside] = freedom(swing.step, times[inside], reach.leg_length)
+        share = swing.share(times[inside])
+        track[inside], free[foot][inside] = swing_track(swing, share, reach), _height_profile(share)
     return {
         foot: FootPath(
             track[:, :3] + Rotation.from_euler("z", track[:, 3:]).apply(rest[foot].translation),
             Rotation.from_euler("z", track[:, 3:]).as_matrix() @ rest[foot].rotation,
             free[foot],
+            np.zeros(len(times)),
         )
         for foot, track in ankles.items()
     }
 
 
 def freedom(step: Step, times: Array, leg: float) -> Array:
-    """By how much a foot is free at times (n,) in the air: not at once when it has left the floor, nor up to its
-    landing, and all in between."""
+    """By how much a foot may be off its path at times (n,) in the air: not at once when it has left the floor, nor up
+    to its landing, and all in between."""
     held, eased = HELD_TIME * np.sqrt(leg / GRAVITY), EASING_TIME * np.sqrt(leg / GRAVITY)
     return minimum_jerk((np.minimum(times - step.lift, step.land - times) - held) / eased)
 

@@ -62,7 +62,9 @@ def bodies(robot):
         pose = data.oMf[robot.point(foot)]
         turned = pin.utils.rotate("z", inward) @ pose.rotation
         feet[foot] = FootPath(
-            np.tile(pose.translation, (human.count, 1)), np.tile(turned, (human.count, 1, 1)), np.zeros(human.count)
+            np.tile(pose.translation, (human.count, 1)),
+            np.tile(turned, (human.count, 1, 1)),
+            *np.zeros((2, human.count)),
         )
     legs = Clearance.of_legs(robot, human.count)
     return Body(robot, build, wanted, feet), ClearBody(robot, build, wanted, feet, legs), legs
