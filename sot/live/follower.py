@@ -15,7 +15,7 @@ from sot.live.body_solver import BodySolver
 from sot.live.frame import Frame, Source
 from sot.live.person import Acquaintance, Moment, Person
 from sot.live.placement import MomentTargets, Placement
-from sot.live.reference import PERIOD, LiveReference
+from sot.live.reference import PERIOD, FutureTarget, LiveReference
 from sot.live.sensing.gate import Gate
 from sot.live.sensing.one_euro import MomentFilter
 from sot.live.sensing.time_line import TimeLine
@@ -73,7 +73,7 @@ class Follower:
     Args:
         source: of frames.
         robot: who follows.
-        delay: by which everything is played later [s]; the centre of mass is planned with the future that this buys.
+        delay: by which everything is played later [s]; the motion is planned with the future that this buys.
         start: what the source's clock shows when the run begins [s].
 
     Attributes:
@@ -88,7 +88,8 @@ class Follower:
     def __init__(self, source: Source, robot: Robot, delay: float = 0.0, start: float = 0.0) -> None:
         self.source, self.robot, self._start = source, robot, start
         self._build, limits = Build.of(robot), Limits.of(robot)
-        self.reference = LiveReference(robot, limits)
+        self._foresight = max(delay - REORDERING_TIME, 0.0)
+        self.reference = LiveReference(robot, limits, self._foresight)
         self.time_line = TimeLine(delay)
         self.counts: Counter[str] = Counter()
         self._body = BodySolver(robot, self._build, limits)
@@ -102,7 +103,6 @@ class Follower:
         self._solution = self.reference.rest.copy()
         self._velocity = np.zeros(robot.nv)
         self._last: float | None = None  # due time of the last frame that was solved
-        self._preview = max(delay - REORDERING_TIME, 0.0)
         self._target: Target | None = None
         self._future: deque[Target] = deque()
         self._share = 0.0  # of the way from the safe posture to the person
@@ -116,7 +116,7 @@ class Follower:
         now = t + self._start
         for frame in self.source.poll(now):
             self.time_line.add(frame)
-        due = self.time_line.due(now + self._preview)
+        due = self.time_line.due(now + self._foresight)
         self.counts["skipped"] += max(0, len(due) - 1)  # many at once: the last is where the person is now
         for frame in due[-1:]:
             self._take_in(frame, t)
@@ -170,8 +170,8 @@ class Follower:
         self.shown.append((due - self.time_line.delay, targets))
         elapsed = due - self._last if self._last is not None else PERIOD
         y = self._body.solve(targets, self._solution)
-        # What the trunk will be late when the frame is due is head's and arms' to make up.
-        start = self.reference.expected(y, due)
+        # What the trunk will be late when the frame is due is head's and arms' to make up; with a future it is not.
+        start = y if self._foresight else self.reference.expected(y, due)
         head = self._body.head_columns
         y[head] = self._body.solve_head(targets, start)[head]
         data = self._body.place(start)
@@ -199,5 +199,8 @@ class Follower:
             self.reference.advance(rest, np.zeros_like(rest))
             return
         velocity = share * target.velocity if fresh else np.zeros_like(rest)
-        future = [(later.due - t, share * (later.com - target.com)) for later in self._future]
+        future = [
+            FutureTarget(later.due - t, rest + share * (later.y - rest), share * (later.com - target.com))
+            for later in self._future
+        ]
         self.reference.advance(rest + share * (target.y - rest), velocity, future)
