@@ -23,6 +23,7 @@ from sot.live.state import pinocchio_state
 from sot.motion.body.limits import Limits
 from sot.motion.feet.stance import Build
 from sot.motion.human.human import SIDES
+from sot.motion.human.skeleton import JointAliases
 from sot.robots.robot import Robot
 from sot.smooth import minimum_jerk
 
@@ -75,6 +76,7 @@ class Follower:
         robot: who follows.
         delay: by which everything is played later [s]; the motion is planned with the future that this buys.
         start: what the source's clock shows when the run begins [s].
+        mapping: names of the joints of an unknown skeleton, as of `sot.motion.human.skeleton.named_joints`.
 
     Attributes:
         reference: what the robot shall do.
@@ -85,8 +87,15 @@ class Follower:
         held_s: time without a frame to follow, once there had been one [s].
     """
 
-    def __init__(self, source: Source, robot: Robot, delay: float = 0.0, start: float = 0.0) -> None:
-        self.source, self.robot, self._start = source, robot, start
+    def __init__(
+        self,
+        source: Source,
+        robot: Robot,
+        delay: float = 0.0,
+        start: float = 0.0,
+        mapping: JointAliases | None = None,
+    ) -> None:
+        self.source, self.robot, self._start, self._mapping = source, robot, start, mapping
         self._build, limits = Build.of(robot), Limits.of(robot)
         self._foresight = max(delay - REORDERING_TIME, 0.0)
         self.reference = LiveReference(robot, limits, self._foresight)
@@ -95,7 +104,7 @@ class Follower:
         self._body = BodySolver(robot, self._build, limits)
         arms = [ArmSolver(robot, side, limits) for side in SIDES]
         self._arms = [arm for arm in arms if len(arm.columns)]
-        self._acquaintance = Acquaintance(source.name)
+        self._acquaintance = Acquaintance(source.name, mapping)
         self._person: Person | None = None
         self._placement: Placement
         self._gate: Gate
@@ -160,7 +169,7 @@ class Follower:
             return
         if self._person is not None:
             self.counts["persons"] += 1
-            self._acquaintance = Acquaintance(self.source.name)
+            self._acquaintance = Acquaintance(self.source.name, self._mapping)
             self._placement = Placement(self._build, self._person)
             self._gate = Gate(self._person, self.counts)
             self._filter.start_anew()

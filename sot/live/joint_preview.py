@@ -10,10 +10,11 @@ Array = NDArray[np.float64]
 
 MAX_KNOTS = 20
 """Knots of a plan at most: more of the future than 0.4 s changes little."""
-BLOCKS = (1, 1, 2, 2, 4, 4, 6)
-"""Knots over which an acceleration stays the same, from now on; a shorter plan takes the first of them."""
-ACCELERATION_COST = 1e-5
-"""Mean square of an error [rad² or m²] that costs as much as all of the acceleration limit: there is one answer."""
+BLOCKS = (2, 2, 4, 4, 8)
+"""Knots over which an acceleration stays the same, from now on; a shorter plan takes the first of them. With a first
+block of one knot, accelerations chatter: they change only as fast as the jerk allows."""
+ACCELERATION_COST = 3e-4
+"""Mean square of an error [rad² or m²] that costs as much as all of the acceleration limit."""
 
 
 class JointPreview:

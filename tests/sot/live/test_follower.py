@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sot.errors import InputError
+from sot.errors import InputError, UnknownSkeletonError
 from sot.live.clip_source import ClipSource
 from sot.live.follower import EASE_OUT_TIME, STALE_TIME, Follower
 from sot.live.sensing.key_point_source import KeyPointSource
 from sot.motion.human.capture import Capture
+from sot.motion.human.skeleton import named_joints
 from sot.robots.robot import Robot
 from tests.sot.live.people import Spoilt, groove, moved
 
@@ -117,18 +118,24 @@ def test_a_person_elsewhere_is_believed_after_a_while(robot):
     assert follower.counts["jump"] < 20
 
 
-def test_an_unknown_skeleton_says_what_it_has_and_lacks(robot):
+def renamed_groove():
+    """The clip under names that nobody knows, and those that it is known by."""
     clip = groove()._frames
-    unknown = Capture(
-        "unknown",
-        50.0,
-        tuple(f"bone{k}" for k in range(len(clip.joints))),
-        clip.parents,
-        clip.positions,
-        clip.rotations,
-    )
-    with pytest.raises(InputError, match=r"not found: head, left_hip, .* its joints are bone0"):
-        follow(ClipSource(unknown, 50.0), robot, 0.1)
+    names = tuple(f"bone{k}" for k in range(len(clip.joints)))
+    return Capture("renamed", 50.0, names, clip.parents, clip.positions, clip.rotations), named_joints(clip)
+
+
+def test_an_unknown_skeleton_says_what_it_has_and_lacks_and_takes_a_mapping(robot):
+    clip, known = renamed_groove()
+    with pytest.raises(UnknownSkeletonError, match=r"not found: head, left_hip, .* its joints are bone0") as refused:
+        follow(ClipSource(clip, 50.0), robot, 0.1)
+    assert 'head = ""' in refused.value.mapping
+    mapping = {joint: [f"bone{index}"] for joint, index in known.items()}
+    for source in (ClipSource(clip, 50.0), KeyPointSource(ClipSource(clip, 50.0), mapping=mapping)):
+        follower = Follower(source, robot, mapping=mapping)
+        for k in range(130):
+            follower.update(k * STEP)
+        assert follower.counts["persons"] == 1 and follower.shown
 
 
 def test_positions_alone_are_enough(robot):
