@@ -49,8 +49,8 @@ class LiveView:
                 stream.log(
                     f"world/{entity}/{body}", rr.Transform3D(translation=positions[k, 0], mat3x3=rotations[k, 0])
                 )
-        if follower.shown:
-            points = follower.shown[-1][1].points
+        points = next((targets.points for due, targets in reversed(follower.shown) if due <= t), None)
+        if points is not None:
             strips = [np.stack([points[near], points[far]]) for near, far in BONES]
             stream.log("world/human", rr.LineStrips3D(strips, colors=[COLORS["human"]], radii=[0.018]))
         stream.log("curves/error_rad", rr.Scalars(float(np.abs(q[7:] - reference.q[7:]).max())))

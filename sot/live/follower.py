@@ -82,7 +82,7 @@ class Follower:
         reference: what the robot shall do.
         time_line: of the frames.
         counts: what befell the frames.
-        shown: when the person was seen, in the time of the run [s], and as what in the robot's size.
+        shown: when the person is played, in the time of the run [s], and as what in the robot's size.
         frame_times: of each frame that was followed.
         held_s: time without a frame to follow, once there had been one [s].
     """
@@ -176,7 +176,7 @@ class Follower:
 
     def _follow(self, moment: Moment, due: float) -> None:
         targets = self._placement(moment, due)
-        self.shown.append((due - self.time_line.delay, targets))
+        self.shown.append((due, targets))
         elapsed = due - self._last if self._last is not None else PERIOD
         y = self._body.solve(targets, self._solution)
         # What the trunk will be late when the frame is due is head's and arms' to make up; with a future it is not.

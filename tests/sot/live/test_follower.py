@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sim.reporting.figures import Points
 from sot.errors import InputError, UnknownSkeletonError
 from sot.live.clip_source import ClipSource
 from sot.live.follower import EASE_OUT_TIME, STALE_TIME, Follower
 from sot.live.sensing.key_point_source import KeyPointSource
 from sot.motion.human.capture import Capture
 from sot.motion.human.skeleton import named_joints
+from sot.motion.likeness import UPPER_SEGMENTS, mean_segment_angle_deg
 from sot.robots.robot import Robot
 from tests.sot.live.people import Spoilt, groove, moved
 
@@ -64,6 +66,22 @@ def test_the_feet_of_the_reference_stay(robot):
         track = motion.track(foot)
         assert np.abs(track.position - track.position[0]).max() < 2e-3
         assert np.abs(track.velocity).max() < 0.02
+
+
+def test_a_delay_lets_arms_start_early(robot):
+    """Mean angle of the arms' segments to those of the person who is played, who moves three times too fast."""
+    clip = groove(60.0)._frames
+    fast = Capture("fast", 180.0, clip.joints, clip.parents, clip.positions, clip.rotations)
+
+    def error(delay):
+        follower = follow(ClipSource(fast, 50.0), robot, 3.4 + delay, delay)
+        motion = follower.reference.recorded(3.3 + delay, 100.0)
+        played = [(t, targets) for t, targets in follower.shown if 2.0 + delay < t < 3.2 + delay]
+        human = {name: np.array([targets.points[name] for _, targets in played]) for name in played[0][1].points}
+        q = motion.q[[round(t * motion.rate) for t, _ in played]]
+        return mean_segment_angle_deg(human, Points.of(robot, q, tuple(human)).positions, UPPER_SEGMENTS)
+
+    assert error(0.4) < 0.75 * error(0.0)
 
 
 def test_a_stream_that_stops_is_left_within_a_third_of_a_second(robot):
