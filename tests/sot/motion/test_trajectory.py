@@ -162,8 +162,8 @@ def test_standing_needs_some_time(seconds, rate):
 
 def test_a_motion_on_a_block_is_neither_saved_without_the_block_nor_moved_away_from_it(tmp_path):
     robot = Robot.load("hrp2")
-    corners = 0.5 * np.array([(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0)])
-    block = Surface.of_corners("block", corners + (0.0, 0.0, 0.1))
+    corners = [(-0.5, -0.5, 0.1), (0.5, -0.5, 0.1), (0.5, 0.5, 0.1), (-0.5, 0.5, 0.1)]
+    block = Surface.of_corners("block", corners)
     motion = Motion.standing(robot, 0.5, 200.0, on=dict.fromkeys(robot.feet, block))
     with pytest.raises(InputError, match=r"a motion of feet on block cannot be saved: only one on the floor can"):
         motion.save(tmp_path / "motion.npz")
