@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.markup import escape
 from rich.table import Table
 
 from scenarios import viewer
@@ -28,6 +29,7 @@ from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.inputs.plant import parse_feet_compliance
 from scenarios.inputs.run_options import MismatchText, Pushes, Rate, RobotName, SolverName
 from scenarios.kimoh2013.damping import options as damping_cli
+from scenarios.library.export import export_command
 from scenarios.listing import Kind, list_rows
 from scenarios.live.commands import live_command, stream_command
 from scenarios.otani2017 import options
@@ -56,6 +58,7 @@ app.add_typer(robot_app, name="robot")
 app.command("live")(live_command)
 app.command("stream")(stream_command)
 app.command("bench")(bench_command)
+app.command("export")(export_command)
 
 
 @app.command("replay")
@@ -284,7 +287,7 @@ def list_command(kind: Annotated[Kind, typer.Argument(help="What to list.")]) ->
     """List what there is to choose from."""
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
     for row in list_rows(kind):
-        table.add_row(*row)
+        table.add_row(*(escape(cell) for cell in row))
     output.print(table)
     return DONE
 

@@ -21,6 +21,7 @@ from sim.push import Push
 from sim.recording import recorder
 from sim.recording.things import HandledThings
 from sim.reporting import report, timeline
+from sim.reporting.simulated import simulated_motion
 from sim.reporting.traces import Traces
 from sim.world import World
 from solvers import Cascade, Solver, TaskCorrection, Weighted
@@ -48,6 +49,7 @@ ProgressCallback = Callable[[str, float | None], object]
 
 SOLVERS: dict[str, Callable[[], Solver]] = {"cascade": Cascade, "weighted": Weighted, "iktc": TaskCorrection}
 RECORDING_FILE, REPORT_FILE, TIMELINE_FILE, TRACES_FILE = "run.rrd", "report.json", "schedule.svg", "traces.npz"
+SIMULATED_FILE = "simulated.npz"
 
 
 @dataclass(frozen=True)
@@ -169,6 +171,7 @@ def write_outputs(
     figures |= {"edits": list(danced.edits)} | dict(extra_figures)
     report.write_json(figures, out / REPORT_FILE)
     Traces.of(danced.run.log, danced.info, danced.motion).save(out / TRACES_FILE)
+    simulated_motion(danced.run.log, danced.info, danced.motion).save(out / SIMULATED_FILE)
     return figures
 
 
@@ -268,6 +271,7 @@ def _world(request: Replay, motion: Motion, scene: Scene | None = None, things: 
 
 
 def _info(request: Replay, world: World, planned: Plan | None, done: Run, solver: str) -> RunInfo:
+    source, licence = clips.terms(request.clip)
     return RunInfo(
         clip=Path(request.clip).stem,
         robot=world.robot.name,
@@ -281,6 +285,8 @@ def _info(request: Replay, world: World, planned: Plan | None, done: Run, solver
         mismatch=request.mismatch,
         pushes=request.pushes,
         hardware=world.hardware,
+        source=source,
+        licence=licence,
     )
 
 

@@ -164,9 +164,7 @@ def flights(plan: Performance | None) -> Figures:
 
 def zmp(log: RunLog, motion: Motion) -> Figures:
     """The measured ZMP in the support that was planned; a tick without support or load counts as outside."""
-    margins = np.full(log.ticks, np.nan)
-    for rows, polygon in planned_support(log, motion):
-        margins[rows] = polygon.margin(log.zmp_measured[rows])
+    margins = zmp_margins(log, motion)
     known = margins[np.isfinite(margins)]
     off = np.linalg.norm(log.zmp_measured - log.zmp_planned, axis=1)
     return {
@@ -174,6 +172,14 @@ def zmp(log: RunLog, motion: Motion) -> Figures:
         "min_margin_m": float(known.min()) if len(known) else None,
         "rms_to_planned_m": _rms(off[np.isfinite(off)]),
     }
+
+
+def zmp_margins(log: RunLog, motion: Motion) -> np.ndarray:
+    """Distance (T,) of the measured ZMP from the planned support's edge, negative outside [m]; nan without either."""
+    margins = np.full(log.ticks, np.nan)
+    for rows, polygon in planned_support(log, motion):
+        margins[rows] = polygon.margin(log.zmp_measured[rows])
+    return margins
 
 
 def contacts(log: RunLog, robot: Robot) -> Figures:
