@@ -20,6 +20,8 @@ from scenarios.inputs.clip_options import (
     EditFile,
     Feet,
     ForwardAxis,
+    FrameRate,
+    FromFormat,
     MappingFile,
     Start,
     Unit,
@@ -84,6 +86,8 @@ def replay_command(
     stabiliser: plant_options.StabiliserName = "dcm",
     state: plant_options.StateName = "true",
     sensors: plant_options.SensorsName = "ideal",
+    from_format: FromFormat = None,
+    fps: FrameRate = None,
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/CLIP by default.")] = None,
     view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
 ) -> int:
@@ -116,6 +120,8 @@ def replay_command(
         stabiliser,
         state,
         sensors,
+        from_format,
+        fps,
     )
     with progress() as tell:
         report = replay(request, folder, tell)
@@ -217,6 +223,8 @@ def retarget_command(
     forward: ForwardAxis = None,
     unit: Unit = None,
     contacts: Contacts = None,
+    from_format: FromFormat = None,
+    fps: FrameRate = None,
     out: Annotated[Path, typer.Option("--out", "-o", help="File to write.")] = Path("motion.npz"),
 ) -> int:
     """Plan a robot's motion for a clip, without physics, and write it (.npz), or the dancer's steps (.toml), to a file
@@ -233,6 +241,8 @@ def retarget_command(
         up=up,
         forward=forward,
         unit=unit,
+        from_format=from_format,
+        fps=fps,
     )
     with progress() as tell:
         planned = retarget(request, out, tell)

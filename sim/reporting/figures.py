@@ -21,6 +21,7 @@ from sot.motion.likeness import (
     mean_segment_angle_deg,
 )
 from sot.motion.performance import Performance
+from sot.motion.quality import RATE_HZ, key_body_errors, motion_quality
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 
@@ -104,6 +105,17 @@ def tracking(log: RunLog, motion: Motion) -> Figures:
         "hand_rms_m": _rms(np.linalg.norm([off[hand] for hand in motion.robot.hands], axis=2)),
         "head_rms_rad": _rms(np.arctan2(sine, cosine)),
     }
+
+
+def quality(log: RunLog, motion: Motion) -> Figures:
+    """The simulated motion by the figures that others publish: see `sot.motion.quality`."""
+    rows = log.rows_at(RATE_HZ)
+    figures: Figures = dict(motion_quality(motion.robot, log.q[rows], RATE_HZ)) | {"mpkpe_mm": None, "r_mpkpe_mm": None}
+    if len(rows):
+        wanted = motion.q[nearest_frames(log.time[rows], motion.rate, len(motion.q))]
+        world, relative = key_body_errors(motion.robot, wanted, log.q[rows])
+        figures |= {"mpkpe_mm": 1e3 * world, "r_mpkpe_mm": 1e3 * relative}
+    return figures
 
 
 def likeness(log: RunLog, plan: Performance | None) -> Figures:

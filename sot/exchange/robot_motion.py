@@ -111,6 +111,18 @@ class RobotMotion:
         turn = Rotation.from_quat(self.root_xyzw)
         return turn.apply(self.v[:, :3]), turn.apply(self.v[:, 3:6])
 
+    def part(self, start: float = 0.0, duration: float | None = None) -> "RobotMotion":
+        """The frames of `duration` seconds from `start`, to the end by default; less where the motion ends before."""
+        first = round(start * self.rate)
+        last = self.count if duration is None else min(self.count, first + round(duration * self.rate) + 1)
+        return replace(
+            self,
+            q=self.q[first:last],
+            v=self.v[first:last],
+            torque=None if self.torque is None else self.torque[first:last],
+            contacts=None if self.contacts is None else self.contacts[first:last],
+        )
+
     def resampled(self, rate: float) -> "RobotMotion":
         """The motion at another rate [Hz] from its first frame on: linear between frames, rotations on great arcs."""
         if rate == self.rate or self.count < 2:
