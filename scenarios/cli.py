@@ -31,6 +31,7 @@ from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.inputs.plant import parse_feet_compliance
 from scenarios.inputs.run_options import MismatchText, Pushes, Rate, RobotName, SolverName
 from scenarios.kimoh2013.damping import options as damping_cli
+from scenarios.library.commands import batch_command
 from scenarios.library.export import export_command
 from scenarios.listing import Kind, list_rows
 from scenarios.live.commands import live_command, stream_command
@@ -60,6 +61,7 @@ app.add_typer(robot_app, name="robot")
 app.command("live")(live_command)
 app.command("stream")(stream_command)
 app.command("bench")(bench_command)
+app.command("batch")(batch_command)
 app.command("export")(export_command)
 
 
