@@ -281,7 +281,9 @@ def view_command(
 
 @app.command("report")
 def report_command(
-    runs: Annotated[list[Path], typer.Argument(metavar="DIR...", help="Folders of runs; several are compared.")],
+    runs: Annotated[
+        list[Path], typer.Argument(metavar="DIR...", help="Folders of runs, several are compared; or a library.")
+    ],
     out: Annotated[
         Path | None,
         typer.Option(
@@ -289,7 +291,7 @@ def report_command(
         ),
     ] = None,
 ) -> int:
-    """Make one page (HTML) of a run, or of several to compare."""
+    """Make one page (HTML) of a run, of several to compare, or of a library."""
     output.print(f"Written: {write_page(runs, out)}", soft_wrap=True)
     return DONE
 

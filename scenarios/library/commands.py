@@ -40,7 +40,7 @@ def batch_command(
     ranks: Annotated[int, typer.Option(help="How many batches share the clips.", min=1)] = 1,
     time_limit: Annotated[float, typer.Option(help="Longest time for a clip [s].", min=0.01)] = DEFAULT_TIME_LIMIT_S,
     memory_limit: Annotated[
-        float, typer.Option(help="Most memory of a process [GB].", min=0.1)
+        float, typer.Option(help="Most memory that a clip may take [GB].", min=0.1)
     ] = DEFAULT_MEMORY_LIMIT_GB,
 ) -> int:
     """Dance a whole library of clips in parallel; called again, it goes on where it was."""

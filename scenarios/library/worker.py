@@ -7,6 +7,7 @@ from collections.abc import Callable
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
+from pathlib import Path
 from time import perf_counter
 
 from scenarios.library.job import CRASHED, OUT_OF_MEMORY, TIMED_OUT, Job, Row, dance_clip, lost_row
@@ -14,7 +15,9 @@ from scenarios.library.job import CRASHED, OUT_OF_MEMORY, TIMED_OUT, Job, Row, d
 START_LIMIT_S = 600.0  # for a process to begin, which the first time on a machine compiles
 DEFAULT_MEMORY_LIMIT_GB = 4.0
 GIGABYTE = 1_000_000_000
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+VARIABLES = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+"""Environment of a process that shares the machine with others like it."""
+VARIABLES["MALLOC_ARENA_MAX"] = "2"  # or each thread of a library reserves memory that nobody uses, and that counts
 READY = "ready"
 Dancer = Callable[[Job], Row]
 
@@ -27,7 +30,7 @@ class Worker:
     """A process of its own for jobs, begun anew after one that it did not survive.
 
     Args:
-        memory_limit: most memory that the process may have [GB]; not held where the system cannot.
+        memory_limit: most memory that it may take for its jobs [GB]; not held where the system cannot.
         dancer: what it does with a job.
     """
 
@@ -87,7 +90,7 @@ class Worker:
         context = get_context("spawn")
         ours, theirs = context.Pipe()
         arguments = (theirs, self._memory_limit, self._dancer)
-        with _single_threaded():
+        with _SharingTheMachine():
             self._process = context.Process(target=_work, args=arguments, daemon=True)
             self._process.start()
         theirs.close()
@@ -108,13 +111,13 @@ class Worker:
 _starting = threading.Lock()
 
 
-class _single_threaded:  # noqa: N801, a context manager
+class _SharingTheMachine:
     """Processes that are started meanwhile have one thread each: so many share the machine."""
 
     def __enter__(self) -> None:
         _starting.acquire()
-        self._before = {name: os.environ.get(name) for name in THREAD_VARIABLES}
-        os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
+        self._before = {name: os.environ.get(name) for name in VARIABLES}
+        os.environ.update(VARIABLES)
 
     def __exit__(self, *error: object) -> None:
         for name, value in self._before.items():
@@ -147,14 +150,24 @@ def _end_with_parent() -> None:
 
 
 def _limit_memory(gigabytes: float) -> None:
+    """Let the process take so much memory on top of what its programs and libraries have reserved."""
     if os.name != "posix":
         return
     import resource
 
     _, hard = resource.getrlimit(resource.RLIMIT_DATA)
-    wanted = int(gigabytes * GIGABYTE)
+    wanted = _reserved_bytes() + int(gigabytes * GIGABYTE)
     soft = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
     resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
+
+
+def _reserved_bytes() -> int:
+    """Data that this process has reserved, as the limit counts it; 0 where the system does not tell."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text().split()[5])
+    except (OSError, ValueError, IndexError):
+        return 0
+    return pages * os.sysconf("SC_PAGE_SIZE")
 
 
 def _ending(status: int | None) -> str:

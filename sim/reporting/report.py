@@ -51,7 +51,7 @@ TABLE_ROWS: tuple[tuple[str, str, float, str, str], ...] = (
     ("stretched_s", "time added by slowing down", 1.0, "s", "0"),
     ("quality.limmt_score", "LIMMT's score of motions", 1.0, "", "90 or more"),
     ("incoming.limmt_score", "… of the file that came in", 1.0, "", ""),
-    ("quality.foot_sliding", "frames in which a low foot slides", 100.0, "%", "0"),
+    ("quality.foot_sliding", "frames with a low foot in motion", 100.0, "%", "0"),
     ("incoming.foot_sliding", "… of the file that came in", 100.0, "%", ""),
     ("quality.penetration_max_m", "soles in the floor, greatest", 1e3, "mm", "0"),
     ("incoming.penetration_max_m", "… of the file that came in", 1e3, "mm", ""),
