@@ -30,8 +30,8 @@ PALM_DOWN = np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 HOOKING = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 """Axes of the left hand that points forward, its hook up."""
 
-PALM_FRICTION = 0.6
-"""Coefficient that is relied upon between a hand's rubber and table or handle."""
+PALM_FRICTION = 0.35
+"""Coefficient that is relied upon between the palm and the table: half of what tables are told to have."""
 PALM_LEAST, PALM_MOST = 0.03, 0.45
 """Bounds of the normal force of the hand that supports, in weights of the robot."""
 

@@ -42,7 +42,7 @@ class BagSchedule(PhasedSchedule):
         super().__init__(robot, led, plan.middle, 0.0)
         self.extra_time = LONGEST * self.unit
         self.plan, self._contacts = plan, contacts
-        self.palm = HandSupport(contacts["palm"], self.leg)
+        self.palm, self._arm = HandSupport(contacts["palm"], self.leg), robot.joint_numbers("right_arm")
 
     def phases(self) -> Iterator[None]:
         """All phases."""
@@ -74,7 +74,7 @@ class BagSchedule(PhasedSchedule):
         yield from self.wait(max(durations))
         down = np.array([0.0, 0.0, -1.0])
         yield from self.touch("right_hand", self.palm.contact, down, (STANDOFF + OVERTRAVEL) * self.leg)
-        yield from self.support_by(self.palm)
+        yield from self.support_by(self.palm, self._arm)
 
     def _stand_on_one_foot(self) -> Iterator[None]:
         self.phase("one foot")
@@ -139,7 +139,7 @@ class BagSchedule(PhasedSchedule):
         yield from self.settled_com()
         self.phase("hand off")
         if palm.mode == "fixed":
-            yield from self.give_load(palm)
+            yield from self.release(self.palm, self._arm)
         self.guides["right_hand"].start_at(self.measured("right_hand"))
         above = self._shifted(self.plan.palm, (0.0, 0.0, STANDOFF))
         yield from self.move("right_hand", above, self._place(BESIDE_TABLE, PALM_DOWN), rest["right_hand"])

@@ -19,6 +19,8 @@ from tasks import (
 
 PALM_RESERVE = 3.0
 """How much dearer the forces of the hand are than those of the feet."""
+HOOK_FRICTION = 0.6
+"""Coefficient that is relied upon between the hook's rubber and the handle."""
 MIN_LYING_LOAD, MAX_LYING_LOAD = 0.1, 1.5
 """Least and greatest normal force of the bag on the table, in weights of the bag."""
 MIN_HOOK_LOAD, MAX_HOOK_LOAD, WISHED_HOOK_LOAD = 0.1, 3.0, 0.5
@@ -42,7 +44,7 @@ def bag_contacts(system: System) -> dict[str, Contact]:
     contacts["hook"] = Contact(
         robot.surface("left_hook"),
         system.surface("bag/handle"),
-        friction=PALM_FRICTION,
+        friction=HOOK_FRICTION,
         least=MIN_HOOK_LOAD * bag,
         most=MAX_HOOK_LOAD * bag,
         wish=WISHED_HOOK_LOAD * bag,
@@ -58,7 +60,6 @@ def bag_contacts(system: System) -> dict[str, Contact]:
 def bag_stack(system: System, contacts: dict[str, Contact], schedule: PhasedSchedule) -> Stack:
     """The stack; its schedule leads the references."""
     robot, guides = system.robot, schedule.guides
-    joints = robot.rest[7:]
     return Stack(
         contacts=list(contacts.values()),
         hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(system)],
@@ -70,7 +71,7 @@ def bag_stack(system: System, contacts: dict[str, Contact], schedule: PhasedSche
                 FreePoint(system, "right_hand", guides["right_hand"], kp=150.0, kd=24.0, weight=10.0),
                 OperationalPoint(system, "waist", guides["waist"], axes="zRPY", kp=40.0, weight=1.0),
                 OperationalPoint(system, "chest", guides["chest"], axes="RPY", kp=40.0, weight=1.0),
-                Posture(robot, joints, kp=20.0, weight=0.3),
+                Posture(robot, schedule.posture, kp=20.0, weight=0.3),
             ],
             "forces": [LeastForces()],
         },

@@ -14,6 +14,7 @@ from sot.behaviours.manipulation.guide import (
     placement_of,
 )
 from sot.behaviours.manipulation.hand_support import HandSupport
+from sot.behaviours.manipulation.posture_guide import PostureGuide
 from sot.control.contact import Contact
 from sot.control.schedule import Schedule
 from sot.control.stack import Stack
@@ -58,6 +59,7 @@ class PhasedSchedule(Schedule):
     Attributes:
         guides: Reference of each point.
         com: Reference of the centre of mass.
+        posture: Reference of the joints.
         carried: Things whose mass counts in the centre of mass now.
         supports: Hands that support now.
         history: When each phase began, and its name.
@@ -69,6 +71,7 @@ class PhasedSchedule(Schedule):
         self.unit = float(np.sqrt(self.leg / GRAVITY))
         self.guides = {point: PoseGuide(fixed_reference(place)) for point, place in places.items()}
         self.com = PlaneGuide(fixed_place(com), self.unit)
+        self.posture = PostureGuide(robot.rest[7:])
         self.carried: tuple[str, ...] = ()
         self.supports: list[HandSupport] = []
         self.history: list[tuple[float, str]] = []
@@ -101,8 +104,8 @@ class PhasedSchedule(Schedule):
                     raise GivenUpError(f"{support.contact.name} slipped {support.slips} times")
             next(self._steps)
         except GivenUpError as error:
+            self._steps = self._ending(iter(()) if self.failure else self.retreat())
             self.failure = self.failure or f"{error}, at {t:.1f} s"
-            self._steps = self._ending(self.retreat())
             done.append(self.failure)
         if stack.carried != [*self.carried]:
             stack.carried, self._owner_changed = [*self.carried], True
@@ -114,6 +117,7 @@ class PhasedSchedule(Schedule):
         if self._owner_changed:
             self.com.restart(tick.com[:2].copy(), tick.com_velocity[:2].copy(), tick.t, COM_TIME * self.unit)
             self._owner_changed = False
+        self.posture.observe(tick)
         for support in self.supports:
             support.observe(tick)
         self.led.append(np.array([part[:2] for part in self.com(tick.t)]))
@@ -200,14 +204,19 @@ class PhasedSchedule(Schedule):
         self.mode(self.t + ramp, contact.name, "off", ramp)
         yield from self.wait(ramp)
 
-    def support_by(self, hand: HandSupport) -> Iterator[None]:
+    def support_by(self, hand: HandSupport, arm: Array) -> Iterator[None]:
         """A hand that has touched supports: first by a fraction of what it may, and by all once it carries that.
+
+        Args:
+            hand: The hand.
+            arm: Numbers of the joints of its arm, which yield from now on.
 
         Raises:
             GivenUpError: It carries nothing.
         """
         hand.settle(self.tick)
         self.supports.append(hand)
+        self.posture.let_yield(arm)
         yield from self.take_load(hand.contact)
         if not hand.carries(self.force(hand.contact)):
             raise GivenUpError(f"{hand.contact.name} carries {self.force(hand.contact):.0f} N only")
@@ -216,6 +225,12 @@ class PhasedSchedule(Schedule):
             hand.trust((self.t - begun) / ramp)
             yield
         hand.trust(1.0)
+
+    def release(self, hand: HandSupport, arm: Array) -> Iterator[None]:
+        """A hand gives its load away and supports no longer; its arm's joints are led into the posture again."""
+        yield from self.give_load(hand.contact)
+        self.supports.remove(hand)
+        self.posture.lead_back(arm, self.t, 2.0 * LOAD_RAMP * self.unit)
 
     def lead_com(self, goal: Array) -> None:
         """Begin to lead the centre of mass to a place (2,)."""
