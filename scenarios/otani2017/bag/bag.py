@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import mujoco
 import numpy as np
@@ -47,6 +47,8 @@ class BagTrial:
     seed: int | None = None
     lower: float = 0.0
     palm_friction: float | None = None
+
+    takes_clip: ClassVar[bool] = False
 
     def offset(self) -> pin.SE3:
         """By how much the bag is off its place, in its own axes."""
@@ -130,9 +132,7 @@ def _sets(names: Sequence[str], made: Array) -> ContactSets:
     holding = {links[n] for n, on in zip(names, made, strict=True) if on and " on bag/" in n}
     of_robot = {link for link in links.values() if "/" not in link}
     supports &= of_robot
-    return ContactSets(
-        frozenset(supports), frozenset(of_robot - supports - holding), frozenset(holding), frozenset()
-    )
+    return ContactSets(frozenset(supports), frozenset(of_robot - supports - holding), frozenset(holding), frozenset())
 
 
 def _played(motion: Motion, led: Array) -> Motion:
@@ -155,7 +155,9 @@ def show(figures: dict[str, Any], console: Console) -> None:
         f"bag of {own['mass_kg']:.2g} kg: {own['outcome']}",
         f"centre of mass up to {1e3 * own['beyond_sole_max_m']:.0f} mm beyond the sole",
         f"hand up to {own['palm_force_max_n']:.0f} N, measured off what was commanded by"
-        f" {100 * own['palm_force_error']:.1f} %" if own["palm_force_max_n"] else "the hand bore nothing",
+        f" {100 * own['palm_force_error']:.1f} %"
+        if own["palm_force_max_n"]
+        else "the hand bore nothing",
         f"other touches: {', '.join(own['foreign_touches']) or 'none'}",
     ]
     for line in lines:

@@ -109,7 +109,9 @@ class BagPlan:
         forward = palm.translation[:2] - over_foot
         leaning = over_foot + (edge + LEAN_BEYOND * leg - over_foot[0]) / forward[0] * forward
         if float(region.margin(leaning)) < REGION_MARGIN * leg:
-            raise InputError(f"{robot.label} cannot lean that far beyond its sole: the hand would have to bear too much")
+            raise InputError(
+                f"{robot.label} cannot lean that far beyond its sole: the hand would have to bear too much"
+            )
         return BagPlan(
             palm=palm,
             hook=hook,

@@ -70,7 +70,7 @@ class BagSchedule(PhasedSchedule):
         self.phase("hand on the table")
         durations = [self.lead(point, place) for point, place in self.plan.trunk.items()]
         above = self._shifted(self.plan.palm, (0.0, 0.0, STANDOFF))
-        yield from self.move("right_hand", self._place(BESIDE_TABLE, PALM_DOWN), above)
+        yield from self.lead_through("right_hand", self._place(BESIDE_TABLE, PALM_DOWN), above)
         yield from self.wait(max(durations))
         down = np.array([0.0, 0.0, -1.0])
         yield from self.touch("right_hand", self.palm.contact, down, (STANDOFF + OVERTRAVEL) * self.leg)
@@ -82,20 +82,20 @@ class BagSchedule(PhasedSchedule):
         yield from self.settled_com()
         yield from self.give_load(self._contacts["left_foot"])
         self.guides["left_foot"].start_at(self.measured("left_foot"))
-        yield from self.move("left_foot", self._shifted(self.plan.start["left_foot"], FOOT_LIFTED))
+        yield from self.lead_through("left_foot", self._shifted(self.plan.start["left_foot"], FOOT_LIFTED))
 
     def _reach(self) -> Iterator[None]:
         """The centre of mass goes beyond the sole, the left hand before the handle."""
         self.phase("reach")
         self.lead_com(self.plan.leaning)
-        yield from self.move("left_hand", self._place(BEHIND_TABLE, HOOKING), self._before_handle)
+        yield from self.lead_through("left_hand", self._place(BEHIND_TABLE, HOOKING), self._before_handle)
         yield from self.settled_com()
 
     def _hook(self) -> Iterator[None]:
         """The left hand goes below the handle and up until it touches."""
         self.phase("hook")
         below = self._shifted(self.plan.hook, (0.0, 0.0, -BELOW_HANDLE))
-        yield from self.move("left_hand", below)
+        yield from self.lead_through("left_hand", below)
         hook, up = self._contacts["hook"], np.array([0.0, 0.0, 1.0])
         yield from self.touch("left_hand", hook, up, (BELOW_HANDLE + OVERTRAVEL) * self.leg)
         yield from self.take_load(hook)
@@ -107,22 +107,20 @@ class BagSchedule(PhasedSchedule):
         yield  # its centre of mass is taken over at the next state
         yield from self.settled_com()
         yield from self.give_load(self._contacts["lying"])
-        hand = self.measured("left_hand")
-        lifted = pin.SE3(HOOKING, hand.translation + [0.0, 0.0, BAG_LIFTED * self.leg])
-        yield from self.move("left_hand", lifted)
+        yield from self.lead_through("left_hand", self._shifted(self.measured("left_hand"), (0.0, 0.0, BAG_LIFTED)))
         yield from self._bring_bag_home()
 
     def _bring_bag_home(self) -> Iterator[None]:
         self.lead_com(self.plan.over_foot)
-        yield from self.move("left_hand", self.plan.home)
+        yield from self.lead_through("left_hand", self.plan.home)
 
     def _withdraw_left_hand(self) -> Iterator[None]:
         """Without a bag the left hand goes back the way that it came."""
         hand = self.measured("left_hand").translation
         if hand[0] > self._before_handle.translation[0] + BELOW_HANDLE * self.leg:
             below = self._shifted(self.plan.hook, (0.0, 0.0, -BELOW_HANDLE))
-            yield from self.move("left_hand", below, self._before_handle)
-        yield from self.move("left_hand", self._place(BEHIND_TABLE, HOOKING), self.plan.start["left_hand"])
+            yield from self.lead_through("left_hand", below, self._before_handle)
+        yield from self.lead_through("left_hand", self._place(BEHIND_TABLE, HOOKING), self.plan.start["left_hand"])
 
     def _come_home(self) -> Iterator[None]:
         """Both feet stand, then the hand leaves the table, then the trunk is upright."""
@@ -131,7 +129,7 @@ class BagSchedule(PhasedSchedule):
         if foot.mode == "off":
             self.lead_com(self.plan.over_foot)
             yield from self.settled_com()
-            yield from self.move("left_foot", self._shifted(rest["left_foot"], (0.0, 0.0, FOOT_STANDOFF)))
+            yield from self.lead_through("left_foot", self._shifted(rest["left_foot"], (0.0, 0.0, FOOT_STANDOFF)))
             farthest = (FOOT_STANDOFF + OVERTRAVEL) * self.leg
             yield from self.touch("left_foot", foot, np.array([0.0, 0.0, -1.0]), farthest)
             yield from self.take_load(foot)
@@ -142,7 +140,7 @@ class BagSchedule(PhasedSchedule):
             yield from self.release(self.palm, self._arm)
         self.guides["right_hand"].start_at(self.measured("right_hand"))
         above = self._shifted(self.plan.palm, (0.0, 0.0, STANDOFF))
-        yield from self.move("right_hand", above, self._place(BESIDE_TABLE, PALM_DOWN), rest["right_hand"])
+        yield from self.lead_through("right_hand", above, self._place(BESIDE_TABLE, PALM_DOWN), rest["right_hand"])
         self.phase("home")
         yield from self.wait(max(self.lead(point, rest[point]) for point in self.plan.trunk))
         yield from self.settled_com()

@@ -160,7 +160,7 @@ class PhasedSchedule(Schedule):
         """Whether a contact's surfaces touch, by the measured normal force."""
         return self.force(contact) > TOUCH_LOAD * self.weight
 
-    def move(self, point: str, *goals: pin.SE3) -> Iterator[None]:
+    def lead_through(self, point: str, *goals: pin.SE3) -> Iterator[None]:
         """Lead a point to one goal after the other."""
         for goal in goals:
             yield from self.wait(self.lead(point, goal))
