@@ -94,8 +94,7 @@ class BagSchedule(PhasedSchedule):
     def _hook(self) -> Iterator[None]:
         """The left hand goes below the handle and up until it touches."""
         self.phase("hook")
-        below = self._shifted(self.plan.hook, (0.0, 0.0, -BELOW_HANDLE))
-        yield from self.lead_through("left_hand", below)
+        yield from self.lead_through("left_hand", self._below_handle)
         hook, up = self._contacts["hook"], np.array([0.0, 0.0, 1.0])
         yield from self.touch("left_hand", hook, up, (BELOW_HANDLE + OVERTRAVEL) * self.leg)
         yield from self.take_load(hook)
@@ -118,8 +117,7 @@ class BagSchedule(PhasedSchedule):
         """Without a bag the left hand goes back the way that it came."""
         hand = self.measured("left_hand").translation
         if hand[0] > self._before_handle.translation[0] + BELOW_HANDLE * self.leg:
-            below = self._shifted(self.plan.hook, (0.0, 0.0, -BELOW_HANDLE))
-            yield from self.lead_through("left_hand", below, self._before_handle)
+            yield from self.lead_through("left_hand", self._below_handle, self._before_handle)
         yield from self.lead_through("left_hand", self._place(BEHIND_TABLE, HOOKING), self.plan.start["left_hand"])
 
     def _come_home(self) -> Iterator[None]:
@@ -147,8 +145,14 @@ class BagSchedule(PhasedSchedule):
         yield from self.wait(HOLDING_TIME * self.unit)
 
     @property
+    def _below_handle(self) -> pin.SE3:
+        """Of the left hand before it touches: the bag is as much lower than told as the table was found to be."""
+        told = self._shifted(self.plan.hook, (0.0, 0.0, -BELOW_HANDLE))
+        return pin.SE3(told.rotation, told.translation + [0.0, 0.0, self.palm.height])
+
+    @property
     def _before_handle(self) -> pin.SE3:
-        return self._shifted(self.plan.hook, (-BEFORE_HANDLE, 0.0, -BELOW_HANDLE))
+        return self._shifted(self._below_handle, (-BEFORE_HANDLE, 0.0, 0.0))
 
     def _shifted(self, place: pin.SE3, shift: tuple[float, float, float]) -> pin.SE3:
         """A place that is shifted in world axes [leg lengths]."""

@@ -50,7 +50,11 @@ def bag_contacts(system: System) -> dict[str, Contact]:
         wish=WISHED_HOOK_LOAD * bag,
     )
     contacts["lying"] = Contact(
-        system.surface("bag/bottom"), top, least=MIN_LYING_LOAD * bag, most=MAX_LYING_LOAD * bag
+        system.surface("bag/bottom"),
+        top,
+        least=MIN_LYING_LOAD * bag,
+        most=MAX_LYING_LOAD * bag,
+        stiffness=0.0,  # it lies wherever the table is
     )
     for name in ("palm", "hook"):
         contacts[name].mode, contacts[name].load = "off", 0.0

@@ -35,22 +35,22 @@ class HandSupport:
     Attributes:
         slips: How often it has slipped.
         slip: How far it has moved along the surface since the contact was made or last counted as a slip [m].
+        height: How much higher than told the surface was found [m].
     """
 
     def __init__(self, contact: Contact, leg: float) -> None:
-        self.contact, self.slips, self.slip = contact, 0, 0.0
+        self.contact, self.slips, self.slip, self.height = contact, 0, 0.0, 0.0
         self._most, self._friction, self._max_slip = contact.most, contact.friction, MAX_SLIP * leg
         self._place: Array | None = None
 
-    def settle(self, tick: Tick) -> float:
-        """Let the contact be with the surface where the hand has touched it; returns how much higher that is [m]."""
+    def settle(self, tick: Tick) -> None:
+        """Let the contact be with the surface where the hand has touched it."""
         contact, on = self.contact, self.contact.on
         axes = tick.surface_axes(contact.surface)
-        height = float((axes.translation - on.axes.translation) @ on.axes.rotation[:, 2])
-        shift = pin.SE3(np.eye(3), height * on.axes.rotation[:, 2])
+        self.height = float((axes.translation - on.axes.translation) @ on.axes.rotation[:, 2])
+        shift = pin.SE3(np.eye(3), self.height * on.axes.rotation[:, 2])
         contact.move_to(replace(on, placement=shift * on.placement))
         contact.most, self._place = PROBING_SHARE * self._most, None
-        return height
 
     def carries(self, force: float) -> bool:
         """Whether a measured normal force [N] is what the loaded contact bears at least."""
