@@ -147,8 +147,7 @@ class BagSchedule(PhasedSchedule):
     @property
     def _below_handle(self) -> pin.SE3:
         """Of the left hand before it touches: the bag is as much lower than told as the table was found to be."""
-        told = self._shifted(self.plan.hook, (0.0, 0.0, -BELOW_HANDLE))
-        return pin.SE3(told.rotation, told.translation + [0.0, 0.0, self.palm.height])
+        return self._shifted(self.plan.hook, (0.0, 0.0, self.palm.height / self.leg - BELOW_HANDLE))
 
     @property
     def _before_handle(self) -> pin.SE3:
