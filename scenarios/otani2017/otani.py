@@ -1,4 +1,4 @@
-"""A box carried over one leg, a door pushed open, of several weights and springs, after one human: Otani 2017, IV."""
+"""A box carried over one leg, a door pushed open, a bag fetched from a table: Otani 2017, IV."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -13,6 +13,8 @@ from rich.table import Table
 from scenarios.inputs.clips import find_clip
 from scenarios.inputs.stack_file import Composition
 from scenarios.otani2017 import curves, pictures
+from scenarios.otani2017.bag import bag
+from scenarios.otani2017.bag.bag import BagTrial
 from scenarios.otani2017.handling_stack import contacts_of, handling_stack
 from scenarios.otani2017.scene import ObjectOptions, placement_noise, scene_things
 from scenarios.replay import Dance, ProgressCallback, Replay, check_writable, make_solver, run_motion, write_outputs
@@ -83,7 +85,7 @@ class Handling:
 DEFAULT_OPTIONS = Handling(STUDIES[0])
 
 
-def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) -> dict[str, Any]:
+def run(request: Replay, handling: Handling | BagTrial, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Retarget a demonstration, run it, record and report.
 
     Args:
@@ -95,6 +97,8 @@ def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) 
     Raises:
         InputError: Anything in the request that does not fit; nothing is written then.
     """
+    if isinstance(handling, BagTrial):
+        return bag.run(request, handling, out, tell)
     check_writable(out)
     make_solver(request.solver)
     danced, schedule, system = perform(request, handling, tell)
@@ -204,6 +208,9 @@ def hands_for(robot: Robot, study: str) -> dict[str, str]:
 
 def show(figures: dict[str, Any], console: Console) -> None:
     """Print what became of the things."""
+    if "bag" in figures:
+        bag.show(figures, console)
+        return
     table = Table(box=None, padding=(0, 2, 0, 0))
     for words in (
         "thing",
