@@ -9,7 +9,8 @@ from scenarios import cli
     ("arguments", "message"),
     [
         (["otani"], "say what is handled, box or door"),
-        (["otani", "bag"], "say what is handled, box or door, not 'bag'"),
+        (["otani", "lift"], "say what is handled, box or door or carry, not 'lift'"),
+        (["otani", "carry", "--from-plate"], "otani carry takes no --from-plate"),
         (["otani", "box", "--stiffness", "10"], "otani box takes no --stiffness"),
         (["otani", "door", "--mass", "3"], "otani door takes no --mass"),
         (["otani", "box", "--mass", "-1"], "--mass -1: give a number"),
