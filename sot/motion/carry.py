@@ -32,6 +32,7 @@ MAX_ARM_WAY = 0.1  # m and rad, of a hand, before its arm is solved for anew
 ARM_STEPS = 30  # Newton steps of the arms' inverse kinematics, at most
 DAMPING = 1e-5  # of these steps, beside squared lengths [m²]
 ARM_TOLERANCE, ROUNDING = 1e-3, 1e-9  # m and rad
+ORIGIN = np.zeros(3)
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,7 @@ class CarryPlan:
         gripped, lifted, placed, released: when hands take it, it leaves its stand, is set down, and hands let go [s].
         arrived: when the walk is over, and the box is lowered [s].
         hands: hand -> its place in the box's axes while it holds it.
+        size: of the box, ahead, to the side and up [m].
     """
 
     motion: Motion
@@ -56,16 +58,19 @@ class CarryPlan:
     placed: float
     released: float
     hands: dict[str, pin.SE3]
+    size: tuple[float, float, float]
 
 
-def carry(robot: Robot, width: float, mass: float, stops: Sequence[Foothold], rate: float = 1000.0) -> CarryPlan:
+def carry(
+    robot: Robot, size: tuple[float, float, float], mass: float, stops: Sequence[Foothold], rate: float = 1000.0
+) -> CarryPlan:
     """The motion of a robot that takes a box from where it stands, carries it from stop to stop, and sets it down.
 
     The arms hold the box before the chest and stay as they are while the robot walks.
 
     Args:
         robot: who carries; it has surfaces "left_palm" and "right_palm".
-        width: of the box, between the palms [m].
+        size: of the box, ahead, to the side, where the palms are, and up [m].
         mass: of the box [kg].
         stops: of the body, see `footsteps_along`.
         rate: samples per second of the motion [Hz].
@@ -89,7 +94,7 @@ def carry(robot: Robot, width: float, mass: float, stops: Sequence[Foothold], ra
     def share(start: float, end: float) -> Array:
         return np.asarray(minimum_jerk((knots - start) / (end - start)))
 
-    arms = _Arms(robot, width)
+    arms = _Arms(robot, size[1])
     kept = np.setdiff1d(np.arange(robot.na), robot.joint_numbers("legs"))
     height = HELD_HEIGHT * leg - LIFT * leg * (1.0 - share(lifted, raised) + share(arrived, placed))
     low, held = arms.holding(HELD_AHEAD * leg, height[0], 0.0), np.empty((len(knots), len(arms.joints)))
@@ -113,7 +118,31 @@ def carry(robot: Robot, width: float, mass: float, stops: Sequence[Foothold], ra
     phases = contact_phases(robot, walked.stands, walked.steps, float(knots[-1]))
     motion = feet_led(robot, phases, paths, KNOT_PERIOD, rate, where="its way", load=load)
     box = _box_path(motion, load, knots, lifted, placed)
-    return CarryPlan(motion, box, knots, gripped, lifted, arrived, placed, released, arms.palm_places(np.zeros(3), 0.0))
+    return CarryPlan(
+        motion, box, knots, gripped, lifted, arrived, placed, released, palm_places(robot, size[1], HANDS_PITCH), size
+    )
+
+
+def palm_places(robot: Robot, width: float, pitch: float, middle: Array = ORIGIN) -> dict[str, pin.SE3]:
+    """Places of the frames of hands whose palms face each other, level, in axes of which x points ahead and z up.
+
+    Args:
+        robot: whose hands they are.
+        width: between the palms [m].
+        pitch: by which the fingers point down [rad].
+        middle: between the palms (3,) [m].
+    """
+    places = {}
+    fingers = np.array([np.cos(pitch), 0.0, -np.sin(pitch)])
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        palm, tip = robot.surface(f"{side}_palm"), robot.surface(f"{side}_hand_end")
+        assert palm.point is not None
+        inward, own, end = np.array([0.0, -sign, 0.0]), palm.placement.rotation[:, 2], tip.placement.rotation[:, 2]
+        turn = np.column_stack([inward, fingers, np.cross(inward, fingers)])
+        turn = turn @ np.column_stack([own, end, np.cross(own, end)]).T
+        touch = middle - 0.5 * width * inward
+        places[palm.point] = pin.SE3(turn, touch - turn @ palm.placement.translation)
+    return places
 
 
 def _box_path(motion: Motion, load: HeldLoad, knots: Array, lifted: float, placed: float) -> list[pin.SE3]:
@@ -154,7 +183,7 @@ class _Arms:
         if start is not None:
             q[7 + self.joints] = start
         pin.framesForwardKinematics(robot.model, self._data, q)
-        goals = self.palm_places(np.array([ahead, 0.0, height]), gap)
+        goals = palm_places(robot, self._width + 2.0 * gap, HANDS_PITCH, np.array([ahead, 0.0, height]))
         begin = {point: self._data.oMf[robot.point(point)].copy() for point in goals}
         ways = {point: pin.log6(begin[point].actInv(self._in_world(goal))) for point, goal in goals.items()}
         longest = max(float(np.abs(way.vector).max()) for way in ways.values())
@@ -171,20 +200,6 @@ class _Arms:
                 f"{robot.label} cannot hold a box {self._width:.2f} m wide like that: its arms do not reach"
             )
         return q[7 + self.joints]
-
-    def palm_places(self, middle: Array, gap: float) -> dict[str, pin.SE3]:
-        """Hand -> where its frame is when its palm is flat beside a box whose middle is at a place (3,), or off it."""
-        places = {}
-        for side, sign in (("left", 1.0), ("right", -1.0)):
-            palm, tip = self._robot.surface(f"{side}_palm"), self._robot.surface(f"{side}_hand_end")
-            assert palm.point is not None
-            inward, fingers = np.array([0.0, -sign, 0.0]), np.array([np.cos(HANDS_PITCH), 0.0, -np.sin(HANDS_PITCH)])
-            own, end = palm.placement.rotation[:, 2], tip.placement.rotation[:, 2]
-            turn = np.column_stack([inward, fingers, np.cross(inward, fingers)])
-            turn = turn @ np.column_stack([own, end, np.cross(own, end)]).T
-            touch = middle - (0.5 * self._width + gap) * inward
-            places[palm.point] = pin.SE3(turn, touch - turn @ palm.placement.translation)
-        return places
 
     def _in_world(self, place: pin.SE3) -> pin.SE3:
         return pin.SE3(place.rotation, place.translation + self._waist)

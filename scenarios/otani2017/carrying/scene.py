@@ -14,31 +14,32 @@ from sot.robots.system import System
 from sot.robots.things.thing import Thing
 from sot.smooth import minimum_jerk
 
-BOX_M = (0.2, 0.34, 0.2)
-"""Size of the box: forward, to the side and up, as it is held [m]."""
 STAND_M = (0.2, 0.28)
 """Size of both stands' tops, as who stands before one sees it [m]."""
 BOX, START, GOAL = "box", "start", "goal"
 """Names of the box and of the stands."""
 
 
-def carry_things(plan: CarryPlan, options: ObjectOptions, offset: pin.SE3 | None = None) -> list[Thing]:
-    """The two stands and the box on the first one."""
+def carry_things(
+    plan: CarryPlan, options: ObjectOptions, offset: pin.SE3 | None = None, stands: bool = True
+) -> list[Thing]:
+    """The box where it is taken from, and the stands under it there and where it is set down, if it is on any."""
     things = []
-    for name, place in ((START, plan.box[0]), (GOAL, plan.box[-1])):
+    for name, place in ((START, plan.box[0]), (GOAL, plan.box[-1])) if stands else ():
         at, turn = place.translation, pin.utils.rotate("z", float(pin.log3(place.rotation)[2]))
-        size, foot = (*STAND_M, float(at[2]) - 0.5 * BOX_M[2]), pin.SE3(turn, np.array([at[0], at[1], 0.0]))
+        size, foot = (*STAND_M, float(at[2]) - 0.5 * plan.size[2]), pin.SE3(turn, np.array([at[0], at[1], 0.0]))
         things.append(Thing.load("stand", name, foot, size=size, friction=options.friction))
     place = plan.box[0] if offset is None else plan.box[0] * offset
-    return [*things, Thing.load("box", BOX, place, mass=options.mass, size=list(BOX_M), friction=options.friction)]
+    return [*things, Thing.load("box", BOX, place, mass=options.mass, size=list(plan.size), friction=options.friction)]
 
 
 def carry_demonstration(plan: CarryPlan, system: System) -> RobotDemonstration:
-    """The contacts and paths of a planned carrying."""
+    """The contacts and paths of a planned carrying, from stand to stand if the system has some, else on the floor."""
     robot, motion = system.robot, plan.motion
     surfaces = dict(named_surfaces(system, {f"{side}_hand": f"{side}_palm" for side in ("left", "right")}))
     feet = [SurfacePair(SurfaceName(ROBOT, foot), SurfaceName(WORLD, "floor")) for foot in robot.feet]
-    on_start, on_goal = (SurfacePair(SurfaceName(BOX, "bottom"), SurfaceName(WORLD, name)) for name in (START, GOAL))
+    stands = (START, GOAL) if SurfaceName(WORLD, GOAL) in surfaces else ("floor", "floor")
+    on_start, on_goal = (SurfacePair(SurfaceName(BOX, "bottom"), SurfaceName(WORLD, name)) for name in stands)
     grips = [SurfacePair(SurfaceName(ROBOT, f"{side}_hand"), SurfaceName(BOX, side)) for side in ("left", "right")]
     events = [
         *(ContactEvent(plan.gripped, "make", pair) for pair in grips),

@@ -1,5 +1,7 @@
 """Footsteps along a way of the body."""
 
+import itertools
+
 import numpy as np
 
 from sot.motion.feet.footwork import Foothold
@@ -23,7 +25,7 @@ def test_no_step_is_longer_or_turns_farther_than_allowed_and_feet_take_turns() -
     walked = footsteps_along(robot, [Foothold(0.5, 0.0, 0.0), Foothold(0.5, 0.0, -1.0)])
     longest = 2.0 * MAX_STEP * leg_length(robot) + 0.05  # a turning foot goes around its body, too
     for stands in walked.stands.values():
-        for here, there in zip(stands[:-1], stands[1:], strict=True):
+        for here, there in itertools.pairwise(stands):
             assert np.hypot(there.x - here.x, there.y - here.y) <= longest
             assert abs(there.heading - here.heading) <= 2.0 * MAX_TURN + 1e-9
     for step, after in zip(walked.steps[:-1], walked.steps[1:], strict=True):
