@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from scenarios.otani2017.carrying.carry import Carrying
+from scenarios.otani2017.carrying.cart import Pushing
 from scenarios.otani2017.otani import OWN_STUDIES, STUDIES, Handling
 from scenarios.otani2017.scene import ObjectOptions
 from sot.errors import InputError
@@ -16,7 +17,7 @@ NAME = "otani"
 """The scenario that takes these options."""
 
 Study = Annotated[
-    str | None, typer.Argument(help="For otani: box, door or carry; for damping: identify, push, dance or gains.")
+    str | None, typer.Argument(help="For otani: box, door, carry or cart; for damping: identify, push, dance or gains.")
 ]
 Mass = Annotated[float | None, typer.Option(help="For otani box and carry: mass of the box [kg]; 3 or 2 by default.")]
 Stiffness = Annotated[float | None, typer.Option(help="For otani door: spring of the hinge [N m/rad]; 0 by default.")]
@@ -48,7 +49,7 @@ def handling_options(
     from_plate: bool,
     seed: int | None,
     events: Path | None,
-) -> Handling | Carrying | None:
+) -> Handling | Carrying | Pushing | None:
     """What is to be handled; None for a scenario that handles nothing.
 
     Raises:
@@ -78,12 +79,16 @@ def handling_options(
     foreign: tuple[str, ...] = of_box if study == "door" else (*of_hinge, "--assumed-stiffness")
     if study in OWN_STUDIES:
         foreign += ("--from-plate", "--without-object", "--events")
+    if study == "cart":
+        foreign += (*of_box, "--friction")
     if wrong := [name for name in named if name in foreign]:
         raise InputError(f"{NAME} {study} takes no {wrong[0]}")
     for name, value in given.items():
         least = 0.0 if name in ("--stiffness", "--damping", "--assumed-stiffness") else 1e-3
         if isinstance(value, float) and not least <= value < math.inf:
             raise InputError(f"{name} {value:g}: give a number of {least:g} or more")
+    if study == "cart":
+        return Pushing()
     usual = Carrying().actual.mass if study in OWN_STUDIES else ObjectOptions.mass
     actual = ObjectOptions(usual if mass is None else mass, friction, stiffness, damping)
     assumed = None

@@ -12,8 +12,9 @@ from rich.table import Table
 from scenarios.inputs.clips import find_clip
 from scenarios.inputs.stack_file import Composition
 from scenarios.otani2017 import curves, pictures
-from scenarios.otani2017.carrying import carry
+from scenarios.otani2017.carrying import carry, cart
 from scenarios.otani2017.carrying.carry import Carrying
+from scenarios.otani2017.carrying.cart import Pushing
 from scenarios.otani2017.figures import manipulation_figures, object_report, tick_medians
 from scenarios.otani2017.handling_stack import contacts_of, handling_stack
 from scenarios.otani2017.scene import ObjectOptions, placement_noise, scene_things
@@ -35,7 +36,7 @@ from sot.robots.robot import Robot
 from sot.robots.system import System
 
 STUDIES = ("box", "door")
-OWN_STUDIES = ("carry",)
+OWN_STUDIES = ("carry", "cart")
 """Studies without a human."""
 NOISE_M, NOISE_DEG = 0.003, 2.0
 """Standard deviation of where a free thing stands, with a seed: in each direction [m], and in its heading [deg]."""
@@ -83,7 +84,7 @@ class Handling:
 DEFAULT_OPTIONS = Handling(STUDIES[0])
 
 
-def run(request: Replay, handling: Handling | Carrying, out: Path, tell: ProgressCallback) -> dict[str, Any]:
+def run(request: Replay, handling: Handling | Carrying | Pushing, out: Path, tell: ProgressCallback) -> dict[str, Any]:
     """Retarget a demonstration, or plan what has none, run it, record and report.
 
     Args:
@@ -97,6 +98,8 @@ def run(request: Replay, handling: Handling | Carrying, out: Path, tell: Progres
     """
     if isinstance(handling, Carrying):
         return carry.run(request, handling, out, tell)
+    if isinstance(handling, Pushing):
+        return cart.run(request, handling, out, tell)
     check_writable(out)
     make_solver(request.solver)
     danced, schedule, system = perform(request, handling, tell)
@@ -208,6 +211,8 @@ def show(figures: dict[str, Any], console: Console) -> None:
         console.print(_leg_sentence(figures["legs"]), highlight=False, soft_wrap=True)
     if "carrying" in figures:
         console.print(carry.sentence(figures["carrying"]), highlight=False, soft_wrap=True)
+    if "cart" in figures:
+        console.print(cart.sentence(figures["cart"]), highlight=False, soft_wrap=True)
     held, without = (figures["tick_median_us"][words] for words in ("held", "without"))
     if held and without:
         ratio = f"a tick while hands hold something: {held / without:.2f} times one while they do not, in the median"

@@ -33,6 +33,23 @@ class Footsteps:
     end: float
 
 
+@dataclass(frozen=True)
+class Gait:
+    """How a robot steps.
+
+    Attributes:
+        step: greatest way of the body in a step [leg lengths].
+        swing, standing: times of a step, and on both feet before the next one [√(leg / g)].
+    """
+
+    step: float = MAX_STEP
+    swing: float = SWING_TIME
+    standing: float = STANDING_TIME
+
+
+USUAL_GAIT = Gait()
+
+
 def standing_footholds(robot: Robot) -> dict[str, Foothold]:
     """Where the feet stand at rest; headings count from there."""
     data = robot.model.createData()
@@ -41,13 +58,16 @@ def standing_footholds(robot: Robot) -> dict[str, Foothold]:
     return {foot: Foothold(float(place[0]), float(place[1]), 0.0) for foot, place in ankles.items()}
 
 
-def footsteps_along(robot: Robot, stops: Sequence[Foothold], begin: float | None = None) -> Footsteps:
+def footsteps_along(
+    robot: Robot, stops: Sequence[Foothold], begin: float | None = None, gait: Gait = USUAL_GAIT
+) -> Footsteps:
     """The footsteps by which a body goes from stop to stop, straight and turning evenly.
 
     Args:
         robot: who walks; it starts at rest, its body at the origin.
         stops: places and headings of the body, one after the other: where the origin of the rest posture comes to be.
         begin: time of the first step [s]; after the usual wait unless given.
+        gait: how it steps.
     """
     leg = leg_length(robot)
     unit = float(np.sqrt(leg / GRAVITY))
@@ -56,14 +76,14 @@ def footsteps_along(robot: Robot, stops: Sequence[Foothold], begin: float | None
     for stop in stops:
         feet = robot.feet if len(steps) % 2 else robot.feet[::-1]
         way, turn = np.hypot(stop.x - body.x, stop.y - body.y), abs(stop.heading - body.heading)
-        count = max(int(np.ceil(way / (MAX_STEP * leg) - 1e-9)), int(np.ceil(turn / MAX_TURN - 1e-9)))
+        count = max(int(np.ceil(way / (gait.step * leg) - 1e-9)), int(np.ceil(turn / MAX_TURN - 1e-9)))
         start = {foot: stands[foot][-1] for foot in feet}
         for k in range(count + 1):
             foot, share = feet[k % 2], min(k + 1, count) / count
-            steps.append(Step(foot, now, now + SWING_TIME * unit))
+            steps.append(Step(foot, now, now + gait.swing * unit))
             stands[foot].append(_moved(start[foot], body, stop, share))
-            now += (SWING_TIME + STANDING_TIME) * unit
-        now += (WAITING_TIME - STANDING_TIME) * unit
+            now += (gait.swing + gait.standing) * unit
+        now += (WAITING_TIME - gait.standing) * unit
         body = stop
     return Footsteps(stands, steps, now)
 

@@ -11,7 +11,8 @@ import pinocchio as pin
 from sim.log import RunLog
 from sot.errors import InputError
 from sot.motion import read, recognise
-from sot.motion.carry import CarryPlan, palm_places
+from sot.motion.arms import palm_places
+from sot.motion.carry import CarryPlan
 from sot.motion.feet.stance import Build
 from sot.motion.human.formats.omomo import read_omomo, read_omomo_object
 from sot.motion.human.human import SIDES

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from sot.control.tick import Tick
 from sot.errors import InputError
+from sot.gravity import GRAVITY
 from sot.motion.balance.centroidal import Centroidal
 from sot.motion.balance.held_load import HeldLoad
 from sot.motion.balance.programme import plan_balance
@@ -72,6 +73,9 @@ def feet_led(
     turns = Rotation.from_euler("z", heading[:, None]).as_matrix()
     wanted, knots = rest.com[:2] + middle - middle[0], period * np.arange(len(middle), dtype=float)
     wanted += (turns[:, :2, :2] - np.eye(2)) @ (rest.com[:2] - middle[0])
+    if load is not None:
+        height_at_rest = float(rest.frame(load.point).position[2] + load.place[:, 2].mean())
+        wanted = wanted + load.com_shift(height_at_rest, robot.mass * GRAVITY)
     nothing = np.zeros((len(middle), 6))
     state = Centroidal(np.tile(rest.com, (len(middle), 1)), nothing, nothing, robot.mass)
     for _ in range(BALANCE_ROUNDS):

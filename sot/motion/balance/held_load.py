@@ -1,6 +1,6 @@
-"""What a planned motion holds: arms in given postures, and a mass that the balance counts."""
+"""What a planned motion holds or pushes: arms in given postures, and a mass and a force that the balance counts."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pinocchio as pin
@@ -24,6 +24,7 @@ class HeldLoad:
         mass: of the load, as far as the robot carries it (T,) [kg].
         point: the robot's operational point that the load goes with.
         place: its centre of mass in the axes of that point (T, 3) [m].
+        force: level force on the robot that acts there (T, 3), world axes [N]; none unless given.
     """
 
     joints: Array
@@ -31,6 +32,12 @@ class HeldLoad:
     mass: Array
     point: str
     place: Array
+    force: Array = field(default_factory=lambda: np.zeros((1, 3)))
+
+    def com_shift(self, height: float, weight: float) -> Array:
+        """Of the centre of mass from the middle of the pressure, for the force at a height, (T, 2) or (1, 2) [m]."""
+        shift: Array = -height / weight * self.force[:, :2]
+        return shift
 
     def combined_com(self, tick: Tick, k: int) -> tuple[Array, Array]:
         """Centre of mass (3,) of the robot and the load at a knot, and its Jacobian (3, nv); of the load, its place in
@@ -47,7 +54,8 @@ class HeldLoad:
     def combined(self, robot: Robot, state: Centroidal, q: Array, period: float, times: Array) -> Centroidal:
         """Centroidal quantities of the robot and the load at times (n,) [s].
 
-        The load's own turning is left out: it is a point mass.
+        The load's own turning is left out: it is a point mass. The moment of its force about the point of the floor
+        below it is taken from the rate of angular momentum: so `Centroidal.zmp` is the middle of the feet's pressure.
 
         Args:
             robot: who holds it.
@@ -69,5 +77,8 @@ class HeldLoad:
             spin += mass * np.cross(part.knots - com.knots, part.velocities - com.velocities)
         turning, total = Spline.through(spin, period), m + float(self.mass.max())
         momentum = np.hstack([total * com(times, 1), turning(times)])
-        rate = np.hstack([total * com(times, 2), turning(times, 1)])
+        # What the force turns the body by about the floor below, the floor need not.
+        lever = np.column_stack([np.zeros((len(at), 2)), at[:, 2]])
+        moment = Spline.through(np.cross(lever, np.broadcast_to(self.force, at.shape)), period)
+        rate = np.hstack([total * com(times, 2), turning(times, 1) - moment(times)])
         return Centroidal(com(times), momentum, rate, total)

@@ -75,3 +75,17 @@ def test_a_load_swung_about_the_body_has_its_angular_momentum(robot: Robot) -> N
     arm = tick.frame("chest").position + place[middle] - tick.com
     reduced = 5.0 * robot.mass / (5.0 + robot.mass)
     np.testing.assert_allclose(both.momentum[middle, 3:], reduced * np.cross(arm, [0.0, speed, 0.0]), atol=1e-6)
+
+
+def test_a_push_leaves_the_pressure_behind_the_centre_of_mass_by_its_moment(robot: Robot) -> None:
+    period, force = 0.02, -50.0
+    times = period * np.arange(51)
+    q, tick = np.tile(robot.rest, (len(times), 1)), Tick(robot)
+    place, nothing = np.tile([0.3, 0.0, 0.0], (len(times), 1)), np.zeros((len(times), 6))
+    back = np.tile([force, 0.0, 0.0], (len(times), 1))
+    load = HeldLoad(np.zeros(0, int), np.zeros((len(times), 0)), np.zeros(len(times)), "chest", place, back)
+    state = Centroidal(np.tile(tick.com, (len(times), 1)), nothing, nothing, robot.mass)
+    zmp = load.combined(robot, state, q, period, times).zmp()[25]
+    height, weight = float(tick.frame("chest").position[2]), robot.mass * GRAVITY
+    np.testing.assert_allclose(zmp, tick.com[:2] + np.array([height * force / weight, 0.0]), atol=1e-9)
+    np.testing.assert_allclose(tick.com[:2] - zmp, load.com_shift(height, weight)[0], atol=1e-9)
