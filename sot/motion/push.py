@@ -74,7 +74,7 @@ def push(robot: Robot, way: float, speed: float, drag: float, rate: float = 1000
     """
     leg = leg_length(robot)
     unit = float(np.sqrt(leg / GRAVITY))
-    step_time = STEP * leg / speed / unit
+    step_time = way / np.ceil(way / (STEP * leg)) / speed / unit
     gait = Gait(STEP, SWING_SHARE * step_time, (1.0 - SWING_SHARE) * step_time)
     window = 2.0 * step_time * unit
     pressed = (REACHING_TIME + 1.0) * unit
