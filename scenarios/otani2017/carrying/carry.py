@@ -19,7 +19,7 @@ from sim.recording.things import HandledThings
 from sim.reporting import report
 from sot.behaviours.manipulation.walking import WalkingManipulation
 from sot.errors import InputError
-from sot.motion.carry import carry
+from sot.motion.carrying.carry import carry
 from sot.motion.feet.footwork import Foothold
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot

@@ -15,11 +15,11 @@ from sim.recording.things import HandledThings
 from sim.reporting import report
 from sot.behaviours.manipulation.walking import WalkingManipulation
 from sot.control.load import KnownWrench
+from sot.motion.carrying.push import PushPlan, push
 from sot.motion.objects.com_path import PlacePath
 from sot.motion.objects.events import ROBOT, WORLD, ContactEvent, ContactPlan, SurfaceName, SurfacePair
 from sot.motion.objects.pose_path import PosePath
 from sot.motion.objects.retarget import HAND_STANDOFF, RobotDemonstration, Target, named_surfaces
-from sot.motion.push import PushPlan, push
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
@@ -28,6 +28,9 @@ from sot.robots.things.thing import Thing
 
 WAY_M, SPEED_M_S = 2.0, 0.3
 """How far the cart is pushed, and how fast."""
+MAX_HAND_SHARE = 0.7
+"""Greatest share of the drag that a hand may press with: what keeps the trunk from turning would leave the other hand
+without force, and it would slip."""
 CART = "cart"
 """Name of the cart."""
 
@@ -81,6 +84,9 @@ def perform(request: Replay, tell: ProgressCallback) -> Pushed:
     system = System(robot, [replace(cart, friction=np.zeros(1))])
     demonstration = cart_demonstration(plan, system)
     contacts = contacts_of(demonstration)
+    for pair, contact in contacts.items():
+        if pair.kind == "robot-thing":
+            contact.most = MAX_HAND_SHARE * drag
     schedule = WalkingManipulation(demonstration, contacts)
 
     def known_drag(t: float) -> np.ndarray:

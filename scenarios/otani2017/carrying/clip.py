@@ -11,9 +11,9 @@ import pinocchio as pin
 from sim.log import RunLog
 from sot.errors import InputError
 from sot.motion import read, recognise
-from sot.motion.arms import Arms, palm_places
 from sot.motion.body.spline import Spline
-from sot.motion.carry import STANDOFF, CarryPlan
+from sot.motion.carrying.arms import Arms, palm_places
+from sot.motion.carrying.carry import STANDOFF, CarryPlan
 from sot.motion.feet.stance import Build
 from sot.motion.human.formats.omomo import read_omomo, read_omomo_object
 from sot.motion.human.human import SIDES

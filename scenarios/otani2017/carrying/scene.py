@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 
 from scenarios.otani2017.scene import ObjectOptions
-from sot.motion.carry import STANDOFF, CarryPlan
+from sot.motion.carrying.carry import STANDOFF, CarryPlan
 from sot.motion.objects.com_path import PlacePath
 from sot.motion.objects.events import ROBOT, WORLD, ContactEvent, ContactPlan, SurfaceName, SurfacePair
 from sot.motion.objects.pose_path import PosePath

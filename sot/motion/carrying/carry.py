@@ -7,9 +7,9 @@ import numpy as np
 import pinocchio as pin
 
 from sot.gravity import GRAVITY
-from sot.motion.arms import Arms, palm_places
 from sot.motion.balance.feet_led import feet_led
 from sot.motion.balance.held_load import HeldLoad
+from sot.motion.carrying.arms import Arms, palm_places
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Foothold
 from sot.motion.feet.swing import contact_phases, foot_paths

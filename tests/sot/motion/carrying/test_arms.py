@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 
 from sot.errors import InputError
-from sot.motion.arms import Arms, fist_places, palm_places
+from sot.motion.carrying.arms import Arms, fist_places, palm_places
 from sot.robots.robot import Robot
 
 

@@ -7,9 +7,9 @@ import pinocchio as pin
 from scipy.ndimage import convolve1d
 
 from sot.gravity import GRAVITY
-from sot.motion.arms import Arms, fist_places
 from sot.motion.balance.feet_led import feet_led
 from sot.motion.balance.held_load import HeldLoad
+from sot.motion.carrying.arms import Arms, fist_places
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Foothold
 from sot.motion.feet.swing import contact_phases, feet_middle, foot_paths
