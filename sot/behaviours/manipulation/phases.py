@@ -220,11 +220,15 @@ class PhasedSchedule(Schedule):
         yield from self.take_load(hand.contact)
         if not hand.carries(self.force(hand.contact)):
             raise GivenUpError(f"{hand.contact.name} carries {self.force(hand.contact):.0f} N only")
+        yield from self.trust(hand, 0.0, 1.0)
+
+    def trust(self, hand: HandSupport, first: float, last: float) -> Iterator[None]:
+        """What a hand may bear changes from one share of it to another, of what is above its probing share."""
         begun, ramp = self.t, LOAD_RAMP * self.unit
         while self.t < begun + ramp:
-            hand.trust((self.t - begun) / ramp)
+            hand.trust(first + (last - first) * (self.t - begun) / ramp)
             yield
-        hand.trust(1.0)
+        hand.trust(last)
 
     def release(self, hand: HandSupport, arm: Array) -> Iterator[None]:
         """A hand gives its load away and supports no longer; its arm's joints are led into the posture again."""
