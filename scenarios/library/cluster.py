@@ -37,7 +37,7 @@ def cluster_results(address: str, jobs: Sequence[Job], memory_limit: float) -> I
         futures = [client.submit(run_here, job, memory_limit, pure=False) for job in jobs]
 
         def rows() -> Iterator[Row]:
-            for future in as_completed(futures):
+            for future in as_completed(futures, loop=client.loop):
                 row: Row = future.result()
                 future.release()
                 yield row

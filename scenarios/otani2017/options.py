@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from scenarios.otani2017.bag.bag import BagTrial
 from scenarios.otani2017.carrying.carry import Carrying
 from scenarios.otani2017.carrying.cart import Pushing
 from scenarios.otani2017.otani import OWN_STUDIES, STUDIES, Handling
@@ -17,9 +18,12 @@ NAME = "otani"
 """The scenario that takes these options."""
 
 Study = Annotated[
-    str | None, typer.Argument(help="For otani: box, door, carry or cart; for damping: identify, push, dance or gains.")
+    str | None,
+    typer.Argument(help="For otani: box, door, bag, carry or cart; for damping: identify, push, dance or gains."),
 ]
-Mass = Annotated[float | None, typer.Option(help="For otani box and carry: mass of the box [kg]; 3 or 2 by default.")]
+Mass = Annotated[
+    float | None, typer.Option(help="For otani box, bag and carry: its mass [kg]; 3, 1.5 or 2 by default.")
+]
 Stiffness = Annotated[float | None, typer.Option(help="For otani door: spring of the hinge [N m/rad]; 0 by default.")]
 Damping = Annotated[float | None, typer.Option(help="For otani door: damping of the hinge [N m s/rad].")]
 Friction = Annotated[float | None, typer.Option(help="For otani: of things on surfaces; 0.7 by default.")]
@@ -31,7 +35,7 @@ WithoutObject = Annotated[bool, typer.Option("--without-object", help="For otani
 FromPlate = Annotated[bool, typer.Option("--from-plate", help="For otani box: from a low plate, not from a stand.")]
 Seed = Annotated[
     int | None,
-    typer.Option(help="For otani box and carry: the box is 3 mm and 2 degrees off; for stairs: treads 3 mm."),
+    typer.Option(help="For otani box, bag and carry: it is 3 mm and 2 degrees off; for stairs: treads 3 mm."),
 ]
 Events = Annotated[Path | None, typer.Option(help="For otani: file (.toml) of contact events, docs/otani-2017.md.")]
 
@@ -49,7 +53,7 @@ def handling_options(
     from_plate: bool,
     seed: int | None,
     events: Path | None,
-) -> Handling | Carrying | Pushing | None:
+) -> Handling | BagTrial | Carrying | Pushing | None:
     """What is to be handled; None for a scenario that handles nothing.
 
     Raises:
@@ -77,10 +81,9 @@ def handling_options(
         raise InputError(f"{NAME}: say what is handled, {known}, not '{study or ''}'")
     of_box, of_hinge = ("--mass", "--assumed-mass", "--from-plate", "--seed"), ("--stiffness", "--damping")
     foreign: tuple[str, ...] = of_box if study == "door" else (*of_hinge, "--assumed-stiffness")
-    if study in OWN_STUDIES:
-        foreign += ("--from-plate", "--without-object", "--events")
-    if study == "cart":
-        foreign += (*of_box, "--friction")
+    taken = {"bag": ("--mass", "--seed"), "carry": ("--mass", "--assumed-mass", "--friction", "--seed"), "cart": ()}
+    if study in taken:
+        foreign = tuple(name for name in given if name not in taken[study])
     if wrong := [name for name in named if name in foreign]:
         raise InputError(f"{NAME} {study} takes no {wrong[0]}")
     for name, value in given.items():
@@ -89,7 +92,9 @@ def handling_options(
             raise InputError(f"{name} {value:g}: give a number of {least:g} or more")
     if study == "cart":
         return Pushing()
-    usual = Carrying().actual.mass if study in OWN_STUDIES else ObjectOptions.mass
+    if study == "bag":
+        return BagTrial(BagTrial.mass if mass is None else mass, seed)
+    usual = Carrying().actual.mass if study == "carry" else ObjectOptions.mass
     actual = ObjectOptions(usual if mass is None else mass, friction, stiffness, damping)
     assumed = None
     if assumed_mass is not None or assumed_stiffness is not None:
@@ -98,6 +103,6 @@ def handling_options(
             mass=actual.mass if assumed_mass is None else assumed_mass,
             stiffness=actual.stiffness if assumed_stiffness is None else assumed_stiffness,
         )
-    if study in OWN_STUDIES:
+    if study == "carry":
         return Carrying(actual, assumed, seed)
     return Handling(study, from_plate, actual, assumed, without_object, seed, events)

@@ -1,4 +1,4 @@
-"""A box carried over one leg, a door pushed open, of several weights and springs, after one human: Otani 2017, IV."""
+"""A box carried over one leg, a door pushed open, a bag fetched from a table: Otani 2017, IV."""
 
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
@@ -12,6 +12,8 @@ from rich.table import Table
 from scenarios.inputs.clips import find_clip
 from scenarios.inputs.stack_file import Composition
 from scenarios.otani2017 import curves, pictures
+from scenarios.otani2017.bag import bag
+from scenarios.otani2017.bag.bag import BagTrial
 from scenarios.otani2017.carrying import carry, cart
 from scenarios.otani2017.carrying.carry import Carrying
 from scenarios.otani2017.carrying.cart import Pushing
@@ -36,7 +38,7 @@ from sot.robots.robot import Robot
 from sot.robots.system import System
 
 STUDIES = ("box", "door")
-OWN_STUDIES = ("carry", "cart")
+OWN_STUDIES = ("bag", "carry", "cart")
 """Studies without a human."""
 NOISE_M, NOISE_DEG = 0.003, 2.0
 """Standard deviation of where a free thing stands, with a seed: in each direction [m], and in its heading [deg]."""
@@ -84,7 +86,9 @@ class Handling:
 DEFAULT_OPTIONS = Handling(STUDIES[0])
 
 
-def run(request: Replay, handling: Handling | Carrying | Pushing, out: Path, tell: ProgressCallback) -> dict[str, Any]:
+def run(
+    request: Replay, handling: Handling | BagTrial | Carrying | Pushing, out: Path, tell: ProgressCallback
+) -> dict[str, Any]:
     """Retarget a demonstration, or plan what has none, run it, record and report.
 
     Args:
@@ -96,6 +100,8 @@ def run(request: Replay, handling: Handling | Carrying | Pushing, out: Path, tel
     Raises:
         InputError: Anything in the request that does not fit; nothing is written then.
     """
+    if isinstance(handling, BagTrial):
+        return bag.run(request, handling, out, tell)
     if isinstance(handling, Carrying):
         return carry.run(request, handling, out, tell)
     if isinstance(handling, Pushing):
@@ -185,6 +191,9 @@ def hands_for(robot: Robot, study: str) -> dict[str, str]:
 
 def show(figures: dict[str, Any], console: Console) -> None:
     """Print what became of the things."""
+    if "bag" in figures:
+        bag.show(figures, console)
+        return
     table = Table(box=None, padding=(0, 2, 0, 0))
     for words in (
         "thing",

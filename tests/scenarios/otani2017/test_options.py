@@ -9,7 +9,8 @@ from scenarios import cli
     ("arguments", "message"),
     [
         (["otani"], "say what is handled, box or door"),
-        (["otani", "lift"], "say what is handled, box or door or carry or cart, not 'lift'"),
+        (["otani", "lift"], "say what is handled, box or door or bag or carry or cart, not 'lift'"),
+        (["otani", "bag", "--stiffness", "10"], "otani bag takes no --stiffness"),
         (["otani", "carry", "--from-plate"], "otani carry takes no --from-plate"),
         (["otani", "cart", "--mass", "2"], "otani cart takes no --mass"),
         (["otani", "box", "--stiffness", "10"], "otani box takes no --stiffness"),
