@@ -72,11 +72,11 @@ def _show(summary: Summary, out: Path) -> None:
     told = ", ".join(f"{count} {outcome}" for outcome, count in counts.items() if count)
     output.print(f"{len(summary.rows)} clips in the library: {told}", highlight=False)
     if summary.new:
-        hours = summary.wall_s * summary.workers / SECONDS_PER_HOUR
+        hours = sum(row["times"]["total_s"] for row in summary.new) / SECONDS_PER_HOUR
         seconds = sum(row["seconds"] or 0.0 for row in summary.new)
         output.print(
-            f"This batch: {len(summary.new)} clips, {seconds:.0f} s of motion in {summary.wall_s:.0f} s by"
-            f" {summary.workers} processes: {len(summary.new) / hours:.0f} clips and {seconds / hours:.0f} s of motion"
+            f"This batch: {len(summary.new)} clips, {seconds:.0f} s of motion in {summary.wall_s:.0f} s:"
+            f" {len(summary.new) / hours:.0f} clips and {seconds / hours:.0f} s of motion"
             f" an hour a core; {_stage_words(summary)}",
             soft_wrap=True,
             highlight=False,
