@@ -29,6 +29,7 @@ from sot.live.sensing.key_point_source import KeyPointSource
 from sot.live.streams.address import StreamAddress
 from sot.motion import read
 from sot.motion.human.key_points import parse_key_points
+from sot.motion.human.skeleton import JointAliases
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -59,6 +60,7 @@ class LiveRequest:
         bind: address of the interface to listen at, None for this machine alone.
         token: that frames of udp:// have to carry.
         points: the key points to which the person is reduced, as a list; all that comes by default.
+        mapping: names of the joints of an unknown skeleton, as of `sot.motion.human.skeleton.named_joints`.
         keeps_time: whether it runs by the wall clock; otherwise the stream's time is that of the simulation, which
             however slow a machine does not change.
     """
@@ -74,6 +76,7 @@ class LiveRequest:
     pushes: tuple[Push, ...] = ()
     mismatch: Mismatch = NO_MISMATCH
     points: str = ""
+    mapping: JointAliases | None = None
     keeps_time: bool = True
 
 
@@ -83,6 +86,7 @@ class LiveCompanion:
     Args:
         follower: whose reference is fed.
         end: of the run [s], infinite if only an interrupt ends it.
+        mapping: names of the joints of an unknown skeleton, as of `sot.motion.human.skeleton.named_joints`.
         keeps_time: whether ticks wait for the wall clock.
         viewer: told of each tick.
     """
@@ -157,7 +161,7 @@ def open_source(request: LiveRequest, robot: Robot) -> Source:
         raise InputError(f"{request.source} is a clip: --bind and --token are for streams")
     else:
         source = ClipSource(read(clips.find_clip(request.source)), CLIP_RATE)
-    return KeyPointSource(source, names) if names else source
+    return KeyPointSource(source, names, request.mapping) if names else source
 
 
 def follow(
@@ -172,7 +176,7 @@ def follow(
     _compile(robot, tell)
     is_stream = StreamAddress.is_one(request.source)
     start = _first_frame_time(source, tell) if request.keeps_time and is_stream else 0.0
-    follower = Follower(source, robot, request.delay, start)
+    follower = Follower(source, robot, request.delay, start, request.mapping)
     end = np.inf if request.duration is None else request.duration
     companion = LiveCompanion(follower, end, request.keeps_time, viewer)
     controller = Controller(robot, live_stack(robot, follower.reference), make_solver(request.solver), 1 / request.rate)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -43,6 +44,20 @@ class Knot:
     poses: dict[str, Pose]
 
 
+class FutureTarget(NamedTuple):
+    """What will be asked for later.
+
+    Attributes:
+        later: by how much [s].
+        y: coordinates (nv,) then.
+        com_shift: how much farther the centre of mass will be wanted (2,) [m].
+    """
+
+    later: float
+    y: Array
+    com_shift: Array
+
+
 class LiveReference:
     """A robot motion on planted feet that follows targets as they come; a `sot.motion.trajectory.Reference`.
 
@@ -52,11 +67,12 @@ class LiveReference:
     Args:
         robot: who moves, from its rest posture.
         limits: of the coordinates.
+        foresight: how much of the future will be known [s].
     """
 
     duration = inf
 
-    def __init__(self, robot: Robot, limits: Limits) -> None:
+    def __init__(self, robot: Robot, limits: Limits, foresight: float = 0.0) -> None:
         self.robot = robot
         self._data = robot.model.createData()
         self.rest = from_configuration(robot.rest[None])[0]
@@ -67,7 +83,7 @@ class LiveReference:
         support = support_polygon(robot, self._phase)
         self._preview = ComPreview(support, np.ptp(foot[:, :2], axis=0), com[:2], float(com[2]))
         legs = PlantedLegs(robot, self._phase, self.rest)
-        self._governor = Governor(robot, limits, legs, self.rest, PERIOD)
+        self._governor = Governor(robot, limits, legs, self.rest, PERIOD, foresight)
         self._com = com[:2].copy()
         self._knots: list[Knot] = []
         self._knots.append(self._knot())
@@ -88,21 +104,20 @@ class LiveReference:
         return self._knots[-1].y
 
     def expected(self, target: Array, t: float) -> Array:
-        """Coordinates (nv,) where it could be at a time [s] on the way to a target (nv,): it may be later than the last
-        knot, as where the future is known."""
+        """Coordinates (nv,) where it could be at a time [s] on the way to a target (nv,), not before the last knot."""
         return self._governor.expected(target, max(t - self.horizon, 0.0))
 
-    def advance(self, target: Array, velocity: Array, future: Sequence[tuple[float, Array]] = ()) -> None:
-        """Make the next knot, towards a target (nv,) that moves with a velocity (nv,).
-
-        future: how much later [s] the centre of mass will be wanted how much farther (2,) [m], as far as is known.
-        """
+    def advance(self, target: Array, velocity: Array, future: Sequence[FutureTarget] = ()) -> None:
+        """Make the next knot, towards a target (nv,) that moves with a velocity (nv,); future: in order, if known."""
         self._step(target, velocity, future)
 
-    def _step(self, target: Array, velocity: Array, future: Sequence[tuple[float, Array]] = ()) -> None:
+    def _step(self, target: Array, velocity: Array, future: Sequence[FutureTarget] = ()) -> None:
         plan = self._preview
         if (len(self._knots) - 1) % KNOTS_PER_PLAN == 0:
-            plan.plan(self._com + target[:2] - self._governor.y[:2], future)
+            shifts = [(one.later, one.com_shift) for one in future]
+            plan.plan(self._com + target[:2] - self._governor.y[:2], shifts)
+            times = np.array([0.0, *(one.later for one in future)])
+            self._governor.plan(times, np.array([target, *(one.y for one in future)]))
         place, rate = plan.c, plan.dc
         plan.advance(PERIOD)
         self._governor.step(target, velocity, np.stack([place, rate, plan.ddc]))

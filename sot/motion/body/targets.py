@@ -29,12 +29,14 @@ class Targets:
         height: error of the hips' height that is accepted [m]; None for what goes with the feet, and hips that are
             lowered smoothly to where both legs reach.
         lean_cut: (T,) how much less the trunk leans than the human's [rad].
+        extension: foot -> (T,) share of its length to which the human's leg is extended.
     """
 
     hips: Array
     frames: dict[str, Array]
     directions: dict[str, Array]
     lean_cut: Array
+    extension: dict[str, Array]
     height: float | None = None
 
     @property
@@ -71,7 +73,15 @@ def targets_of_human(human: Human, robot: Robot, build: Build, facing: Array) ->
         turn = Rotation.from_matrix(rotation).as_rotvec()
         frames[body] = Rotation.from_rotvec(lead * turn).as_matrix()
     frames, directions, lean_cut = with_leans_in_range(robot, frames, directions, facing)
-    return Targets(hips, frames, directions, lean_cut)
+    return Targets(hips, frames, directions, lean_cut, {f"{side}_foot": leg_extension(human, side) for side in SIDES})
+
+
+def leg_extension(human: Human, side: str) -> Array:
+    """The distance from hip to ankle (T,), over the length of thigh and shank."""
+    hip, knee, ankle = (human.points[f"{side}_{joint}"] for joint in ("hip", "knee", "ankle"))
+    length = np.linalg.norm(knee - hip, axis=1) + np.linalg.norm(ankle - knee, axis=1)
+    extension: Array = np.linalg.norm(ankle - hip, axis=1) / length
+    return extension
 
 
 def key_points(wanted: Targets, robot: Robot) -> dict[str, Array]:
