@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from scenarios.inputs.clip_options import Duration, Feet, FrameRate, FromFormat
+from scenarios.inputs.clip_options import Duration, Feet, FrameRate, FromFormat, MappingFile
 from scenarios.inputs.run_options import Rate, RobotName, SolverName
 from scenarios.library.batch import DEFAULT_TIME_LIMIT_S, OPTIONS_FILE, Batch, Summary, run_batch
 from scenarios.library.job import OUTCOMES, UPRIGHT, Row
@@ -29,6 +29,7 @@ def batch_command(
     feet: Feet = "auto",
     duration: Duration = None,
     rate: Rate = 1000.0,
+    mapping: MappingFile = None,
     from_format: FromFormat = None,
     fps: FrameRate = None,
     to: Annotated[
@@ -44,7 +45,9 @@ def batch_command(
     ] = DEFAULT_MEMORY_LIMIT_GB,
 ) -> int:
     """Dance a whole library of clips in parallel; called again, it goes on where it was."""
-    request = Replay("", robot, None, solver, feet, duration=duration, rate=rate, from_format=from_format, fps=fps)
+    request = Replay(
+        "", robot, None, solver, feet, duration=duration, rate=rate, mapping=mapping, from_format=from_format, fps=fps
+    )
     batch = Batch(clips, out, request, to, workers, rank, ranks, time_limit, memory_limit, cluster)
     bar = Progress(
         TextColumn("{task.description}"),
