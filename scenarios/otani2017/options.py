@@ -14,7 +14,6 @@ from scenarios.otani2017.otani import Handling
 from scenarios.otani2017.scene import ObjectOptions
 from sot.errors import InputError
 
-BAG = "bag"
 NAME = "otani"
 """The scenario that takes these options."""
 _BOX = ("--mass", "--assumed-mass", "--friction", "--seed")

@@ -16,12 +16,12 @@ from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import Targets, targets_of_human
 from sot.motion.body.whole_body import retarget
-from sot.motion.feet.contacts import Phase
+from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.course import Course, stepping_course, with_clock, with_slides
 from sot.motion.feet.footwork import Step
 from sot.motion.feet.slides import SlideWay, find_slide
 from sot.motion.feet.stance import Build, human_on_time_line
-from sot.motion.feet.swing import feet_heading
+from sot.motion.feet.swing import feet_heading, feet_middle, standing_paths
 from sot.motion.feet.tempo import clock_from_slowness, slowness_raised
 from sot.motion.feet.timetable import TIME_GRID
 from sot.motion.feet.travel import HIGH_LIFT_LEGS, KEPT_TIME_SHARE
@@ -73,7 +73,9 @@ class Fitter:
         return replace(course, feet=swings.paths(shares), swing_shares=shares)
 
     def targets(self, course: Course) -> Targets:
-        wanted = targets_of_human(course.human, self.robot, self.build, feet_heading(course.feet))
+        moved = feet_middle(course.feet)[0] - feet_middle(standing_paths(planted_phases(self.robot, 1.0)[0], 1))[0]
+        facing = feet_heading(course.feet)
+        wanted = targets_of_human(course.human, self.robot, self.build, facing, (float(moved[0]), float(moved[1])))
         if self.hip_height_error is None:
             return wanted
         return replace(

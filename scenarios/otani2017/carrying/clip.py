@@ -1,6 +1,6 @@
 """A box carried after a human who was recorded with one: the human's steps and box in the robot's size."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -11,9 +11,8 @@ import pinocchio as pin
 from sim.log import RunLog
 from sot.errors import InputError
 from sot.motion import read, recognise
-from sot.motion.body.spline import Spline
-from sot.motion.carrying.arms import Arms, palm_places
-from sot.motion.carrying.carry import STANDOFF, CarryPlan
+from sot.motion.carrying.arms import palm_places
+from sot.motion.carrying.carry import CarryPlan
 from sot.motion.feet.stance import Build
 from sot.motion.human.formats.omomo import read_omomo, read_omomo_object
 from sot.motion.human.human import SIDES
@@ -36,10 +35,9 @@ HANDS_PITCH = 0.8
 """Angle by which the fingers point down: between a box on the floor and one before the chest [rad]."""
 GRIP_BELOW_TOP_M = 0.05
 """Distance of the palms' middle from the top of a box that stands on the floor [m]."""
-EASING_S, HOLDING_S, LOWERING_S, ARMS_EASING_S = 0.4, 0.3, 0.5, 1.0
-"""Time in which a box goes over from where it lies to its way, of a grip, of lowering it, and in which arms go over
-from what the human's do to the box [s]."""
-PACE = 0.75
+EASING_S, HOLDING_S, LOWERING_S = 0.4, 0.1, 0.5
+"""Time in which a box goes over from where it lies to its way, of a grip, and of lowering it [s]."""
+PACE = 0.6
 """Speed of the robot's motion over the human's: its steps are as long as its legs admit, and it carries something."""
 MAX_ASIDE_LEGS = 0.06
 """Greatest distance of the box's middle from where the shoulders face [leg lengths]."""
@@ -94,51 +92,8 @@ def carry_after(clip: Path, robot: Robot, mass: float, rate: float) -> ClipCarry
     grip = np.array([0.0, 0.0, 0.5 * height - GRIP_BELOW_TOP_M])
     times = lifted - HOLDING_S, lifted, max(placed - LOWERING_S, lifted), placed, placed + HOLDING_S
     hands = palm_places(robot, width, HANDS_PITCH, grip)
-    beside = palm_places(robot, width + 2.0 * STANDOFF * Build.of(robot).leg, HANDS_PITCH, grip)
-    held = minimum_jerk((knots - times[0]) / HOLDING_S) - minimum_jerk((knots - times[-1]) / HOLDING_S + 1.0)
-    motion = _with_arms_at(motion, knots, box, beside, hands, held, (times[0], times[-1]))
     carry = CarryPlan(motion, box, knots, *times, hands, (depth, width, height))
     return ClipCarry(carry, planned, way)
-
-
-def _with_arms_at(
-    motion: Motion,
-    knots: Array,
-    box: Sequence[pin.SE3],
-    beside: Mapping[str, pin.SE3],
-    hands: Mapping[str, pin.SE3],
-    held: Array,
-    reached: tuple[float, float],
-) -> Motion:
-    """The motion with arms that go to the sides of a box, hold it, and go back to what they did.
-
-    Args:
-        motion: of the whole body.
-        knots: times (T,) [s].
-        box: its places (T).
-        beside, hands: places of the hands in the box's axes, off it and on it.
-        held: share (T,) of the way from off the box onto it.
-        reached: when hands are beside it first, and last [s].
-    """
-    arms = Arms(motion.robot)
-    goals = {}
-    for point in hands:
-        position, rotation = blended([beside[point]] * len(knots), [hands[point]] * len(knots), held)
-        goals[point] = [place * pin.SE3(turn, at) for place, turn, at in zip(box, rotation, position, strict=True)]
-    bodies = np.array([motion.sample(t).q for t in knots.tolist()])
-    own = bodies[:, 7 + arms.joints]
-    reach = minimum_jerk((knots - reached[0]) / ARMS_EASING_S + 1.0) - minimum_jerk(
-        (knots - reached[1]) / ARMS_EASING_S
-    )
-    near = np.flatnonzero(reach > 0.0)
-    angles = own.copy()
-    there = arms.following(bodies[near], {point: [places[k] for k in near] for point, places in goals.items()})
-    angles[near] += reach[near, None] * (there - own[near])
-    spline = Spline.through(angles, float(knots[1] - knots[0]))
-    times = np.arange(len(motion.q)) / motion.rate
-    q, v, a = motion.q.copy(), motion.v.copy(), motion.a.copy()
-    q[:, 7 + arms.joints], v[:, 6 + arms.joints], a[:, 6 + arms.joints] = (spline(times, k) for k in range(3))
-    return replace(motion, q=q, v=v, a=a)
 
 
 def _loaded(robot: Robot, mass: float) -> Robot:

@@ -44,34 +44,46 @@ class Targets:
         return len(self.hips)
 
 
-def targets_of_human(human: Human, robot: Robot, build: Build, facing: Array) -> Targets:
-    """Targets from a human that stands over the robot's feet, on the motion's time line, eased in within LEAD_IN_TIME.
+def targets_of_human(
+    human: Human, robot: Robot, build: Build, facing: Array, moved: tuple[float, float] = (0.0, 0.0)
+) -> Targets:
+    """Targets from a human that stands over the robot's feet, on the motion's time line, eased in within LEAD_IN_TIME
+    from the rest posture over the feet of the first knot.
 
     The trunk leans no farther than legs and waist do, see `lean.with_leans_in_range`.
 
-    facing: (T,) heading of the feet, from which the chest is turned [rad].
+    Args:
+        human: of T frames.
+        robot: whose targets they are.
+        build: of the robot.
+        facing: (T,) heading of the feet, from which the chest is turned [rad].
+        moved: x and y of the middle of the feet at the first knot, from where it is at rest [m].
     """
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
     lead = minimum_jerk(np.arange(human.count) / human.rate / LEAD_IN_TIME)[:, None]
 
-    def at_rest(point: str) -> Array:
-        return data.oMf[robot.point(point)].translation
+    middle = np.mean([data.oMf[robot.point(foot)].translation for foot in robot.feet], axis=0)
+    turned = pin.utils.rotate("z", float(facing[0]))
+
+    def at_start(point: str) -> Array:
+        return middle + turned @ (data.oMf[robot.point(point)].translation - middle) + np.array([*moved, 0.0])
 
     directions = {}
     for segment in UPPER_BODY_SEGMENTS:
         near, far = SEGMENTS[segment]
-        rest = at_rest(far) - at_rest(near)
+        rest = at_start(far) - at_start(near)
         mixed = (1.0 - lead) * rest / np.linalg.norm(rest) + lead * human.segment_direction(segment)
         directions[segment] = mixed / np.linalg.norm(mixed, axis=1, keepdims=True)
 
-    hips = (1.0 - lead) * data.oMf[robot.point("waist")].act(build.hips) + lead * human.points["waist"]
+    hips_at_rest = data.oMf[robot.point("waist")].rotation @ build.hips
+    hips = (1.0 - lead) * (at_start("waist") + turned @ hips_at_rest) + lead * human.points["waist"]
     human_breadth = np.median(np.linalg.norm(human.points["left_shoulder"] - human.points["right_shoulder"], axis=1))
     swing = min(1.0, (human_breadth / human.arm) / (build.breadth / build.arm))
     frames = {}
     for body, rotation in (human.frames | {"chest": _with_share_of_yaw(human.frames["chest"], swing, facing)}).items():
-        turn = Rotation.from_matrix(rotation).as_rotvec()
-        frames[body] = Rotation.from_rotvec(lead * turn).as_matrix()
+        turn = Rotation.from_matrix(turned.T @ rotation).as_rotvec()
+        frames[body] = turned @ Rotation.from_rotvec(lead * turn).as_matrix()
     frames, directions, lean_cut = with_leans_in_range(robot, frames, directions, facing)
     return Targets(hips, frames, directions, lean_cut, {f"{side}_foot": leg_extension(human, side) for side in SIDES})
 

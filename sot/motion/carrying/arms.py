@@ -1,6 +1,6 @@
 """Arms that reach: places of hands before a robot at rest, and the angles of the arms there."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 import pinocchio as pin
@@ -11,10 +11,8 @@ from sot.robots.robot import Robot
 Array = np.ndarray
 
 MAX_ARM_WAY = 0.1  # m and rad, of a hand, before its arm is solved for anew
-FOLLOWING_STEPS = 3  # Newton steps of arms that follow a path, from one of its places to the next
 ARM_STEPS = 30  # Newton steps of the arms' inverse kinematics, at most
-DAMPING, FOLLOWING_DAMPING = 1e-5, 1e-2  # of these steps, beside squared lengths [m²]
-MAX_FOLLOWED_ERROR = 0.05  # m and rad, of which a step that follows a path takes care: arms at their ends do not flap
+DAMPING = 1e-5  # of these steps, beside squared lengths [m²]
 ARM_TOLERANCE, ROUNDING = 1e-3, 1e-9  # m and rad
 ORIGIN = np.zeros(3)
 
@@ -68,34 +66,11 @@ class Arms:
             )
         return q[7 + self.joints]
 
-    def following(self, bodies: Array, goals: Mapping[str, Sequence[pin.SE3]]) -> Array:
-        """Angles of the arms' joints (T, k) with which hands follow places in the world as nearly as arms allow.
-
-        Args:
-            bodies: configurations (T, nq), of which all but the arms is kept, and the arms of the first are begun with.
-            goals: hand -> its places (T).
-        """
-        angles, q = np.empty((len(bodies), len(self.joints))), bodies[0].copy()
-        for k, body in enumerate(bodies):
-            own = q[7 + self.joints]
-            q = body.copy()
-            q[7 + self.joints] = own
-            for _ in range(FOLLOWING_STEPS):
-                aims = {point: places[k] for point, places in goals.items()}
-                q, _ = self._nearer(q, aims, FOLLOWING_DAMPING, MAX_FOLLOWED_ERROR)
-            angles[k] = q[7 + self.joints]
-        return angles
-
     def _in_world(self, place: pin.SE3) -> pin.SE3:
         return pin.SE3(place.rotation, place.translation + self._waist)
 
-    def _nearer(
-        self, q: Array, aims: Mapping[str, pin.SE3], damping: float = DAMPING, most: float = np.inf
-    ) -> tuple[Array, float]:
-        """A Newton step of the arms towards places of the hands, within the joints' ranges; and the error before it.
-
-        most: of the error, that the step takes care of.
-        """
+    def _nearer(self, q: Array, aims: Mapping[str, pin.SE3]) -> tuple[Array, float]:
+        """A Newton step of the arms towards places of the hands, within the joints' ranges; and the error before it."""
         robot, data = self._robot, self._data
         pin.computeJointJacobians(robot.model, data, q)
         pin.updateFramePlacements(robot.model, data)
@@ -109,7 +84,7 @@ class Arms:
             ]
         error = np.concatenate(errors)
         J, step = np.vstack(rows), np.zeros(robot.nv)
-        step[6 + self.joints] = J.T @ np.linalg.solve(J @ J.T + damping * np.eye(len(J)), np.clip(error, -most, most))
+        step[6 + self.joints] = J.T @ np.linalg.solve(J @ J.T + DAMPING * np.eye(len(J)), error)
         nearer = pin.integrate(robot.model, q, step)
         nearer[7:] = np.clip(nearer[7:], robot.lower, robot.upper)
         return nearer, float(np.abs(error).max())

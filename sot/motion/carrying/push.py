@@ -12,6 +12,7 @@ from sot.motion.balance.held_load import HeldLoad
 from sot.motion.carrying.arms import Arms, fist_places
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Foothold
+from sot.motion.feet.support import FORCE_RAMP_TIME
 from sot.motion.feet.swing import contact_phases, feet_middle, foot_paths
 from sot.motion.trajectory import Motion
 from sot.motion.way import STEP_HEIGHT, Gait, footsteps_along
@@ -24,6 +25,7 @@ Array = np.ndarray
 KNOT_PERIOD = 0.02  # s, between knots
 STEP = 0.27  # leg lengths, of the body in a step
 SWING_SHARE = 0.83  # of the time of a step, that its foot is in the air
+MIN_STANDING_RAMPS = 2.5  # times that feet give their load away or take it: both need one while both feet stand
 HANDS_AHEAD, HANDS_HEIGHT, HANDS_APART = (
     0.6,
     0.5,
@@ -75,7 +77,8 @@ def push(robot: Robot, way: float, speed: float, drag: float, rate: float = 1000
     leg = leg_length(robot)
     unit = float(np.sqrt(leg / GRAVITY))
     step_time = way / np.ceil(way / (STEP * leg)) / speed / unit
-    gait = Gait(STEP, SWING_SHARE * step_time, (1.0 - SWING_SHARE) * step_time)
+    standing = max((1.0 - SWING_SHARE) * step_time, MIN_STANDING_RAMPS * FORCE_RAMP_TIME / unit)
+    gait = Gait(STEP, step_time - standing, standing)
     window = 2.0 * step_time * unit
     pressed = (REACHING_TIME + 1.0) * unit
     begin = pressed + (PRESSING_TIME + 1.0) * unit + window

@@ -214,10 +214,10 @@ def _asked_steps(
         moves.append(AskedStep(step, moved, least, small, high=lift > HIGH_LIFT_LEGS * human.leg))
     if not keep_lifts:
         return moves
-    return [_with_time_kept(move, moves) if move.high else move for move in moves]
+    return [with_time_kept(move, moves) if move.high else move for move in moves]
 
 
-def _with_time_kept(lift: AskedStep, moves: Sequence[AskedStep]) -> AskedStep:
+def with_time_kept(lift: AskedStep, moves: Sequence[AskedStep]) -> AskedStep:
     """A high lift that keeps the dancer's time, unless another step begins or ends meanwhile that has to be made."""
     begin, end = lift.step.lift, lift.step.land
     if any(
