@@ -121,7 +121,7 @@ PATCH = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.1, 0.1, 0.0]]
         (lambda r: r.surface("left_paw"), "no surface 'left_paw'"),
         (lambda r: Surface.of_corners("flap", PATCH[:2]), "'flap': give three corners"),
         (lambda r: Surface.of_corners("flap", [*PATCH, [0.0, 0.1, 0.2]]), "'flap': its corners are not in one plane"),
-        (lambda r: Thing.load("lamp"), "unknown thing 'lamp': choose one of block, box"),
+        (lambda r: Thing.load("lamp"), "unknown thing 'lamp': choose one of bag, block, box"),
         (lambda r: Thing.load("box", mass=0.0), "mass = 0"),
         (lambda r: Thing.load("box", size=(1.0, 0.0, 1.0)), "size must be three sides"),
         (lambda r: Thing.load("door", size=(1.0, 1.0, 1.0)), "has no size"),
