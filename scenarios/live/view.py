@@ -100,5 +100,7 @@ def shown_live(tell: Callable[[str], object]) -> Iterator[LiveView]:
     with viewer.stream_server() as (into, page):
         stream.connect_grpc(into)
         tell(f"no display to open a window on: watch at {page}")
-        yield LiveView(stream)
-        stream.disconnect()
+        try:
+            yield LiveView(stream)
+        finally:
+            stream.disconnect()

@@ -10,12 +10,22 @@ import typer
 from scenarios.otani2017.bag.bag import BagTrial
 from scenarios.otani2017.carrying.carry import Carrying
 from scenarios.otani2017.carrying.cart import Pushing
-from scenarios.otani2017.otani import OWN_STUDIES, STUDIES, Handling
+from scenarios.otani2017.otani import Handling
 from scenarios.otani2017.scene import ObjectOptions
 from sot.errors import InputError
 
 NAME = "otani"
 """The scenario that takes these options."""
+_BOX = ("--mass", "--assumed-mass", "--friction", "--seed")
+_DEMONSTRATED = ("--friction", "--without-object", "--events")
+TAKEN: dict[str, tuple[str, ...]] = {
+    "box": (*_BOX, *_DEMONSTRATED, "--from-plate"),
+    "door": (*_DEMONSTRATED, "--stiffness", "--damping", "--assumed-stiffness"),
+    "bag": ("--mass", "--seed"),
+    "carry": _BOX,
+    "cart": (),
+}
+"""What is handled -> options that it takes."""
 
 Study = Annotated[
     str | None,
@@ -76,24 +86,18 @@ def handling_options(
         if named := [name for name in named if name != "--seed"]:  # others take one, too
             raise InputError(f"{scenario} takes no {named[0]}: only {NAME} does")
         return None
-    if study is None or study not in (*STUDIES, *OWN_STUDIES):
-        known = " or ".join((*STUDIES, *OWN_STUDIES))
-        raise InputError(f"{NAME}: say what is handled, {known}, not '{study or ''}'")
-    of_box, of_hinge = ("--mass", "--assumed-mass", "--from-plate", "--seed"), ("--stiffness", "--damping")
-    foreign: tuple[str, ...] = of_box if study == "door" else (*of_hinge, "--assumed-stiffness")
-    taken = {"bag": ("--mass", "--seed"), "carry": ("--mass", "--assumed-mass", "--friction", "--seed"), "cart": ()}
-    if study in taken:
-        foreign = tuple(name for name in given if name not in taken[study])
-    if wrong := [name for name in named if name in foreign]:
+    if study is None or study not in TAKEN:
+        raise InputError(f"{NAME}: say what is handled, {' or '.join(TAKEN)}, not '{study or ''}'")
+    if wrong := [name for name in named if name not in TAKEN[study]]:
         raise InputError(f"{NAME} {study} takes no {wrong[0]}")
     for name, value in given.items():
         least = 0.0 if name in ("--stiffness", "--damping", "--assumed-stiffness") else 1e-3
         if isinstance(value, float) and not least <= value < math.inf:
             raise InputError(f"{name} {value:g}: give a number of {least:g} or more")
-    if study == "cart":
-        return Pushing()
     if study == "bag":
         return BagTrial(BagTrial.mass if mass is None else mass, seed)
+    if study == "cart":
+        return Pushing()
     usual = Carrying().actual.mass if study == "carry" else ObjectOptions.mass
     actual = ObjectOptions(usual if mass is None else mass, friction, stiffness, damping)
     assumed = None

@@ -1,4 +1,4 @@
-"""A box carried over one leg, a door pushed open, a bag fetched from a table: Otani 2017, IV."""
+"""A box carried over one leg and a door pushed open after one human; bag, box and cart without any: Otani 2017, IV."""
 
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
@@ -38,8 +38,6 @@ from sot.robots.robot import Robot
 from sot.robots.system import System
 
 STUDIES = ("box", "door")
-OWN_STUDIES = ("bag", "carry", "cart")
-"""Studies without a human."""
 NOISE_M, NOISE_DEG = 0.003, 2.0
 """Standard deviation of where a free thing stands, with a seed: in each direction [m], and in its heading [deg]."""
 UNKNOWN_SHARE = 1e-2

@@ -11,6 +11,7 @@ import pinocchio as pin
 from rich.console import Console
 
 from scenarios.inputs.stack_file import Composition
+from scenarios.otani2017.bag import picture
 from scenarios.otani2017.bag.figures import bag_figures, foreign_touches
 from scenarios.otani2017.bag.scene import BagPlan, bag_things
 from scenarios.otani2017.bag.schedule import BagSchedule
@@ -106,7 +107,10 @@ def run(request: Replay, trial: BagTrial, out: Path, tell: ProgressCallback) -> 
     make_solver(request.solver)
     danced, schedule = perform(request, trial, tell)
     assert danced.system is not None
-    return write_outputs(danced, out, tell, report.rounded({"bag": trial_figures(danced, schedule)}))
+    figures = write_outputs(danced, out, tell, report.rounded({"bag": trial_figures(danced, schedule)}))
+    title = f"a bag of {trial.mass:g} kg, by {danced.system.robot.label}"
+    picture.draw(out / picture.PICTURE_FILE, danced.run.log.trimmed(), schedule.plan, title)
+    return figures
 
 
 def trial_figures(danced: Dance, schedule: BagSchedule) -> dict[str, Any]:

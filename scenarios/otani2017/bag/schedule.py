@@ -127,6 +127,8 @@ class BagSchedule(PhasedSchedule):
         if foot.mode == "off":
             self.lead_com(self.plan.over_foot)
             yield from self.settled_com()
+            if self.palm.is_given_up:
+                yield from self.trust(self.palm, 1.0, 0.0)  # the foot alone could carry now
             yield from self.lead_through("left_foot", self._shifted(rest["left_foot"], (0.0, 0.0, FOOT_STANDOFF)))
             farthest = (FOOT_STANDOFF + OVERTRAVEL) * self.leg
             yield from self.touch("left_foot", foot, np.array([0.0, 0.0, -1.0]), farthest)

@@ -14,6 +14,19 @@ from sot.behaviours.manipulation.guide import (
     placement_of,
 )
 from sot.behaviours.manipulation.hand_support import HandSupport
+from sot.behaviours.manipulation.pace import (
+    CLOSING_PATIENCE,
+    CLOSING_RAMP,
+    CLOSING_SPEED,
+    COM_REST_SPEED,
+    COM_SPEED,
+    COM_TIME,
+    COM_TOLERANCE,
+    HOLDING_TIME,
+    LOAD_RAMP,
+    MAX_WAIT,
+    TOUCH_LOAD,
+)
 from sot.behaviours.manipulation.posture_guide import PostureGuide
 from sot.control.contact import Contact
 from sot.control.schedule import Schedule
@@ -29,15 +42,6 @@ Array = np.ndarray
 MOVING_SPEED = 0.1  # leg lengths per √(leg/g), mean
 TURNING_SPEED = 0.2  # rad per √(leg/g), mean
 MIN_MOVING_TIME = 1.6  # √(leg/g)
-CLOSING_SPEED = 0.0125  # leg lengths per √(leg/g): 3 cm/s
-CLOSING_RAMP = 0.8  # √(leg/g)
-CLOSING_PATIENCE = 2.0  # times as long as closing in takes, after which it is given up
-TOUCH_LOAD = 3.5e-3  # weights: 2 N
-LOAD_RAMP, HOLDING_TIME = 1.6, 1.6  # √(leg/g)
-COM_TIME, COM_SPEED = 3.2, 0.04  # √(leg/g), least; leg lengths per √(leg/g), mean
-COM_TOLERANCE = 0.02  # leg lengths from its goal, at which it has arrived
-COM_REST_SPEED = 0.01  # leg lengths per √(leg/g)
-MAX_WAIT = 25.0  # √(leg/g), for the centre of mass
 
 
 class GivenUpError(Exception):
@@ -220,11 +224,15 @@ class PhasedSchedule(Schedule):
         yield from self.take_load(hand.contact)
         if not hand.carries(self.force(hand.contact)):
             raise GivenUpError(f"{hand.contact.name} carries {self.force(hand.contact):.0f} N only")
+        yield from self.trust(hand, 0.0, 1.0)
+
+    def trust(self, hand: HandSupport, first: float, last: float) -> Iterator[None]:
+        """What a hand may bear changes from one share of it to another, of what is above its probing share."""
         begun, ramp = self.t, LOAD_RAMP * self.unit
         while self.t < begun + ramp:
-            hand.trust((self.t - begun) / ramp)
+            hand.trust(first + (last - first) * (self.t - begun) / ramp)
             yield
-        hand.trust(1.0)
+        hand.trust(last)
 
     def release(self, hand: HandSupport, arm: Array) -> Iterator[None]:
         """A hand gives its load away and supports no longer; its arm's joints are led into the posture again."""

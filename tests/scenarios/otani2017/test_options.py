@@ -8,7 +8,7 @@ from scenarios import cli
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["otani"], "say what is handled, box or door"),
+        (["otani"], "say what is handled, box or door or bag or carry or cart, not ''"),
         (["otani", "lift"], "say what is handled, box or door or bag or carry or cart, not 'lift'"),
         (["otani", "bag", "--stiffness", "10"], "otani bag takes no --stiffness"),
         (["otani", "carry", "--from-plate"], "otani carry takes no --from-plate"),

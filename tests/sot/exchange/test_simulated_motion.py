@@ -28,6 +28,10 @@ def simulated() -> SimulatedMotion:
         zmp=np.zeros((count, 2)),
         zmp_margin=np.full(count, np.nan),
         friction_margin=np.ones((count, 2)),
+        reference=motion.q,
+        human=np.zeros((4, 1, 3)),
+        human_rate=30.0,
+        human_points=("head",),
         rate=motion.rate,
         joints=motion.robot.joints,
         feet=feet,
@@ -57,6 +61,8 @@ def test_of_another_robot_version_or_shape(tmp_path):
         {"facts": np.array("no json")},
         {"q": content["q"][:, :-1]},
         {"rate": np.array(-1.0)},
+        {"human": np.zeros((4, 2, 3))},
+        {"human_rate": np.array("x")},
         {"torque": np.full_like(content["torque"], np.nan)},
     ):
         np.savez(path, **(content | change))
