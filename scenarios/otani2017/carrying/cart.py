@@ -29,8 +29,8 @@ from sot.robots.things.thing import Thing
 WAY_M, SPEED_M_S = 2.0, 0.3
 """How far the cart is pushed, and how fast."""
 MAX_HAND_SHARE = 0.7
-"""Greatest share of the drag that a hand may press with: what keeps the trunk from turning would leave the other hand
-without force, and it would slip."""
+"""Greatest share of the drag that a hand may press with: to keep the trunk from turning, one hand would press with all
+of it, and the other one would slip."""
 CART = "cart"
 """Name of the cart."""
 
