@@ -42,6 +42,9 @@ def live_command(
         str,
         typer.Option(help="Follow these points alone: waist,shoulders,elbows,wrists,head, from which a human is made."),
     ] = "",
+    feet: Annotated[
+        str, typer.Option(help='"planted" keeps both feet where they are, "steps" steps as the person does.')
+    ] = "planted",
     push: Annotated[list[str] | None, typer.Option("--push", help="A push, as for `sot replay`.")] = None,
     mismatch: Annotated[str, typer.Option("--mismatch", help="As for `sot replay`.")] = "",
     view: Annotated[bool, typer.Option("--view", help="Show it in rerun's viewer while it runs.")] = False,
@@ -62,6 +65,7 @@ def live_command(
         pushes=pushes,
         mismatch=parse_mismatch(mismatch),
         points=points,
+        feet=feet,
     )
     folder = out or Path("runs") / "live"
     with progress() as tell:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from solvers.compiled import compiled
 from sot.acceleration_bounds import AccelerationBounds
-from sot.live.planted_legs import PlantedLegs
+from sot.live.led_legs import LedLegs
 from sot.live.state import pinocchio_state
 from sot.motion.body.coordinates import rate_matrix, to_rotation
 from sot.motion.body.limits import Limits
@@ -57,12 +57,12 @@ class Governor:
     Args:
         robot: who moves.
         limits: of the coordinates y.
-        legs: of the robot, that stand.
+        legs: of the robot, led to where its feet are to be after the next period.
         start: coordinates to start from, at rest (nv,).
         period: between its steps [s].
     """
 
-    def __init__(self, robot: Robot, limits: Limits, legs: PlantedLegs, start: Array, period: float) -> None:
+    def __init__(self, robot: Robot, limits: Limits, legs: LedLegs, start: Array, period: float) -> None:
         self.y, self.dy, self.ddy = start.copy(), np.zeros_like(start), np.zeros_like(start)
         self._period, self._legs = period, legs
         velocity, acceleration = USABLE_VELOCITY_SHARE * limits.velocity, limits.acceleration.copy()
@@ -128,6 +128,8 @@ class Governor:
         base = curve[:6].copy()
         base[:2] = np.linalg.solve(C[:, :2], wanted - C[:, 2:] @ base[2:])
         legs = A @ base + b
+        if self._legs.are_led:
+            return np.clip(base, least, most)
         if (legs >= low).all() and (legs <= high).all() and (base >= least).all() and (base <= most).all():
             return base
         scale, width, count = self._scale, 1e-6, len(A)  # a box without any width has dependent constraints

@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from sot.live.planted_legs import PlantedLegs
+from sot.live.led_legs import LedLegs
 from sot.live.reference import LiveReference
 from sot.motion.body.coordinates import from_configuration, to_configuration
 from sot.motion.body.limits import Limits
@@ -30,7 +30,7 @@ def foot_error(robot, y):
 def test_legs_come_back_from_a_pelvis_out_of_reach(robot):
     (phase,) = planted_phases(robot, 1.0)
     rest = from_configuration(robot.rest[None])[0]
-    legs, still = PlantedLegs(robot, phase, rest), np.zeros(robot.nv)
+    legs, still = LedLegs(robot, phase, rest), np.zeros(robot.nv)
     for shift in (*np.linspace(0.0, 1.0, 40), *np.linspace(1.0, 0.0, 40)):
         y = rest.copy()
         y[:6] += shift * np.array([0.1, 0.05, 0.15, -0.2, 0.3, 0.9])
@@ -43,7 +43,7 @@ def test_legs_come_back_from_a_pelvis_out_of_reach(robot):
 def test_legs_accelerations_are_linear_in_those_of_the_base(robot):
     (phase,) = planted_phases(robot, 1.0)
     rest, chance = from_configuration(robot.rest[None])[0], np.random.default_rng(1)
-    legs = PlantedLegs(robot, phase, rest)
+    legs = LedLegs(robot, phase, rest)
     dy = np.zeros(robot.nv)
     dy[:6] = 0.3 * chance.normal(size=6)
     y, dy, _ = legs(rest, dy, np.zeros(robot.nv))

@@ -1,0 +1,106 @@
+"""A live reference that walks with the person."""
+
+from collections import deque
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sot.live.follower import Follower
+from sot.live.person import Moment, Person
+from sot.live.reference import LiveReference
+from sot.live.steps.footing import SteppingFooting
+from sot.live.steps.person_steps import PersonSteps
+from sot.live.steps.placement import SteppingPlacement
+from sot.motion.body.coordinates import to_rotation
+from sot.motion.body.limits import Limits
+from sot.robots.leg_range import MAX_EXTENSION
+from sot.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+LOWERING_ACCELERATION = 1.0
+"""Vertical acceleration with which the hips are lowered before a leg would be stretched [m/s²]."""
+
+
+MAX_CAP_RISE = 0.02
+"""Speed at which the hips rise again once legs reach [m/s]: they do not go up and down with each step."""
+
+
+class SteppingFollower(Follower):
+    """A `Follower` whose robot steps where the person does.
+
+    A moment's feet are looked at when it arrives, its body is followed when it is due: by then the robot's own steps
+    are decided.
+
+    Attributes:
+        footing: the robot's feet.
+    """
+
+    footing: SteppingFooting
+
+    def _new_reference(self, robot: Robot, limits: Limits) -> LiveReference:
+        self.footing = SteppingFooting(robot)
+        self._cap = np.inf
+        self._moments: deque[tuple[float, Moment, float]] = deque()
+        return LiveReference(robot, limits, self.footing)
+
+    def _meet(self, person: Person) -> None:
+        self._steps = PersonSteps(person.leg)
+        self._over_feet: SteppingPlacement | None = None
+        self._moments.clear()
+        self.footing.meet(self._build.leg / person.leg)
+
+    def _start_anew(self) -> None:
+        assert self._person is not None
+        self._meet(self._person)
+
+    def _follow(self, moment: Moment, due: float) -> None:
+        self._steps(moment, due)
+        if self._over_feet is None:
+            assert self._person is not None
+            turn = self.footing.face(self._steps.stands)
+            self._over_feet = SteppingPlacement(self._build, self._person, turn)
+        while self._steps.asked:
+            self.footing.asked.append(self._steps.asked.popleft())
+        self._moments.append((due, moment, self._steps.sense.level))
+
+    def _take_due(self, t: float) -> None:
+        while self._moments and self._moments[0][0] <= t + 1e-9:
+            due, moment, level = self._moments.popleft()
+            feet = self.footing.poses(self.reference.horizon)
+            self._body.put_feet(feet)
+            assert self._over_feet is not None
+            targets = self._over_feet(moment, level, feet)
+            self._cap = min(self._highest_hips(), self._cap + MAX_CAP_RISE * (due - (self._last or due)))
+            targets.hips[2] = min(targets.hips[2], self._cap)
+            self._future.append(self._solved(targets, due))
+        super()._take_due(t)
+
+    def _highest_hips(self) -> float:
+        """How high the hips may be now so that no leg has to be longer than it is while they are lowered [m]."""
+        y, hip_width = self.reference.now, self.footing.reach.hip_width
+        base = to_rotation(y[None, 3:6])[0]
+        middle = (y[:3] + base @ self._build.hips)[:2] - self.footing.com[0]
+        later, places = self.footing.com_ahead
+        leg, highest = MAX_EXTENSION * self._build.leg, np.inf
+        for sign, foot in zip((0.5, -0.5), self.robot.feet, strict=True):
+            hip = places + middle + sign * hip_width * base[:2, 1]
+            at, flies = self.footing.places_ahead(foot)
+            far = np.where(flies, 0.0, np.linalg.norm(hip - at, axis=1))
+            reached = self._build.ankles[2] + np.sqrt(np.maximum(leg**2 - far**2, 0.0))
+            highest = min(highest, float((reached + 0.5 * LOWERING_ACCELERATION * later**2).min()))
+        return highest
+
+    @property
+    def _rest(self) -> Array:
+        """Coordinates (nv,) of the safe posture over the feet as they stand."""
+        rest, build = self.reference.rest.copy(), self._build
+        stands = list(self.footing.stands.values())
+        turned = self.footing.mean_heading(self.reference.now[5])
+        rest[5] += turned
+        offset = self.reference.rest[:2] - build.ankles[:2]
+        cosine, sine = np.cos(turned), np.sin(turned)
+        rest[:2] = (
+            np.mean([(at.x, at.y) for at in stands], axis=0) + np.array([[cosine, -sine], [sine, cosine]]) @ offset
+        )
+        return rest
