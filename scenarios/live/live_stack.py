@@ -19,6 +19,8 @@ SOLE_MARGIN_SHARE = 0.055
 """Distance in lengths of a sole by which the soles that the controller counts on are smaller on all sides."""
 SWING_STIFFNESS, SWING_DAMPING = 200.0, 28.0
 """Gains of a swinging foot on its path [1/s², 1/s]."""
+WAIST_WEIGHT_STANDING, WAIST_WEIGHT_STEPPING = 2.0, 20.0
+"""Weight of the waist's orientation against the upper body's posture: on one foot a waist that gives way tilts all."""
 UPPER_BODY_GROUPS = ("chest", "head", "arms")
 
 
@@ -37,6 +39,7 @@ def live_stack(robot: Robot, reference: Reference, swings: Mapping[str, PoseRefe
     """
     height = float(pin.centerOfMass(robot.model, robot.model.createData(), robot.rest)[2])
     upper_body = [robot.joints[joint] for group in UPPER_BODY_GROUPS for joint in robot.groups[group]]
+    waist_weight = WAIST_WEIGHT_STEPPING if swings else WAIST_WEIGHT_STANDING
     stack = Stack(
         contacts=[
             Contact(robot.surface(foot), inset=SOLE_MARGIN_SHARE * float(np.ptp(robot.sole(foot)[:, 0])))
@@ -53,7 +56,7 @@ def live_stack(robot: Robot, reference: Reference, swings: Mapping[str, PoseRefe
                 ),
             ],
             "posture": [
-                OperationalPoint(robot, "waist", reference.pose("waist"), axes="RPY", weight=2.0),
+                OperationalPoint(robot, "waist", reference.pose("waist"), axes="RPY", weight=waist_weight),
                 Posture(robot, reference.joints, joints=upper_body, name="Posture"),
             ],
             "forces": [LeastForces()],

@@ -1,5 +1,7 @@
 """The path of a swinging foot to a foothold that may still change."""
 
+from typing import Any
+
 import numpy as np
 import pinocchio as pin
 
@@ -12,6 +14,8 @@ DESCENT_RAMP_TIME = 0.03
 """Speed at which a late foot is lowered [m/s], and the time in which it reaches that speed [s]."""
 LANDING_DEPTH = 0.005
 """Depth below the floor at which the path ends, so that the foot does not hover above it [m]."""
+BUMP_CURVATURE = 19.0
+"""Greatest second derivative of the bump over the share of the time, by its height."""
 UPWARD = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 
 
@@ -57,7 +61,7 @@ class Stride:
         velocity, acceleration = np.zeros(6), np.zeros(6)
         velocity[:2], acceleration[:2], velocity[5], acceleration[5] = rate[:2], second[:2], rate[2], second[2]
         velocity[2] = 192.0 * self._height * r**2 * (1.0 - 2.0 * s) / span
-        acceleration[2] = 384.0 * self._height * r * ((1.0 - 2.0 * s) ** 2 - r) / span**2
+        acceleration[2] = self._height * bump_curve(s) / span**2
         rotation = pin.utils.rotate("z", float(at[2])) @ self._rotation if at[2] else self._rotation
         over = Pose(position, rotation, velocity, acceleration)
         return lowered_pose(
@@ -69,6 +73,12 @@ class Stride:
         x, powers = t - self._coefficients_from, np.arange(6)
         rows = [x**powers, powers[1:] * x ** powers[:-1], (powers[2:] * powers[1:-1]) * x ** powers[:-2]]
         return rows[0] @ self._coefficients, rows[1] @ self._coefficients[1:], rows[2] @ self._coefficients[2:]
+
+
+def bump_curve(s: Any) -> Any:
+    """The second derivative of a stride's bump of unit height over its shares s (0 to 1), an array or a number."""
+    r = s * (1.0 - s)
+    return 384.0 * r * ((1.0 - 2.0 * s) ** 2 - r)
 
 
 def lowered_pose(pose: Pose, late: float) -> Pose:

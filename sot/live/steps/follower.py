@@ -1,11 +1,12 @@
 """A live reference that walks with the person."""
 
 from collections import deque
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sot.live.follower import Follower
+from sot.live.follower import STALE_TIME, Follower, Target
 from sot.live.person import Moment, Person
 from sot.live.reference import LiveReference
 from sot.live.steps.footing import SteppingFooting
@@ -22,8 +23,15 @@ LOWERING_ACCELERATION = 1.0
 """Vertical acceleration with which the hips are lowered before a leg would be stretched [m/s²]."""
 
 
-MAX_CAP_RISE = 0.02
-"""Speed at which the hips rise again once legs reach [m/s]: they do not go up and down with each step."""
+MAX_CAP_SINKING, MAX_CAP_RISE = 0.2, 0.02
+"""Speeds at which the hips sink before legs would be stretched, and rise again once they reach [m/s]: hips that went up
+and down with each step would take the load off the feet, and put it on again."""
+
+
+CALMING_TIME = 0.15
+"""Time constant with which the pelvis follows [s]: what it turns faster takes the zero-moment point out of one sole."""
+PELVIS = slice(2, 6)
+"""Its height and angles in the coordinates."""
 
 
 class SteppingFollower(Follower):
@@ -40,7 +48,8 @@ class SteppingFollower(Follower):
 
     def _new_reference(self, robot: Robot, limits: Limits) -> LiveReference:
         self.footing = SteppingFooting(robot)
-        self._cap = np.inf
+        self._cap = MAX_EXTENSION * self._build.leg + float(self._build.ankles[2])
+        self._calm, self._calm_rate, self._calm_at = np.zeros(4), np.zeros(4), -np.inf
         self._moments: deque[tuple[float, Moment, float]] = deque()
         return LiveReference(robot, limits, self.footing)
 
@@ -71,10 +80,27 @@ class SteppingFollower(Follower):
             self._body.put_feet(feet)
             assert self._over_feet is not None
             targets = self._over_feet(moment, level, feet)
-            self._cap = min(self._highest_hips(), self._cap + MAX_CAP_RISE * (due - (self._last or due)))
+            elapsed = due - (self._last or due)
+            lowered = max(self._highest_hips() - self._cap, -MAX_CAP_SINKING * elapsed)
+            self._cap += min(lowered, MAX_CAP_RISE * elapsed)
             targets.hips[2] = min(targets.hips[2], self._cap)
-            self._future.append(self._solved(targets, due))
+            self._future.append(self._calmed(self._solved(targets, due)))
         super()._take_due(t)
+
+    def _calmed(self, target: Target) -> Target:
+        """A target whose pelvis, but for its place, follows as a critically damped oscillator does."""
+        y, velocity = target.y.copy(), target.velocity.copy()
+        elapsed = target.due - self._calm_at
+        self._calm_at = target.due
+        if not elapsed < STALE_TIME:
+            self._calm, self._calm_rate = self.reference.now[PELVIS].copy(), np.zeros(4)
+        else:
+            share, off = np.exp(-elapsed / CALMING_TIME), self._calm - y[PELVIS]
+            slope = self._calm_rate + off / CALMING_TIME
+            self._calm = y[PELVIS] + share * (off + elapsed * slope)
+            self._calm_rate = share * (self._calm_rate - elapsed * slope / CALMING_TIME)
+        y[PELVIS], velocity[PELVIS] = self._calm, self._calm_rate
+        return replace(target, y=y, velocity=velocity)
 
     def _highest_hips(self) -> float:
         """How high the hips may be now so that no leg has to be longer than it is while they are lowered [m]."""

@@ -7,11 +7,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from sot.behaviours.stride import Stride
+from sot.behaviours.stride import BUMP_CURVATURE, Stride, bump_curve
 from sot.control.pose import Pose
 from sot.gravity import GRAVITY
 from sot.live.steps.foot_sense import wrapped
-from sot.live.steps.leg_momentum import zmp_shift_per_foot_acceleration
+from sot.live.steps.leg_momentum import zmp_shift_of_swing
 from sot.live.steps.person_steps import AskedStep
 from sot.live.steps.preview import KNOT_PERIOD, StepPreview
 from sot.live.steps.reachable import reachable_foothold
@@ -38,6 +38,8 @@ MAX_PLAN_EXCESS = 0.02
 """The same with which a decided step, not yet begun, is put off [m]."""
 MAX_TRIALS = 8
 """Times of a lift that are tried, KNOT_PERIOD apart, before the step waits for the next plan."""
+MAX_LIFT_ACCELERATION_G = 0.8
+"""Bound of a foot's acceleration upward in a step, unless it has to clear the floor, in g."""
 MIN_REDIRECTION = 0.002
 """Change of a foothold that a swing is led elsewhere for [m, rad]."""
 
@@ -57,7 +59,8 @@ class SteppingFooting:
         (self.start,) = planted_phases(robot, np.inf)
         self._robot, self._rest, self.reach = robot, feet_at_rest(robot), LegReach.of(robot)
         com = pin.centerOfMass(robot.model, robot.model.createData(), robot.rest).copy()
-        self._preview = StepPreview(com[:2], float(com[2]), zmp_shift_per_foot_acceleration(robot))
+        self._zmp_shift = zmp_shift_of_swing(robot)
+        self._preview = StepPreview(com[:2], float(com[2]), self._zmp_shift.along)
         self._rooms = Rooms(robot)
         self._time = float(np.sqrt(com[2] / GRAVITY))
         self.stands = {foot: _foothold(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
@@ -169,7 +172,8 @@ class SteppingFooting:
         self._decide(t, wanted, future)
         if len(self._steps) > (0 if self._stride is None else 1):
             self._put_off_or_begin(t, wanted, future)
-        self._preview.jerk, self.excess = self._solved(t, self._steps, wanted, future)
+        jerk, self.excess = self._solved(t, self._steps, wanted, future)
+        self._preview.follow(jerk)
 
     def _solved(
         self, t: float, steps: Sequence[DecidedStep], wanted: Array, future: Sequence[tuple[float, Array]]
@@ -188,9 +192,12 @@ class SteppingFooting:
         wish = np.array([self._wish(room, lean + more) for room, more in zip(rooms, shift, strict=True)])
         swings = np.zeros((len(times), 2))
         for step in steps:
-            share = (times - step.lift) / (step.land - step.lift)
+            span = step.land - step.lift
+            share = np.clip((times - step.lift) / span, 0.0, 1.0)
             way = np.array([step.place.x - step.start.x, step.place.y - step.start.y])
-            swings += minimum_jerk_curve(share)[:, None] * way / (step.land - step.lift) ** 2
+            ahead = np.array([np.cos(step.start.heading), np.sin(step.start.heading)])
+            swings += self._zmp_shift.along * minimum_jerk_curve(share)[:, None] * way / span**2
+            swings += self._zmp_shift.ahead * bump_curve(share)[:, None] * self._lift_height(step) * ahead / span**2
         return self._preview.solve(rooms, wish, end, swings)
 
     def _wish(self, room: Room, lean: Array) -> Array:
@@ -282,10 +289,14 @@ class SteppingFooting:
             self._steps.pop()
             self.asked.appendleft(step.asked)
 
+    def _lift_height(self, step: DecidedStep) -> float:
+        """How high a foot gets in a step [m]."""
+        low, high = (share * self.reach.leg_length for share in SWING_HEIGHT_RANGE)
+        high = min(high, MAX_LIFT_ACCELERATION_G * GRAVITY / BUMP_CURVATURE * (step.land - step.lift) ** 2)
+        return max(min(self._scale * step.asked.height, high), low)
+
     def _begin(self, step: DecidedStep) -> None:
-        leg = self.reach.leg_length
-        low, high = (share * leg for share in SWING_HEIGHT_RANGE)
-        height = min(max(self._scale * step.asked.height, low), high)
+        height = self._lift_height(step)
         pose = foot_pose(step.start, self._rest[step.foot])
         self._stride = Stride(pose.translation, pose.rotation, step.lift, step.land, height)
         self._strides[step.foot] = self._stride

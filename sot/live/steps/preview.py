@@ -31,7 +31,7 @@ class StepPreview:
     """Plan of the horizontal centre of mass, a programme every KNOT_PERIOD.
 
     With a jerk that is constant from knot to knot, z = c − c̈ h/g + β Σ (c̈_f − c̈) is linear in the jerks; the sum, over
-    both feet, is the angular momentum of their legs (`zmp_shift_per_foot_acceleration`). It minimises
+    both feet, is the angular momentum of their legs (`zmp_shift_of_swing`). It minimises
 
         Σ |z − z_wish|² + Σ |jerk|² + |ċ_end|²,    z in its room at every knot,
 
@@ -42,11 +42,15 @@ class StepPreview:
         place: where the centre of mass is at the start, at rest (2,) [m].
         height: of the centre of mass [m].
         leg_shift: β [m per m/s²].
+
+    Attributes:
+        c, dc, ddc: place, velocity and acceleration now (2,).
+        places: planned at the knots of the plan that is followed (n, 2) [m].
     """
 
     def __init__(self, place: Array, height: float, leg_shift: float) -> None:
         self.c, self.dc, self.ddc = place.copy(), np.zeros(2), np.zeros(2)
-        self.leg_shift = leg_shift
+        self._leg_shift = leg_shift
         T = KNOT_PERIOD
         k, i = np.arange(1, KNOTS + 1)[:, None], np.arange(KNOTS)[None]
         since = np.where(k > i, (k - i) * T, 0.0)
@@ -61,7 +65,7 @@ class StepPreview:
         self._free, self._free_rate = np.hstack([one, t, 0.5 * t**2]), np.hstack([nothing, one, t])
         self._free_curve = np.hstack([nothing, nothing, one])
         self._jerk_price = np.diag(sizes / ACCEPTED_JERK**2)
-        self.jerk = np.zeros((2, len(sizes)))
+        self.jerk, self.places = np.zeros((2, len(sizes))), np.tile(place, (KNOTS, 1))
         self._set_height(height)
 
     @property
@@ -69,14 +73,9 @@ class StepPreview:
         """Times of the knots from now (n,) [s]."""
         return KNOT_PERIOD * np.arange(1, KNOTS + 1, dtype=float)
 
-    @property
-    def places(self) -> Array:
-        """Planned places at the knots (n, 2) [m]."""
-        return self._free @ np.stack([self.c, self.dc, self.ddc]) + self._position @ self.jerk.T
-
     def _set_height(self, height: float) -> None:
         over = height / GRAVITY
-        self._over = over + 2.0 * self.leg_shift
+        self._over = over + 2.0 * self._leg_shift
         self._zmp = self._position - self._over * self._curve
         self._time = float(np.sqrt(over))
         self._end = self._position[-1] + np.sqrt(over) * self._rate[-1]
@@ -94,10 +93,10 @@ class StepPreview:
             rooms: at the knots, n.
             wish: where the zero-moment point would best be at the knots (n, 2) [m].
             end: over the feet as they stand in the end.
-            swings: acceleration of the foot in the air at the knots (n, 2) [m/s²].
+            swings: how far the foot in the air moves the zero-moment point at the knots (n, 2) [m].
         """
         state = np.stack([self.c, self.dc, self.ddc])
-        free = self._free @ state - self._over * (self._free_curve @ state) + self.leg_shift * swings
+        free = self._free @ state - self._over * (self._free_curve @ state) + swings
         rate = self._free_rate[-1] @ state
         final = self._free[-1] @ state + self._time * rate
         pull = self._zmp.T @ (wish - free) / ACCEPTED_ZMP_ERROR**2
@@ -116,6 +115,11 @@ class StepPreview:
         b = np.append(np.concatenate(bounds), 0.0)
         x = quadprog.solve_qp(self._H, np.append(pull.T.ravel(), 0.0), -A.T, -b)[0]
         return x[:-1].reshape(2, -1), float(x[-1])
+
+    def follow(self, jerk: Array) -> None:
+        """Take up jerks (2, blocks) that were solved for the state of now."""
+        self.jerk = jerk
+        self.places = self._free @ np.stack([self.c, self.dc, self.ddc]) + self._position @ jerk.T
 
     def advance(self, period: float, since: float) -> None:
         """Go on by a period [s], that begins some time after the plan was made [s]."""

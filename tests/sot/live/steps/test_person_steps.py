@@ -20,6 +20,7 @@ def moment(places, heights, heading=0.0):
     for side, (x, y), z in zip(("left", "right"), places, heights, strict=True):
         points[f"{side}_ankle"] = np.array([x, y, ANKLE + z])
         points[f"{side}_toe"] = points[f"{side}_ankle"] + ahead - [0.0, 0.0, 0.06]
+    points["waist"] = np.append(np.mean(places, axis=0), 0.95)
     c, s = np.cos(heading), np.sin(heading)
     return Moment(points, {"pelvis": np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])})
 
