@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.markup import escape
 from rich.table import Table
 
 from scenarios import viewer
@@ -19,6 +20,8 @@ from scenarios.inputs.clip_options import (
     EditFile,
     Feet,
     ForwardAxis,
+    FrameRate,
+    FromFormat,
     MappingFile,
     Start,
     Unit,
@@ -28,6 +31,8 @@ from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.inputs.plant import parse_feet_compliance
 from scenarios.inputs.run_options import MismatchText, Pushes, Rate, RobotName, SolverName
 from scenarios.kimoh2013.damping import options as damping_cli
+from scenarios.library.commands import batch_command
+from scenarios.library.export import export_command
 from scenarios.listing import Kind, list_rows
 from scenarios.live.commands import live_command, stream_command
 from scenarios.otani2017 import options
@@ -56,6 +61,8 @@ app.add_typer(robot_app, name="robot")
 app.command("live")(live_command)
 app.command("stream")(stream_command)
 app.command("bench")(bench_command)
+app.command("batch")(batch_command)
+app.command("export")(export_command)
 
 
 @app.command("replay")
@@ -81,6 +88,8 @@ def replay_command(
     stabiliser: plant_options.StabiliserName = "dcm",
     state: plant_options.StateName = "true",
     sensors: plant_options.SensorsName = "ideal",
+    from_format: FromFormat = None,
+    fps: FrameRate = None,
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/CLIP by default.")] = None,
     view: Annotated[bool, typer.Option("--view", help="Open the recording when done.")] = False,
 ) -> int:
@@ -113,6 +122,8 @@ def replay_command(
         stabiliser,
         state,
         sensors,
+        from_format,
+        fps,
     )
     with progress() as tell:
         report = replay(request, folder, tell)
@@ -214,6 +225,8 @@ def retarget_command(
     forward: ForwardAxis = None,
     unit: Unit = None,
     contacts: Contacts = None,
+    from_format: FromFormat = None,
+    fps: FrameRate = None,
     out: Annotated[Path, typer.Option("--out", "-o", help="File to write.")] = Path("motion.npz"),
 ) -> int:
     """Plan a robot's motion for a clip, without physics, and write it (.npz), or the dancer's steps (.toml), to a file
@@ -230,6 +243,8 @@ def retarget_command(
         up=up,
         forward=forward,
         unit=unit,
+        from_format=from_format,
+        fps=fps,
     )
     with progress() as tell:
         planned = retarget(request, out, tell)
@@ -266,7 +281,9 @@ def view_command(
 
 @app.command("report")
 def report_command(
-    runs: Annotated[list[Path], typer.Argument(metavar="DIR...", help="Folders of runs; several are compared.")],
+    runs: Annotated[
+        list[Path], typer.Argument(metavar="DIR...", help="Folders of runs, several are compared; or a library.")
+    ],
     out: Annotated[
         Path | None,
         typer.Option(
@@ -274,7 +291,7 @@ def report_command(
         ),
     ] = None,
 ) -> int:
-    """Make one page (HTML) of a run, or of several to compare."""
+    """Make one page (HTML) of a run, of several to compare, or of a library."""
     output.print(f"Written: {write_page(runs, out)}", soft_wrap=True)
     return DONE
 
@@ -284,7 +301,7 @@ def list_command(kind: Annotated[Kind, typer.Argument(help="What to list.")]) ->
     """List what there is to choose from."""
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
     for row in list_rows(kind):
-        table.add_row(*row)
+        table.add_row(*(escape(cell) for cell in row))
     output.print(table)
     return DONE
 

@@ -9,6 +9,7 @@ from scenarios.replay import SOLVERS
 from scenarios.robots.summary import robot_summary
 from scenarios.studies import SCENARIOS
 from sot.control import Task
+from sot.exchange.registry import FORMATS
 from sot.robots.robot import robot_names
 
 
@@ -16,6 +17,7 @@ class Kind(StrEnum):
     """What there is to choose from."""
 
     CLIPS = "clips"
+    FORMATS = "formats"
     ROBOTS = "robots"
     SCENARIOS = "scenarios"
     SOLVERS = "solvers"
@@ -28,6 +30,10 @@ def list_rows(kind: Kind) -> Iterator[tuple[str, ...]]:
         case Kind.CLIPS:
             for clip in clips.named_clips():
                 yield clip.name, f"{clip.seconds:.1f} s", clip.what, f"{clip.source}, {clip.licence}"
+        case Kind.FORMATS:
+            for name, one in FORMATS.items():
+                ways = "exported, read" if one.write and one.read else "exported" if one.write else "read"
+                yield name, ways, f"{one.rate:g} a second" if one.write else "", one.words
         case Kind.ROBOTS:
             for name in robot_names():
                 robot = robot_summary(name)

@@ -1,4 +1,4 @@
-"""`sot report`: one page of one run or several."""
+"""`sot report`: one page of one run or several, or of a library."""
 
 import json
 import math
@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from scenarios.library.page import is_library, write_library_page
 from scenarios.replay import REPORT_FILE, TRACES_FILE, check_writable
 from sim.reporting import page
 from sim.reporting.traces import Traces
@@ -16,10 +17,10 @@ PAGE_FILE, COMPARISON_FILE = "report.html", "comparison.html"
 
 
 def write_page(folders: Sequence[Path], out: Path | None = None) -> Path:
-    """Write the page of a run, or of several beside each other.
+    """Write the page of a run, of several beside each other, or of a library.
 
     Args:
-        folders: of the runs.
+        folders: of the runs, or of one library of `sot batch`.
         out: file to write; the run's own folder takes it by default, or the folder above the first of several.
 
     Returns:
@@ -36,6 +37,11 @@ def write_page(folders: Sequence[Path], out: Path | None = None) -> Path:
         out = folders[0] / PAGE_FILE if len(folders) == 1 else folders[0].absolute().parent / COMPARISON_FILE
     if out.suffix not in (".html", ".htm") or out.is_dir():
         raise InputError(f"{out}: a page is written to a file that ends in .html")
+    if len(folders) == 1 and is_library(folders[0]):
+        check_writable(out.parent)
+        out.parent.mkdir(parents=True, exist_ok=True)
+        write_library_page(folders[0], out)
+        return out
     runs = [_read_run(folder) for folder in folders]
     check_writable(out.parent)
     out.parent.mkdir(parents=True, exist_ok=True)

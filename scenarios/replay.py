@@ -10,6 +10,7 @@ from typing import Any
 
 from scenarios import stacks
 from scenarios.inputs import clips, edit_file
+from scenarios.inputs.dancer import check_format, incoming_quality, requested_human
 from scenarios.inputs.plant import estimator_of, hardware_of, position_controller
 from scenarios.inputs.stack_file import Composer, Composition, blaming_stack_file, load_stack
 from sim.drivers import PositionController
@@ -21,6 +22,7 @@ from sim.push import Push
 from sim.recording import recorder
 from sim.recording.things import HandledThings
 from sim.reporting import report, timeline
+from sim.reporting.simulated import simulated_motion
 from sim.reporting.traces import Traces
 from sim.world import World
 from solvers import Cascade, Solver, TaskCorrection, Weighted
@@ -30,7 +32,6 @@ from sot.control.stack import Stack
 from sot.errors import InputError
 from sot.hardware.compliance import FootCompliance
 from sot.hardware.hardware import Hardware
-from sot.motion import Human, read, recognise
 from sot.motion.feet import contact_file
 from sot.motion.performance import Performance
 from sot.motion.plan import Plan, plan
@@ -48,6 +49,7 @@ ProgressCallback = Callable[[str, float | None], object]
 
 SOLVERS: dict[str, Callable[[], Solver]] = {"cascade": Cascade, "weighted": Weighted, "iktc": TaskCorrection}
 RECORDING_FILE, REPORT_FILE, TIMELINE_FILE, TRACES_FILE = "run.rrd", "report.json", "schedule.svg", "traces.npz"
+SIMULATED_FILE = "simulated.npz"
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,9 @@ class Replay:
         stabiliser: one of `scenarios.inputs.plant.STABILISERS`, for a robot with servos.
         state: one of `scenarios.inputs.plant.STATES`: what the controller is told.
         sensors: one of `sot.hardware.sensors.SENSOR_PRESETS`.
+        from_format: of a robot's motion that becomes the clip, one of `sot.exchange.registry.FORMATS`; a human's clip
+            unless given.
+        fps: frame rate of that motion [Hz], where its file does not say.
     """
 
     clip: str
@@ -97,6 +102,8 @@ class Replay:
     stabiliser: str = "dcm"
     state: str = "true"
     sensors: str = "ideal"
+    from_format: str | None = None
+    fps: float | None = None
 
     def hardware(self, robot: Robot) -> Hardware:
         """What is asked for beside links and motors of a robot.
@@ -152,7 +159,9 @@ def replay(request: Replay, out: Path, tell: ProgressCallback) -> dict[str, Any]
         InputError: anything in the request that does not fit; nothing is written then.
     """
     check_writable(out)
-    return write_outputs(dance(request, tell), out, tell)
+    danced = dance(request, tell)
+    incoming = incoming_quality(request, danced.motion.robot)
+    return write_outputs(danced, out, tell, {"incoming": report.rounded(incoming)} if incoming else {})
 
 
 def write_outputs(
@@ -169,6 +178,7 @@ def write_outputs(
     figures |= {"edits": list(danced.edits)} | dict(extra_figures)
     report.write_json(figures, out / REPORT_FILE)
     Traces.of(danced.run.log, danced.info, danced.motion).save(out / TRACES_FILE)
+    simulated_motion(danced.run.log, danced.info, danced.motion).save(out / SIMULATED_FILE)
     return figures
 
 
@@ -179,6 +189,7 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
         InputError: anything in the request that does not fit.
     """
     make_solver(request.solver)  # before any work
+    check_format(request)
     robot = Robot.load(request.robot)
     hardware = request.hardware(robot)
     if hardware.servo is not None and not (request.stack or request.edits):
@@ -268,6 +279,7 @@ def _world(request: Replay, motion: Motion, scene: Scene | None = None, things: 
 
 
 def _info(request: Replay, world: World, planned: Plan | None, done: Run, solver: str) -> RunInfo:
+    source, licence = clips.terms(request.clip)
     return RunInfo(
         clip=Path(request.clip).stem,
         robot=world.robot.name,
@@ -281,6 +293,8 @@ def _info(request: Replay, world: World, planned: Plan | None, done: Run, solver
         mismatch=request.mismatch,
         pushes=request.pushes,
         hardware=world.hardware,
+        source=source,
+        licence=licence,
     )
 
 
@@ -316,6 +330,7 @@ def retarget(request: Replay, out: Path, tell: ProgressCallback) -> Plan:
     if out.suffix == ".toml" and request.feet == "planted":
         raise InputError(f"{out}: planted feet make no steps to write: choose --feet steps, or a file in .npz")
     check_writable(out.parent)
+    check_format(request)
     robot = Robot.load(request.robot)
     planned = _plan_of_clip(request, robot, tell)
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -364,28 +379,19 @@ def reference_motion(request: Replay, robot: Robot, tell: ProgressCallback) -> t
     Raises:
         InputError: a clip, its part, steps or a motion that cannot be used.
     """
-    clip = clips.find_clip(request.clip)
-    if not (clip.suffix == ".npz" and is_motion_file(clip)):
+    if request.from_format or not is_motion_file(clips.find_clip(request.clip)):
         planned = _plan_of_clip(request, robot, tell)
         return planned.motion, planned
     if request.start or request.duration is not None:
         raise InputError(
             f"{request.clip}: a planned motion starts and ends at rest and is replayed whole; cut the clip"
         )
-    return Motion.load(clip, robot), None
+    return Motion.load(clips.find_clip(request.clip), robot), None
 
 
 def _plan_of_clip(request: Replay, robot: Robot, tell: ProgressCallback) -> Plan:
     tell("reading", None)
-    human = _human_of_clip(request)
+    human = requested_human(request, robot)
     tell("planning", None)
     contacts = contact_file.read(request.contacts) if request.contacts else None
     return plan(human, robot, request.feet, request.rate, contacts)
-
-
-def _human_of_clip(request: Replay) -> Human:
-    capture = read(clips.find_clip(request.clip), request.up, request.forward, request.unit)
-    human = recognise(capture, request.mapping)
-    if request.start or request.duration is not None:
-        return human.slice(request.start, request.duration)
-    return human

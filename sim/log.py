@@ -248,6 +248,7 @@ class RunInfo:
         fell_at_s: when the robot fell, None if it did not; `reason` says by which sign.
         mismatch, pushes: what the world did that the controller did not know of.
         hardware: servos, soles and sensors of the robot.
+        source, licence: whose clip it is, and under which terms; empty where nobody knows.
     """
 
     clip: str
@@ -263,3 +264,5 @@ class RunInfo:
     mismatch: Mismatch = NO_MISMATCH
     pushes: tuple[Push, ...] = ()
     hardware: Hardware = TORQUE_DRIVEN
+    source: str = ""
+    licence: str = ""

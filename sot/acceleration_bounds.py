@@ -6,6 +6,8 @@ from solvers.compiled import compiled
 
 Array = np.ndarray
 
+SOFT_BRAKING_RANGE = 0.015
+"""Part of a joint's range that braking gently takes when the joint is fast [rad]; plans leave it to the controller."""
 RETURN_RATE = 10.0
 """Rate [1/s] at which a joint that starts outside its range returns into it."""
 

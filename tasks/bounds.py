@@ -3,15 +3,12 @@
 import numpy as np
 
 from solvers.rows import Rows
-from sot.acceleration_bounds import AccelerationBounds
+from sot.acceleration_bounds import SOFT_BRAKING_RANGE, AccelerationBounds
 from sot.control.task import Task
 from sot.control.tick import Tick
 from sot.robots.robot import Robot
 
 Array = np.ndarray
-
-SOFT_BRAKING_RANGE = 0.015
-"""Part of a joint's range that braking gently takes when the joint is fast [rad]; plans leave more at both ends."""
 
 
 class TorqueBounds(Task):

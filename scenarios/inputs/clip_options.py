@@ -26,3 +26,11 @@ Unit = Annotated[
     typer.Option("--unit", help=f"Unit of the clip's file: {', '.join(METRES_PER_UNIT)}; found by default."),
 ]
 MappingFile = Annotated[Path | None, typer.Option(help="File (.toml) that names the joints of an unknown skeleton.")]
+FromFormat = Annotated[
+    str | None,
+    typer.Option("--from", help="The clip is a robot's motion in this format, a name of `sot list formats`."),
+]
+FrameRate = Annotated[
+    float | None,
+    typer.Option("--fps", help="Frame rate of a robot's motion whose file does not say it [Hz].", min=1.0, max=10000.0),
+]

@@ -21,6 +21,7 @@ from sot.motion.likeness import (
     mean_segment_angle_deg,
 )
 from sot.motion.performance import Performance
+from sot.motion.quality import RATE_HZ, key_body_errors, motion_quality
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 
@@ -106,6 +107,17 @@ def tracking(log: RunLog, motion: Motion) -> Figures:
     }
 
 
+def quality(log: RunLog, motion: Motion) -> Figures:
+    """The simulated motion by the figures that others publish: see `sot.motion.quality`."""
+    rows = log.rows_at(RATE_HZ)
+    figures: Figures = dict(motion_quality(motion.robot, log.q[rows], RATE_HZ)) | {"mpkpe_mm": None, "r_mpkpe_mm": None}
+    if len(rows):
+        wanted = motion.q[nearest_frames(log.time[rows], motion.rate, len(motion.q))]
+        world, relative = key_body_errors(motion.robot, wanted, log.q[rows])
+        figures |= {"mpkpe_mm": 1e3 * world, "r_mpkpe_mm": 1e3 * relative}
+    return figures
+
+
 def likeness(log: RunLog, plan: Performance | None) -> Figures:
     """The simulated robot against the human, while the clip plays."""
     nothing: Figures = dict.fromkeys(LIKENESS_KEYS)
@@ -164,9 +176,7 @@ def flights(plan: Performance | None) -> Figures:
 
 def zmp(log: RunLog, motion: Motion) -> Figures:
     """The measured ZMP in the support that was planned; a tick without support or load counts as outside."""
-    margins = np.full(log.ticks, np.nan)
-    for rows, polygon in planned_support(log, motion):
-        margins[rows] = polygon.margin(log.zmp_measured[rows])
+    margins = zmp_margins(log, motion)
     known = margins[np.isfinite(margins)]
     off = np.linalg.norm(log.zmp_measured - log.zmp_planned, axis=1)
     return {
@@ -174,6 +184,14 @@ def zmp(log: RunLog, motion: Motion) -> Figures:
         "min_margin_m": float(known.min()) if len(known) else None,
         "rms_to_planned_m": _rms(off[np.isfinite(off)]),
     }
+
+
+def zmp_margins(log: RunLog, motion: Motion) -> np.ndarray:
+    """Distance (T,) of the measured ZMP from the planned support's edge, negative outside [m]; nan without either."""
+    margins = np.full(log.ticks, np.nan)
+    for rows, polygon in planned_support(log, motion):
+        margins[rows] = polygon.margin(log.zmp_measured[rows])
+    return margins
 
 
 def contacts(log: RunLog, robot: Robot) -> Figures:

@@ -19,6 +19,7 @@ from sim.reporting.servo import servo_figures
 from sim.reporting.slides import slide_figures, worst_of_slides
 from sot.hardware.hardware import Hardware
 from sot.motion.performance import Performance
+from sot.motion.quality import KEYS as QUALITY_KEYS
 from sot.motion.trajectory import Motion
 from sot.proximity import overlap_remarks
 from sot.whole_file import atomic_write
@@ -48,6 +49,16 @@ TABLE_ROWS: tuple[tuple[str, str, float, str, str], ...] = (
     ("retarget.key_point_rms_m", "reference off the scaled human", 1e3, "mm", ""),
     ("speed_min", "slowest speed, over the dancer's", 100.0, "%", "100"),
     ("stretched_s", "time added by slowing down", 1.0, "s", "0"),
+    ("quality.limmt_score", "LIMMT's score of motions", 1.0, "", "90 or more"),
+    ("incoming.limmt_score", "… of the file that came in", 1.0, "", ""),
+    ("quality.foot_sliding", "frames with a low foot in motion", 100.0, "%", "0"),
+    ("incoming.foot_sliding", "… of the file that came in", 100.0, "%", ""),
+    ("quality.penetration_max_m", "soles in the floor, greatest", 1e3, "mm", "0"),
+    ("incoming.penetration_max_m", "… of the file that came in", 1e3, "mm", ""),
+    ("quality.self_collision", "frames with bodies in one another", 100.0, "%", "0"),
+    ("incoming.self_collision", "… of the file that came in", 100.0, "%", ""),
+    ("quality.mpkpe_mm", "MPKPE, key bodies in the world", 1.0, "mm", "0"),
+    ("quality.r_mpkpe_mm", "R-MPKPE, relative to the chest", 1.0, "mm", "0"),
     ("steps.footfalls", "the dancer's footfalls over 10 cm", 1.0, "", ""),
     ("steps.made", "… made within 15 cm", 1.0, "", "all"),
     ("steps.path_ratio", "way through the room, robot over human", 1.0, "", "1"),
@@ -129,6 +140,8 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
         "tracking": figures.tracking(log, motion),
         "likeness": figures.likeness(log, plan),
         "retarget": dict(plan.retarget) if plan else dict.fromkeys(RETARGET_KEYS),
+        "quality": figures.quality(log, motion),
+        "incoming": dict.fromkeys(QUALITY_KEYS),
         "steps": figures.steps(log, plan),
         "flights": figures.flights(plan),
         "remarks": [

@@ -18,7 +18,7 @@ from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footfalls import Footfalls
 from sot.motion.footing import footing_on
 from sot.robots.robot import Robot
-from sot.robots.surface import Surface
+from sot.robots.surface import FLOOR, Surface
 
 Array = NDArray[np.float64]
 
@@ -168,7 +168,12 @@ class Motion:
         )
 
     def placed(self, x: float, y: float, yaw: float) -> "Motion":
-        """The same motion elsewhere on the floor: turned about the origin by an angle [rad], then shifted [m]."""
+        """The same motion elsewhere on the floor: turned about the origin by an angle [rad], then shifted [m].
+
+        Raises:
+            InputError: feet stand on blocks, slopes or stairs, which do not move along.
+        """
+        self._check_on_floor("placed elsewhere")
         place = pin.SE3(pin.utils.rotate("z", yaw), np.array([x, y, 0.0]))
         turn, q = place.rotation, self.q.copy()
         q[:, :3] = q[:, :3] @ turn.T + place.translation
@@ -284,7 +289,12 @@ class Motion:
         return track
 
     def save(self, path: str | Path) -> None:
-        """Write to an `.npz` file."""
+        """Write to an `.npz` file.
+
+        Raises:
+            InputError: feet stand on blocks, slopes or stairs, of which a motion file knows nothing.
+        """
+        self._check_on_floor("saved")
         phases = {
             "phase_times": np.array([(phase.start, phase.end) for phase in self.phases]),
             "phase_stands": np.array([[foot in phase.feet for foot in self.robot.feet] for phase in self.phases]),
@@ -298,6 +308,11 @@ class Motion:
         }
         content: dict[str, Any] = {name: getattr(self, name) for name in SAVED_FIELDS} | phases
         np.savez_compressed(path, robot=self.robot.name, joints=self.robot.joints, rate=self.rate, **content)
+
+    def _check_on_floor(self, done: str) -> None:
+        names = sorted({on.name for phase in self.phases for on in phase.surfaces.values() if on.name != FLOOR.name})
+        if names:
+            raise InputError(f"a motion of feet on {', '.join(names)} cannot be {done}: only one on the floor can")
 
     @staticmethod
     def load(path: str | Path, robot: Robot | None = None) -> "Motion":

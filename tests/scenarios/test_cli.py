@@ -10,7 +10,7 @@ import pytest
 from scenarios import cli, viewer
 from scenarios.inputs import clips
 from scenarios.inputs.groove import groove_bvh
-from scenarios.replay import RECORDING_FILE, REPORT_FILE, TRACES_FILE
+from scenarios.replay import RECORDING_FILE, REPORT_FILE, SIMULATED_FILE, TRACES_FILE
 from sot.errors import InputError
 from sot.motion import read, recognise
 from sot.motion.trajectory import Motion
@@ -308,7 +308,8 @@ def test_without_a_display_the_browser_is_named_before_any_work(arguments, folde
 def test_replays_a_second_of_the_clip_that_ships(folder, capsys):
     status, said = lines(["replay", "groove", "--duration", "0.5", "--out", "new/run"], capsys)
     assert (status, said) == (cli.DONE, "")
-    assert sorted(path.name for path in (folder / "new/run").iterdir()) == [REPORT_FILE, RECORDING_FILE, TRACES_FILE]
+    written = [REPORT_FILE, RECORDING_FILE, SIMULATED_FILE, TRACES_FILE]
+    assert sorted(path.name for path in (folder / "new/run").iterdir()) == written
     report = json.loads((folder / "new/run" / REPORT_FILE).read_text())
     assert report["clip"] == "groove"
     assert report["fell"] is False

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from sot.acceleration_bounds import SOFT_BRAKING_RANGE, AccelerationBounds
 from sot.control.tick import Tick
 from sot.robots.robot import Robot, shipped_robot_names
-from tasks.bounds import SOFT_BRAKING_RANGE, AccelerationBounds, JointBounds, TorqueBounds
+from tasks.bounds import JointBounds, TorqueBounds
 from tests.sot.states import random_state
 
 STARTS = 1000

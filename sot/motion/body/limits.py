@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sot.acceleration_bounds import SOFT_BRAKING_RANGE
 from sot.motion.body.coordinates import from_configuration
 from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.human.human import SIDES
@@ -13,6 +14,9 @@ from sot.robots.robot import Robot
 Array = NDArray[np.float64]
 
 RANGE_MARGIN = 0.02  # rad, kept free at both ends of a joint's range for the closed loop
+LEG_RANGE_MARGIN = RANGE_MARGIN + SOFT_BRAKING_RANGE
+"""Of the legs [rad]. Where the controller brakes gently, it would hold a standing leg back from its plan, and the arms
+would swing to keep the pelvis where it should be."""
 USABLE_LIMIT_SHARE = 0.97  # share of the velocity and acceleration limits that a reference may use
 LEG_VELOCITY_SHARE = 0.92  # the same share of the legs' velocity limits: feedback needs the rest
 MAX_LEG_EXTENSION = 0.985  # share of its length that a leg may extend to: at full length it can no longer push
@@ -31,11 +35,12 @@ class Limits:
     def of(robot: Robot) -> "Limits":
         rest = robot.rest[7:]
         base = np.full(6, np.inf)
-        lower = np.minimum(robot.lower + RANGE_MARGIN, rest - RANGE_MARGIN)
-        upper = np.maximum(robot.upper - RANGE_MARGIN, rest + RANGE_MARGIN)
+        margin, share = np.full(robot.na, RANGE_MARGIN), np.full(robot.na, USABLE_LIMIT_SHARE)
+        legs = list(robot.groups["legs"])
+        margin[legs], share[legs] = LEG_RANGE_MARGIN, LEG_VELOCITY_SHARE
+        lower = np.minimum(robot.lower + margin, rest - margin)
+        upper = np.maximum(robot.upper - margin, rest + margin)
         _keep_knees_bent(robot, lower, upper)
-        share = np.full(robot.na, USABLE_LIMIT_SHARE)
-        share[list(robot.groups["legs"])] = LEG_VELOCITY_SHARE
         return Limits(
             np.concatenate([-base, lower]),
             np.concatenate([base, upper]),

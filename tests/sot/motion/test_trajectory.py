@@ -9,6 +9,7 @@ from sot.motion.feet.contacts import planted_phases, support_polygon
 from sot.motion.plan import sampled_motion
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
+from sot.robots.surface import Surface
 
 RATE = 200.0
 
@@ -157,3 +158,15 @@ def test_standing_is_at_rest_with_its_centre_of_mass_over_its_feet():
 def test_standing_needs_some_time(seconds, rate):
     with pytest.raises(InputError, match="has no two samples"):
         Motion.standing(Robot.load("hrp2"), seconds, rate)
+
+
+def test_a_motion_on_a_block_is_neither_saved_without_the_block_nor_moved_away_from_it(tmp_path):
+    robot = Robot.load("hrp2")
+    corners = [(-0.5, -0.5, 0.1), (0.5, -0.5, 0.1), (0.5, 0.5, 0.1), (-0.5, 0.5, 0.1)]
+    block = Surface.of_corners("block", corners)
+    motion = Motion.standing(robot, 0.5, 200.0, on=dict.fromkeys(robot.feet, block))
+    with pytest.raises(InputError, match=r"a motion of feet on block cannot be saved: only one on the floor can"):
+        motion.save(tmp_path / "motion.npz")
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(InputError, match=r"cannot be placed elsewhere"):
+        motion.placed(1.0, 0.0, 0.0)
