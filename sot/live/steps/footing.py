@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -18,15 +19,17 @@ from sot.live.steps.reachable import reachable_foothold
 from sot.live.steps.step_plan import DecidedStep, Room, Rooms, rooms_at
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footholds import LegReach
-from sot.motion.feet.footwork import Foothold
+from sot.motion.feet.footwork import MIN_STEP_LENGTH, MIN_STEP_TURN, Foothold
 from sot.motion.feet.support import FORCE_RAMP_TIME
 from sot.motion.feet.swing import SWING_HEIGHT_RANGE, feet_at_rest, foot_pose
+from sot.motion.feet.tempo import MAX_STEP_DELAY
+from sot.motion.feet.travel import OMISSIBLE_LENGTH_LEGS
 from sot.robots.robot import Robot
 from sot.smooth import minimum_jerk, minimum_jerk_curve
 
 Array = NDArray[np.float64]
 
-MIN_SWING_TIME, MAX_SWING_TIME, MIN_DOUBLE_SUPPORT_TIME = 1.25, 3.5, 0.55
+MIN_SWING_TIME, MAX_SWING_TIME, MIN_DOUBLE_SUPPORT_TIME = 1.25, 2.5, 0.55
 """Least and greatest time of a step, and least time between two, in √(height of the centre of mass / g)."""
 COMMITMENT_TIME = 0.08
 """Time before its lift from which on a step is made whatever comes [s]: its load is given away meanwhile."""
@@ -70,6 +73,7 @@ class SteppingFooting:
         self._steps: list[DecidedStep] = []
         self._stride: Stride | None = None
         self._strides: dict[str, Stride] = {}
+        self._last: DecidedStep | None = None
         self._landed_at = dict.fromkeys(robot.feet, -np.inf)
         self._phases = [self.start]
         self._planned_at = -np.inf
@@ -169,6 +173,7 @@ class SteppingFooting:
         self._land(t)
         if self._steps and self._stride is not None:
             self._redirect(t)
+        self._catch_up(t)
         self._decide(t, wanted, future)
         if len(self._steps) > (0 if self._stride is None else 1):
             self._put_off_or_begin(t, wanted, future)
@@ -210,6 +215,7 @@ class SteppingFooting:
         if self._stride is not None and t > self._steps[0].land - 1e-6:
             step = self._steps.pop(0)
             self.stands[step.foot] = step.place
+            self._last = step
             self._landed_at[step.foot] = step.land
             self._stride = None
             self._phases.append(self._phase(step.land, dict(self.stands)))
@@ -217,11 +223,24 @@ class SteppingFooting:
     def _phase(self, start: float, stands: Mapping[str, Foothold]) -> Phase:
         return Phase(start, np.inf, {foot: foot_pose(at, self._rest[foot]) for foot, at in stands.items()})
 
+    def _catch_up(self, t: float) -> None:
+        """Ask for another step where a person's foot has landed elsewhere than was expected when the robot's did."""
+        last = self._last
+        if last is None or not last.asked.has_landed or self._steps or self.asked:
+            return
+        asked, aimed = last.asked, last.aimed
+        moved = float(np.hypot(asked.place.x - aimed.x, asked.place.y - aimed.y)) * self._scale
+        turned = abs(wrapped(asked.place.heading - aimed.heading))
+        if moved > MIN_STEP_LENGTH[1] * self.reach.leg_length or turned > MIN_STEP_TURN:
+            self.asked.append(replace(asked, lift=t, land=t, start=aimed, height=0.0))
+            self._last = None
+
     def _redirect(self, t: float) -> None:
         """Lead the foot in the air to where its step is expected to end by now."""
         step = self._steps[0]
         if t > step.land - FREEZE_TIME:
             return
+        step.aimed = step.asked.place
         place = self._place(step.asked, step.start, self._beside(step), step.land - step.lift)
         moved = max(abs(place.x - step.place.x), abs(place.y - step.place.y), abs(place.heading - step.place.heading))
         if moved > MIN_REDIRECTION:
@@ -254,6 +273,10 @@ class SteppingFooting:
         """Decide on the next step of the person, if there is time for it."""
         if not self.asked or len(self._steps) > 1 or (self._steps and self._stride is None):
             return
+        while self.asked and self._is_omissible(self.asked[0], t):
+            self.asked.popleft()
+        if not self.asked:
+            return
         asked = self.asked[0]
         if self._steps and self._steps[0].foot == asked.foot:
             return
@@ -269,10 +292,17 @@ class SteppingFooting:
                 self._steps.append(step)
                 return
 
+    def _is_omissible(self, asked: AskedStep, t: float) -> bool:
+        """Whether a step that is late is small enough to be left out."""
+        way = self._scale * float(np.hypot(asked.place.x - asked.start.x, asked.place.y - asked.start.y))
+        small = way < OMISSIBLE_LENGTH_LEGS * self.reach.leg_length
+        turned = abs(wrapped(asked.place.heading - asked.start.heading))
+        return asked.has_landed and t > asked.lift + MAX_STEP_DELAY and small and turned < MIN_STEP_TURN
+
     def _step(self, asked: AskedStep, lift: float) -> DecidedStep:
         least, most = MIN_SWING_TIME * self._time, MAX_SWING_TIME * self._time
         start = self.stands[asked.foot]
-        step = DecidedStep(asked.foot, lift, lift, start, start, asked)
+        step = DecidedStep(asked.foot, lift, lift, start, start, asked, asked.place)
         span = float(np.clip(asked.land - lift, least, most))
         step.land = _on_grid(lift + span)
         step.place = self._place(asked, start, self._beside(step), step.land - lift)

@@ -29,6 +29,7 @@ class DecidedStep:
         lift, land: when it leaves the floor, and when it is back [s].
         start, place: from where to where.
         asked: the person's step that it follows.
+        aimed: where that was expected to end when the foot was led there last.
     """
 
     foot: str
@@ -37,6 +38,7 @@ class DecidedStep:
     start: Foothold
     place: Foothold
     asked: AskedStep
+    aimed: Foothold
 
 
 @dataclass(frozen=True)
