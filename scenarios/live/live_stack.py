@@ -19,8 +19,12 @@ SOLE_MARGIN_SHARE = 0.055
 """Distance in lengths of a sole by which the soles that the controller counts on are smaller on all sides."""
 SWING_STIFFNESS, SWING_DAMPING = 200.0, 28.0
 """Gains of a swinging foot on its path [1/s², 1/s]."""
-WAIST_WEIGHT_STANDING, WAIST_WEIGHT_STEPPING = 2.0, 20.0
-"""Weight of the waist's orientation against the upper body's posture: on one foot a waist that gives way tilts all."""
+WAIST_WEIGHT_STANDING, WEIGHT_STEPPING = 2.0, 20.0
+"""Weight of the waist's orientation against the upper body's posture, and of waist and swinging foot where feet step.
+
+On one foot a waist that gives way tilts all. A strict foot whose knee is at its speed limit would swing the whole body in
+order to be in time: it may be late.
+"""
 UPPER_BODY_GROUPS = ("chest", "head", "arms")
 
 
@@ -39,7 +43,7 @@ def live_stack(robot: Robot, reference: Reference, swings: Mapping[str, PoseRefe
     """
     height = float(pin.centerOfMass(robot.model, robot.model.createData(), robot.rest)[2])
     upper_body = [robot.joints[joint] for group in UPPER_BODY_GROUPS for joint in robot.groups[group]]
-    waist_weight = WAIST_WEIGHT_STEPPING if swings else WAIST_WEIGHT_STANDING
+    waist_weight = WEIGHT_STEPPING if swings else WAIST_WEIGHT_STANDING
     stack = Stack(
         contacts=[
             Contact(robot.surface(foot), inset=SOLE_MARGIN_SHARE * float(np.ptp(robot.sole(foot)[:, 0])))
@@ -63,5 +67,7 @@ def live_stack(robot: Robot, reference: Reference, swings: Mapping[str, PoseRefe
         },
     )
     for foot, path in (swings or {}).items():
-        stack.add(FreePoint(robot, foot, path, kp=SWING_STIFFNESS, kd=SWING_DAMPING), level="feet", before="posture")
+        stack.add(
+            FreePoint(robot, foot, path, kp=SWING_STIFFNESS, kd=SWING_DAMPING, weight=WEIGHT_STEPPING), level="posture"
+        )
     return stack

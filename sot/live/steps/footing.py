@@ -29,7 +29,7 @@ from sot.smooth import minimum_jerk, minimum_jerk_curve
 
 Array = NDArray[np.float64]
 
-MIN_SWING_TIME, MAX_SWING_TIME, MIN_DOUBLE_SUPPORT_TIME = 1.25, 2.5, 0.55
+MIN_SWING_TIME, MAX_SWING_TIME, MIN_DOUBLE_SUPPORT_TIME = 1.39, 2.5, 0.55
 """Least and greatest time of a step, and least time between two, in √(height of the centre of mass / g)."""
 COMMITMENT_TIME = 0.08
 """Time before its lift from which on a step is made whatever comes [s]: its load is given away meanwhile."""
@@ -41,7 +41,7 @@ MAX_PLAN_EXCESS = 0.02
 """The same with which a decided step, not yet begun, is put off [m]."""
 MAX_TRIALS = 8
 """Times of a lift that are tried, KNOT_PERIOD apart, before the step waits for the next plan."""
-MAX_LIFT_ACCELERATION_G = 0.8
+MAX_LIFT_ACCELERATION_G = 0.5
 """Bound of a foot's acceleration upward in a step, unless it has to clear the floor, in g."""
 MIN_REDIRECTION = 0.002
 """Change of a foothold that a swing is led elsewhere for [m, rad]."""

@@ -12,7 +12,7 @@ from sot.robots.leg_range import DIRECTION_COUNT, directions, normals
 
 Array = NDArray[np.float64]
 
-MAX_SWING_ACCELERATION_G = 1.2
+MAX_SWING_ACCELERATION_G = 0.9
 """Bound of a foot's acceleration in a step, in g: the zero-moment point goes with it."""
 USABLE_STRIDE_SHARE = 0.95
 """Share of a stride's length that is used: the body is not always in the middle between the feet."""
