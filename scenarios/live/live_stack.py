@@ -22,8 +22,8 @@ SWING_STIFFNESS, SWING_DAMPING = 200.0, 28.0
 WAIST_WEIGHT_STANDING, WEIGHT_STEPPING = 2.0, 20.0
 """Weight of the waist's orientation against the upper body's posture, and of waist and swinging foot where feet step.
 
-On one foot a waist that gives way tilts all. A strict foot whose knee is at its speed limit would swing the whole body in
-order to be in time: it may be late.
+On one foot a waist that gives way tilts all. A strict foot whose knee is at its speed limit would swing the whole body
+so as to be in time: it may be late.
 """
 UPPER_BODY_GROUPS = ("chest", "head", "arms")
 

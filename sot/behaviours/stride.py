@@ -14,8 +14,8 @@ DESCENT_RAMP_TIME = 0.03
 """Speed at which a late foot is lowered [m/s], and the time in which it reaches that speed [s]."""
 LANDING_DEPTH = 0.005
 """Depth below the floor at which the path ends, so that the foot does not hover above it [m]."""
-BUMP_CURVATURE = 19.0
-"""Greatest second derivative of the bump over the share of the time, by its height."""
+BUMP_CURVATURE = 19.2
+"""Greatest second derivative of the bump over the share of the time, upward, by its height."""
 UPWARD = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 
 
