@@ -9,7 +9,9 @@ that is busy slows both down alike. There is no physics: the state follows the a
 
 import argparse
 import json
-from typing import Any
+from collections.abc import Mapping
+from time import thread_time
+from typing import Any, Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -99,31 +101,54 @@ class Stander:
         return command
 
 
-def measure(robot: Robot, ticks: int) -> dict[str, Any]:
-    """Medians of the phases of a tick without and with the box [µs], and the ratio of their sums."""
-    standers = {"without": Stander(robot, False), "held": Stander(robot, True)}
+class Stepped(Protocol):
+    """What is timed: one control tick a step."""
+
+    def step(self) -> Command: ...
+
+
+def interleaved(standers: Mapping[str, Stepped], ticks: int) -> dict[str, Any]:
+    """Medians of the phases of a tick of each stander, of their sums and of a step's own CPU time [µs].
+
+    They take turns of a few ticks. CPU time does not count what else runs on a machine that is busy.
+    """
     times: dict[str, list[tuple[float, float, float]]] = {name: [] for name in standers}
+    cpu: dict[str, list[float]] = {name: [] for name in standers}
     for turn in range(WARM_UP_TURNS + -(-ticks // TURN_TICKS)):
         for name, stander in standers.items():
             for _ in range(TURN_TICKS):
+                begun = thread_time()
                 command = stander.step()
+                used = 1e6 * (thread_time() - begun)
                 if turn >= WARM_UP_TURNS:
                     times[name].append((command.model_us, command.assemble_us, command.solve_us))
+                    cpu[name].append(used)
     medians = {name: np.median(rows, axis=0) for name, rows in times.items()}
     whole = {name: float(np.median(np.sum(rows, axis=1))) for name, rows in times.items()}
     figures: dict[str, Any] = {
-        name: {**dict(zip(PHASES, medians[name].tolist(), strict=True)), "whole": whole[name]} for name in standers
+        name: {
+            **dict(zip(PHASES, medians[name].tolist(), strict=True)),
+            "whole": whole[name],
+            "cpu": float(np.median(cpu[name])),
+        }
+        for name in standers
     }
-    return {"ticks": len(times["held"]), "tick_us": figures, "ratio": whole["held"] / whole["without"]}
+    first, second = standers
+    return {"ticks": len(times[second]), "tick_us": figures, "ratio": whole[second] / whole[first]}
 
 
-def show(figures: dict[str, Any], console: Console) -> None:
-    """Print the figures as a table."""
-    table = Table("median, µs", "without", "with the box held", "ratio", box=None, padding=(0, 2, 0, 0))
-    without, held = figures["tick_us"]["without"], figures["tick_us"]["held"]
-    for phase in (*PHASES, "whole"):
-        row = f"{without[phase]:.0f}", f"{held[phase]:.0f}", f"{held[phase] / without[phase]:.2f}"
-        table.add_row("tick" if phase == "whole" else phase, *row)
+def measure(robot: Robot, ticks: int) -> dict[str, Any]:
+    """Medians of the phases of a tick without and with the box [µs], and the ratio of their sums."""
+    return interleaved({"without": Stander(robot, False), "held": Stander(robot, True)}, ticks)
+
+
+def show(figures: dict[str, Any], console: Console, names: tuple[str, str]) -> None:
+    """Print the figures as a table; `names` are what its two columns of times are called."""
+    table = Table("median, µs", *names, "ratio", box=None, padding=(0, 2, 0, 0))
+    first, second = figures["tick_us"].values()
+    for phase in (*PHASES, "whole", "cpu"):
+        row = f"{first[phase]:.0f}", f"{second[phase]:.0f}", f"{second[phase] / first[phase]:.2f}"
+        table.add_row({"whole": "tick", "cpu": "CPU time"}.get(phase, phase), *row)
     console.print(table)
 
 
@@ -134,7 +159,7 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     figures = measure(Robot.load(options.robot), options.ticks)
-    print(json.dumps(figures, indent=2)) if options.json else show(figures, Console())
+    print(json.dumps(figures, indent=2)) if options.json else show(figures, Console(), ("without", "with the box held"))
 
 
 if __name__ == "__main__":

@@ -178,7 +178,7 @@ def write_outputs(
     figures |= {"edits": list(danced.edits)} | dict(extra_figures)
     report.write_json(figures, out / REPORT_FILE)
     Traces.of(danced.run.log, danced.info, danced.motion).save(out / TRACES_FILE)
-    simulated_motion(danced.run.log, danced.info, danced.motion).save(out / SIMULATED_FILE)
+    simulated_motion(danced.run.log, danced.info, danced.motion, danced.plan).save(out / SIMULATED_FILE)
     return figures
 
 

@@ -18,6 +18,9 @@ from scenarios.kimoh2013.damping import damping
 from scenarios.kimoh2013.damping.damping import DampingOptions
 from scenarios.legs import legs
 from scenarios.otani2017 import otani
+from scenarios.otani2017.bag.bag import BagTrial
+from scenarios.otani2017.carrying.carry import Carrying
+from scenarios.otani2017.carrying.cart import Pushing
 from scenarios.otani2017.otani import Handling
 from scenarios.ramos2011 import ramos, sliding
 from scenarios.replay import (
@@ -72,7 +75,7 @@ def run_scenario(
     request: Replay,
     out: Path,
     tell: ProgressCallback,
-    options: Handling | DampingOptions | Stairs | None = None,
+    options: Handling | BagTrial | Carrying | Pushing | DampingOptions | Stairs | None = None,
 ) -> tuple[dict[str, Any], Show | None]:
     """Run a scenario, record and report; the files appear in the folder `out`.
 

@@ -2,12 +2,16 @@
 
 import os
 import shutil
+import signal
+import socket
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from functools import partial
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from time import perf_counter, sleep
 from urllib.parse import quote
 
 import rerun as rr
@@ -15,6 +19,13 @@ import rerun as rr
 from sot.errors import InputError
 
 HOST = "127.0.0.1"
+STARTING_TIME = 20.0
+"""Time that rerun's server may take to start [s]."""
+
+
+def has_display() -> bool:
+    """Whether there is a display to open a window on."""
+    return sys.platform != "linux" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
 
 def check_display() -> None:
@@ -23,7 +34,7 @@ def check_display() -> None:
     Raises:
         InputError: there is none.
     """
-    if sys.platform == "linux" and not any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")):
+    if not has_display():
         raise InputError("no display to open a window on: `sot view --web` shows a recording in a browser")
 
 
@@ -54,6 +65,45 @@ def serve_to_browser(path: Path, tell: Callable[[str], object]) -> None:
             served.serve_forever()
         except KeyboardInterrupt:
             return
+
+
+@contextmanager
+def stream_server() -> Iterator[tuple[str, str]]:
+    """Rerun's server on this machine, as long as the context lasts: where to send a stream, and the page that shows it.
+
+    Rerun's own call to serve a stream listens to the whole network.
+
+    Raises:
+        InputError: it does not start.
+    """
+    into, page = _free_port(), _free_port()
+    ports = ["--bind", HOST, "--port", str(into), "--web-viewer-port", str(page)]
+    none = subprocess.DEVNULL
+    command = [sys.executable, "-m", "rerun", "--serve-web", *ports]
+    server = subprocess.Popen(command, stdin=none, stdout=none, stderr=none, start_new_session=True)
+    try:
+        began = perf_counter()
+        while not (_listens(into) and _listens(page)):
+            if server.poll() is not None or perf_counter() - began > STARTING_TIME:
+                raise InputError("rerun's server does not start; without --view nothing is shown, but all is recorded")
+            sleep(0.1)
+        proxy = f"rerun+http://{HOST}:{into}/proxy"
+        yield proxy, f"http://{HOST}:{page}/?url={quote(proxy, safe=':/')}"
+    finally:
+        if server.poll() is None:
+            os.killpg(server.pid, signal.SIGTERM)  # the module is a wrapper: its child is the server
+        server.wait()
+
+
+def _free_port() -> int:
+    with closing(socket.socket()) as one:
+        one.bind((HOST, 0))
+        return int(one.getsockname()[1])
+
+
+def _listens(port: int) -> bool:
+    with closing(socket.socket()) as one:
+        return one.connect_ex((HOST, port)) == 0
 
 
 def file_server(path: Path) -> ThreadingHTTPServer:

@@ -213,9 +213,11 @@ class StackDriver:
 
     def _write_contacts(self, k: int, log: RunLog) -> None:
         log.contact_force[k], log.contact_normal[k] = 0.0, 0.0
-        for contact in self._controller.stack.contacts:
+        tick = self._controller.tick
+        for contact, wrench in zip(self._controller.stack.contacts, self._command.wrenches, strict=True):
             if contact.name in log.contact_names:
                 i = log.contact_names.index(contact.name)
+                log.contact_commanded[k, i] = -wrench[:3] @ tick.surface_axes(contact.surface).rotation[:, 2]
                 log.contact_mode[k, i], log.contact_ramp[k, i] = _MODES[contact.mode], contact.load
                 if contact.name in self._touches:
                     log.contact_force[k, i] = self._touches[contact.name].force

@@ -59,6 +59,7 @@ class RunLog:
         contact_ramp: share of its largest normal force that each of them may take, 0..1, (T, C).
         contact_force: measured force on the first surface of each of them, world axes [N], (T, C, 3).
         contact_normal: measured sum of their normal forces [N], (T, C).
+        contact_commanded: normal force that the controller's solution has at each of them [N], (T, C).
         foot_wrench: measured force and moment of the floor on each foot, the moment about the foot frame's origin
             [N, N m], (T, 2, 6).
         foot_reading: the same wrench as the force sensor above each sole has it, in the foot frame, (T, 2, 6), at the
@@ -107,6 +108,7 @@ class RunLog:
     contact_ramp: np.ndarray
     contact_force: np.ndarray
     contact_normal: np.ndarray
+    contact_commanded: np.ndarray
     foot_wrench: np.ndarray
     foot_reading: np.ndarray
     sole_deflection: np.ndarray
@@ -163,6 +165,7 @@ class RunLog:
             "contact_ramp": (contacts,),
             "contact_force": (contacts, 3),
             "contact_normal": (contacts,),
+            "contact_commanded": (contacts,),
             "foot_wrench": (feet, 6),
             "foot_reading": (0 if hardware.sensors is None else feet, 6),
             "sole_deflection": (0 if hardware.compliance is None else feet, 3),

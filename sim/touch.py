@@ -46,6 +46,7 @@ class TouchSensors:
         self._feet = {int(model.body_weldid[body]): foot for foot, body in sole_bodies(model, robot.feet).items()}
         self._things = {thing.name: 1 + k for k, thing in enumerate(things)}
         self._parts = [self._part(geom) for geom in range(model.ngeom)]
+        self._names = {name for _, name in self._parts}
 
     def touches(self) -> dict[tuple[str, str], Touch]:
         """Touch of each pair of parts that do, the robot against itself left out."""
@@ -72,7 +73,7 @@ class TouchSensors:
         """Name of the part that a surface belongs to."""
         if surface.owner in self._things or surface.point not in self._robot.points:
             return surface.owner
-        if any(name == surface.name for _, name in self._parts):
+        if surface.name in self._names:
             return surface.name
         return str(self._model.body(self._model.site(surface.point).bodyid[0]).name)
 

@@ -17,6 +17,8 @@ MAX_PROGRAMMES = 100
 """Number of linear programmes after which the region is as it is."""
 MAX_DISTANCE = 2.0
 """Distance from the middle of the supports at which a region ends that has no end of its own [m]."""
+METHODS = ("highs-ds", "highs-ipm")
+"""Methods of SciPy's solver, the second for programmes that the first one calls infeasible by rounding."""
 PYRAMID_SIDES = 8
 """Sides of the pyramids that stand for friction cones, inside of them."""
 
@@ -110,16 +112,19 @@ class _Programme:
         """Place (2,) of the region that is farthest in a direction (2,) [m]."""
         cost = np.zeros(self._equal.shape[1])
         cost[-2:] = -direction
-        found = linprog(
-            cost,
-            A_ub=self._load if len(self._most) else None,
-            b_ub=self._most if len(self._most) else None,
-            A_eq=self._equal,
-            b_eq=self._wanted,
-            bounds=self._bounds,
-            method="highs",
-        )
-        if found.status != 0:
+        for method in METHODS:
+            found = linprog(
+                cost,
+                A_ub=self._load if len(self._most) else None,
+                b_ub=self._most if len(self._most) else None,
+                A_eq=self._equal,
+                b_eq=self._wanted,
+                bounds=self._bounds,
+                method=method,
+            )
+            if found.status == 0:
+                break
+        else:
             raise InputError(
                 "no forces of these supports hold the weight: friction is too small, or a hand bears too little"
             )

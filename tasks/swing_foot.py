@@ -1,5 +1,7 @@
 """A foot that swings from one foothold to the next."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pinocchio as pin
 
@@ -10,6 +12,7 @@ from sot.control.tick import Tick
 from sot.motion.feet.footfalls import Footfalls
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
+from sot.robots.system import System
 from tasks.free_point import FreePoint
 
 Array = np.ndarray
@@ -26,12 +29,21 @@ class SwingFoot(FreePoint):
         foot: One of its feet.
         motion: The motion of the robot.
         kp, kd, weight: As for `MotionTask`.
+        clock: The motion's time at a time of the run [s], which goes as fast while a foot swings; unless given, the
+            same.
     """
 
     def __init__(
-        self, robot: Robot, foot: str, motion: Motion, kp: float = 200.0, kd: float = 28.0, weight: float = 1.0
+        self,
+        robot: Robot | System,
+        foot: str,
+        motion: Motion,
+        kp: float = 200.0,
+        kd: float = 28.0,
+        weight: float = 1.0,
+        clock: Callable[[float], float] | None = None,
     ) -> None:
-        self._stances = Footfalls(motion.phases, foot)
+        self._stances, self._clock = Footfalls(motion.phases, foot), clock
         super().__init__(robot, foot, motion.pose(foot), kp=kp, kd=kd, weight=weight, name=f"SwingFoot {foot}")
 
     @property
@@ -56,6 +68,7 @@ class SwingFoot(FreePoint):
         return super().rows(tick)
 
     def _lowered_path(self, t: float) -> Pose:
+        t = t if self._clock is None else self._clock(t)
         pose = self._planned_path(t)
         before, after = self._stances.stances_around(t)
         if before is None or after is None:

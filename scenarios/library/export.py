@@ -8,6 +8,7 @@ import typer
 
 from scenarios.replay import SIMULATED_FILE, check_writable
 from scenarios.terminal import DONE, output
+from sim.recording.video import write_video
 from sot.errors import InputError
 from sot.exchange.licence_card import licence_card
 from sot.exchange.registry import Format, find_format
@@ -21,27 +22,35 @@ CARD_ENDING = ".card.md"
 MIN_RATE_HZ, MAX_RATE_HZ = 1.0, 2000.0
 
 
-def parse_formats(text: str) -> tuple[Format, ...]:
-    """Formats that a list like "unitree-csv,gmr-pickle" names, each once.
+VIDEO = "mp4"
+
+
+def parse_formats(text: str) -> tuple[Format | None, ...]:
+    """Formats that a list like "unitree-csv,gmr-pickle" names, each once; None is the video, "mp4".
 
     Raises:
         InputError: a name that is none, or of a format that is not written.
     """
-    formats = [find_format(name.strip()) for name in dict.fromkeys(text.split(","))]
+    names = dict.fromkeys(name.strip() for name in text.split(","))
+    formats = [None if name == VIDEO else find_format(name) for name in names]
     for one in formats:
-        if one.write is None:
+        if one is not None and one.write is None:
             raise InputError(f"{one.name} is not exported: {one.words}")
     return tuple(formats)
 
 
 def export_run(
-    run: Path, formats: Sequence[Format], out: Path | None = None, rate: float | None = None, robot: str | None = None
+    run: Path,
+    formats: Sequence[Format | None],
+    out: Path | None = None,
+    rate: float | None = None,
+    robot: str | None = None,
 ) -> list[Path]:
     """Write the simulated motion of a run in some formats, each with a licence card beside it.
 
     Args:
         run: Folder of the run.
-        formats: To write.
+        formats: To write; None for a video.
         out: Folder for them; `exports` in the run's own by default. Each format has a folder of its own there.
         rate: Frames per second [Hz]; those customary for each format by default.
         robot: Name or file of the robot; the run's by default.
@@ -56,10 +65,21 @@ def export_run(
     if not path.is_file():
         raise InputError(f"{run}: no run of `sot replay` or of an earlier version, it has no {SIMULATED_FILE}")
     simulated = SimulatedMotion.load(path)
-    motion = simulated.motion(Robot.load(robot or simulated.facts.get("robot", "")), _file_name(simulated, run))
+    model = Robot.load(robot or simulated.facts.get("robot", ""))
+    motion = simulated.motion(model, _file_name(simulated, run))
     folder = out or run / EXPORTS
     check_writable(folder)
-    return [_write(motion.resampled(rate or one.rate), one, folder / one.name) for one in formats]
+    written = []
+    for one in formats:
+        if one is not None:
+            written.append(_write(motion.resampled(rate or one.rate), one, folder / one.name))
+            continue
+        path = folder / VIDEO / f"{motion.name}.{VIDEO}"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(path) as place:
+            write_video(simulated, model, place)
+        written.append(path)
+    return written
 
 
 def _file_name(simulated: SimulatedMotion, run: Path) -> str:
@@ -81,7 +101,7 @@ def _write(motion: RobotMotion, one: Format, folder: Path) -> Path:
 
 def export_command(
     runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Folders of runs.")],
-    to: Annotated[str, typer.Option("--to", help="Names of `sot list formats`, separated by commas.")],
+    to: Annotated[str, typer.Option("--to", help="Names of `sot list formats`, or mp4, separated by commas.")],
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for the files; RUN/exports by default.")
     ] = None,

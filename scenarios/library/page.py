@@ -107,7 +107,7 @@ def distributions(rows: Sequence[Row]) -> list[Distribution]:
         if not values.size:
             continue
         counts, _ = np.histogram(values, bins=BINS)
-        quantiles = tuple(f"{value:.3g}" for value in np.quantile(values, (0.0, 0.05, 0.5, 0.95, 1.0)))
+        quantiles = tuple(_number(value) for value in np.quantile(values, (0.0, 0.05, 0.5, 0.95, 1.0)))
         bars = tuple((BAR_HEIGHT * counts / counts.max()).round(1).tolist())
         shown.append(Distribution(words, unit, aim, quantiles, bars))
     return shown
@@ -135,8 +135,13 @@ def _shown(row: Row, library: Path, page_folder: Path) -> ShownClip:
     }
     values = [row["figures"].get(place) for place, _ in BADNESS]
     factors = [next(f for name, _, f, _, _ in TABLE_ROWS if name == place) for place, _ in BADNESS]
-    told = tuple("-" if v is None else f"{f * v:.3g}" for v, f in zip(values, factors, strict=True))
+    told = tuple("-" if v is None else _number(f * v) for v, f in zip(values, factors, strict=True))
     return ShownClip(row["clip"], row["outcome"], row["reason"], links, told)
+
+
+def _number(value: float) -> str:
+    """Three digits, or all that stand before the point."""
+    return f"{value:.0f}" if abs(value) >= 100.0 else f"{value:.3g}"
 
 
 def _words(place: str) -> str:

@@ -95,7 +95,7 @@ class Worker:
             self._process.start()
         theirs.close()
         self._pipe = ours
-        if not self._is_ready(ours):
+        if self._stopped or not self._is_ready(ours):
             self.kill()
             raise WorkerStoppedError if self._stopped else RuntimeError("a worker's process could not be started")
         return ours
@@ -112,12 +112,15 @@ _starting = threading.Lock()
 
 
 class _SharingTheMachine:
-    """Processes that are started meanwhile have one thread each: so many share the machine."""
+    """Processes that are started meanwhile have one thread each, for so many share the machine, and leave Ctrl-C to the
+    process that they are started by."""
 
     def __enter__(self) -> None:
         _starting.acquire()
         self._before = {name: os.environ.get(name) for name in VARIABLES}
         os.environ.update(VARIABLES)
+        if os.name == "posix":  # a process inherits what the thread blocks that starts it
+            self._blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
     def __exit__(self, *error: object) -> None:
         for name, value in self._before.items():
@@ -125,6 +128,8 @@ class _SharingTheMachine:
                 del os.environ[name]
             else:
                 os.environ[name] = value
+        if os.name == "posix":
+            signal.pthread_sigmask(signal.SIG_SETMASK, self._blocked)
         _starting.release()
 
 

@@ -1,19 +1,21 @@
 """`sot live` and `sot stream`."""
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.table import Table
 
-from scenarios import viewer
+from scenarios.inputs.clip_options import MappingFile
 from scenarios.inputs.disturbances import parse_mismatch, parse_push
 from scenarios.live.session import LiveRequest, live
 from scenarios.live.streaming import stream_clips
-from scenarios.live.view import LiveView
+from scenarios.live.view import shown_live
 from scenarios.showing import progress, show_report
 from scenarios.terminal import DONE, output
 from sot.live.streams.address import StreamAddress
+from sot.motion.human.skeleton import read_mapping
 
 STAGES = {
     "received": "since the person was there",
@@ -45,14 +47,13 @@ def live_command(
     feet: Annotated[
         str, typer.Option(help='"planted" keeps both feet where they are, "steps" steps as the person does.')
     ] = "planted",
+    mapping: MappingFile = None,
     push: Annotated[list[str] | None, typer.Option("--push", help="A push, as for `sot replay`.")] = None,
     mismatch: Annotated[str, typer.Option("--mismatch", help="As for `sot replay`.")] = "",
     view: Annotated[bool, typer.Option("--view", help="Show it in rerun's viewer while it runs.")] = False,
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/live by default.")] = None,
 ) -> int:
     """Let a robot follow a person who moves now; record it and report on it."""
-    if view:
-        viewer.check_display()
     pushes = tuple(parse_push(text) for text in push or ())
     request = LiveRequest(
         source,
@@ -66,10 +67,11 @@ def live_command(
         mismatch=parse_mismatch(mismatch),
         points=points,
         feet=feet,
+        mapping=read_mapping(mapping) if mapping else None,
     )
     folder = out or Path("runs") / "live"
-    with progress() as tell:
-        report = live(request, folder, tell, LiveView.in_window() if view else None)
+    with shown_live(_say) if view else nullcontext() as shown, progress() as tell:
+        report = live(request, folder, tell, shown)
     status = show_report(report, folder)
     show_live(report["live"])
     return status
@@ -94,6 +96,10 @@ def stream_command(
     sent = stream_clips(clips, StreamAddress.parse(to), rate, start, duration, loop, token)
     output.print(f"{sent} frames sent to {to}", soft_wrap=True)
     return DONE
+
+
+def _say(line: str) -> None:
+    output.print(line, soft_wrap=True, highlight=False)
 
 
 def show_live(figures: dict[str, Any]) -> None:

@@ -99,7 +99,7 @@ def live_figures(follower: Follower, log: RunLog, record: LiveRecord | None, beh
         "packets": dict(sorted(follower.source.counts.items())),
         "held_s": follower.held_s,
         "latency_ms": latencies(follower, log),
-        "lag_ms": None if record is None else hand_lag_ms(record, log),
+        "lag_ms": None if record is None else hand_lag_ms(record, log, follower.time_line.delay),
         "behind_ms": _spread(1e3 * behind),
         "late_ticks": float(np.mean(behind > log.period)) if len(behind) else None,
     }
@@ -122,21 +122,25 @@ def latencies(follower: Follower, log: RunLog) -> dict[str, dict[str, float | No
     }
 
 
-def hand_lag_ms(record: LiveRecord, log: RunLog) -> float | None:
-    """Lag of the robot's hands behind the human's [ms], by which their ways agree best."""
+def hand_lag_ms(record: LiveRecord, log: RunLog, delay: float) -> float | None:
+    """Lag of the robot's hands behind the person's [ms], by which their ways agree best.
+
+    The record has the person at the times at which it is played, a delay [s] after it was there.
+    """
     human, robot = record.human, record.motion.robot
-    shown = np.flatnonzero((human.times >= record.start) & (human.times <= min(record.end, log.time[-1] - MAX_LAG)))
+    least = max(record.start, delay)
+    shown = np.flatnonzero((human.times >= least) & (human.times <= min(record.end, log.time[-1] - MAX_LAG)))
     if len(shown) < HUMAN_RATE:
         return None
     names = ("waist", *(f"{side}_wrist" for side in SIDES))
     wanted = _hands({name: human.points[name][shown] for name in names})
     best, lag = -np.inf, 0.0
-    for tried in np.arange(0.0, MAX_LAG, LAG_STEP):
+    for tried in np.arange(-delay, MAX_LAG, LAG_STEP):
         rows = np.round((human.times[shown] + tried) / log.period).astype(int)
         agreement = float(np.sum(wanted * _hands(Points.of(robot, log.q[rows], names).positions)))
         if agreement > best:
             best, lag = agreement, tried
-    return 1e3 * lag
+    return 1e3 * (delay + lag)
 
 
 def _hands(points: Any) -> Array:

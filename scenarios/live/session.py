@@ -31,6 +31,7 @@ from sot.live.steps.schedule import LiveSteppingSchedule
 from sot.live.streams.address import StreamAddress
 from sot.motion import read
 from sot.motion.human.key_points import parse_key_points
+from sot.motion.human.skeleton import JointAliases
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -63,6 +64,7 @@ class LiveRequest:
         token: that frames of udp:// have to carry.
         points: the key points to which the person is reduced, as a list; all that comes by default.
         feet: one of FEET_MODES: "planted", they stay; "steps", they step as the person does.
+        mapping: names of the joints of an unknown skeleton, as of `sot.motion.human.skeleton.named_joints`.
         keeps_time: whether it runs by the wall clock; otherwise the stream's time is that of the simulation, which
             however slow a machine does not change.
     """
@@ -79,6 +81,7 @@ class LiveRequest:
     mismatch: Mismatch = NO_MISMATCH
     points: str = ""
     feet: str = "planted"
+    mapping: JointAliases | None = None
     keeps_time: bool = True
 
 
@@ -88,6 +91,7 @@ class LiveCompanion:
     Args:
         follower: whose reference is fed.
         end: of the run [s], infinite if only an interrupt ends it.
+        mapping: names of the joints of an unknown skeleton, as of `sot.motion.human.skeleton.named_joints`.
         keeps_time: whether ticks wait for the wall clock.
         viewer: told of each tick.
     """
@@ -164,7 +168,7 @@ def open_source(request: LiveRequest, robot: Robot) -> Source:
         raise InputError(f"{request.source} is a clip: --bind and --token are for streams")
     else:
         source = ClipSource(read(clips.find_clip(request.source)), CLIP_RATE)
-    return KeyPointSource(source, names) if names else source
+    return KeyPointSource(source, names, request.mapping) if names else source
 
 
 def follow(
@@ -179,7 +183,7 @@ def follow(
     _compile(robot, request.feet, tell)
     is_stream = StreamAddress.is_one(request.source)
     start = _first_frame_time(source, tell) if request.keeps_time and is_stream else 0.0
-    follower = _follower(request.feet, source, robot, request.delay, start)
+    follower = _follower(request.feet, source, robot, request.delay, start, request.mapping)
     end = np.inf if request.duration is None else request.duration
     companion = LiveCompanion(follower, end, request.keeps_time, viewer)
     controller = _controller(robot, follower, request.solver, 1.0 / request.rate)
@@ -222,8 +226,15 @@ def _first_frame_time(source: Source, tell: ProgressCallback) -> float:
     return perf_counter() - began
 
 
-def _follower(feet: str, source: Source, robot: Robot, delay: float = 0.0, start: float = 0.0) -> Follower:
-    return (SteppingFollower if feet == "steps" else Follower)(source, robot, delay, start)
+def _follower(
+    feet: str,
+    source: Source,
+    robot: Robot,
+    delay: float = 0.0,
+    start: float = 0.0,
+    mapping: JointAliases | None = None,
+) -> Follower:
+    return (SteppingFollower if feet == "steps" else Follower)(source, robot, delay, start, mapping)
 
 
 def _controller(robot: Robot, follower: Follower, solver: str, period: float) -> Controller:

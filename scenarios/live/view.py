@@ -1,11 +1,14 @@
 """A live run shown while it runs: robot, reference, human and curves in rerun's viewer."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
+from scenarios import viewer
 from sim.recording.bodies import body_poses
 from sim.recording.columns import COLORS, TIMELINE
 from sim.recording.shapes import read_shapes
@@ -30,13 +33,6 @@ class LiveView:
         self._next = 0.0
         self._bodies: list[str] = []
 
-    @classmethod
-    def in_window(cls) -> "LiveView":
-        """A view in a window of its own."""
-        stream = rr.RecordingStream("humanoid-sot live")
-        stream.spawn()
-        return cls(stream)
-
     def __call__(self, t: float, q: Array, follower: Follower) -> None:
         """Send a picture of a time [s] if one is due; q is the robot's configuration (nq,)."""
         if t < self._next:
@@ -53,8 +49,8 @@ class LiveView:
                 stream.log(
                     f"world/{entity}/{body}", rr.Transform3D(translation=positions[k, 0], mat3x3=rotations[k, 0])
                 )
-        if follower.shown:
-            points = follower.shown[-1][1].points
+        points = next((targets.points for due, targets in reversed(follower.shown) if due <= t), None)
+        if points is not None:
             strips = [np.stack([points[near], points[far]]) for near, far in BONES]
             stream.log("world/human", rr.LineStrips3D(strips, colors=[COLORS["human"]], radii=[0.018]))
         stream.log("curves/error_rad", rr.Scalars(float(np.abs(q[7:] - reference.q[7:]).max())))
@@ -87,3 +83,24 @@ class LiveView:
                     )
                 stream.log(f"world/{entity}/{shape.body}/{k}", archetype, static=True)
         stream.log("world/human", rr.Transform3D(translation=[0.0, -SIDE_DISTANCE, 0.0]), static=True)
+
+
+@contextmanager
+def shown_live(tell: Callable[[str], object]) -> Iterator[LiveView]:
+    """A view in a window of its own; where there is no display, on a page, as long as the context lasts.
+
+    Args:
+        tell: told where that page is.
+    """
+    stream = rr.RecordingStream("humanoid-sot live")
+    if viewer.has_display():
+        stream.spawn()
+        yield LiveView(stream)
+        return
+    with viewer.stream_server() as (into, page):
+        stream.connect_grpc(into)
+        tell(f"no display to open a window on: watch at {page}")
+        try:
+            yield LiveView(stream)
+        finally:
+            stream.disconnect()

@@ -1,6 +1,5 @@
-"""A box carried over one leg, a door pushed open, of several weights and springs, after one human: Otani 2017, IV."""
+"""A box carried over one leg and a door pushed open after one human; bag, box and cart without any: Otani 2017, IV."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
@@ -13,28 +12,30 @@ from rich.table import Table
 from scenarios.inputs.clips import find_clip
 from scenarios.inputs.stack_file import Composition
 from scenarios.otani2017 import curves, pictures
+from scenarios.otani2017.bag import bag
+from scenarios.otani2017.bag.bag import BagTrial
+from scenarios.otani2017.carrying import carry, cart
+from scenarios.otani2017.carrying.carry import Carrying
+from scenarios.otani2017.carrying.cart import Pushing
+from scenarios.otani2017.figures import manipulation_figures, object_report, tick_medians
 from scenarios.otani2017.handling_stack import contacts_of, handling_stack
 from scenarios.otani2017.scene import ObjectOptions, placement_noise, scene_things
 from scenarios.replay import Dance, ProgressCallback, Replay, check_writable, make_solver, run_motion, write_outputs
-from sim.log import RunLog
 from sim.recording.things import HandledThings
 from sim.reporting import report
-from sim.reporting.objects import object_figures
 from sot.behaviours.manipulation.schedule import ManipulationSchedule
 from sot.errors import InputError
 from sot.motion import Human, read, recognise
 from sot.motion.feet.stance import Build
 from sot.motion.objects import event_file
 from sot.motion.objects.demonstration import HandledObjects, read_objects
-from sot.motion.objects.events import ContactPlan, ContactSets
-from sot.motion.objects.pose_path import PosePath
+from sot.motion.objects.events import ContactPlan
 from sot.motion.objects.pushing import paced_for_pushing
-from sot.motion.objects.retarget import RobotDemonstration, Scale, retarget_objects
+from sot.motion.objects.retarget import Scale, retarget_objects
 from sot.motion.plan import imitation
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.robots.system import System
-from sot.rotation import rotation_vector
 
 STUDIES = ("box", "door")
 NOISE_M, NOISE_DEG = 0.003, 2.0
@@ -83,8 +84,10 @@ class Handling:
 DEFAULT_OPTIONS = Handling(STUDIES[0])
 
 
-def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) -> dict[str, Any]:
-    """Retarget a demonstration, run it, record and report.
+def run(
+    request: Replay, handling: Handling | BagTrial | Carrying | Pushing, out: Path, tell: ProgressCallback
+) -> dict[str, Any]:
+    """Retarget a demonstration, or plan what has none, run it, record and report.
 
     Args:
         request: Robot, solver, rate, pushes and mismatch.
@@ -95,6 +98,12 @@ def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) 
     Raises:
         InputError: Anything in the request that does not fit; nothing is written then.
     """
+    if isinstance(handling, BagTrial):
+        return bag.run(request, handling, out, tell)
+    if isinstance(handling, Carrying):
+        return carry.run(request, handling, out, tell)
+    if isinstance(handling, Pushing):
+        return cart.run(request, handling, out, tell)
     check_writable(out)
     make_solver(request.solver)
     danced, schedule, system = perform(request, handling, tell)
@@ -105,36 +114,12 @@ def run(request: Replay, handling: Handling, out: Path, tell: ProgressCallback) 
         "objects": object_report(log, system, schedule.demonstration),
         "tick_median_us": tick_medians(log, schedule.history),
         "legs": curves.leg_figures(drawn, system.robot, schedule.history),
-        "manipulation": {
-            "failure": schedule.failure or None,
-            "waits": [{"events": wait.what, "start_s": wait.start, "end_s": wait.end} for wait in schedule.waits],
-            "sets": [{"t_s": t, "sets": str(sets)} for t, sets in schedule.history],
-        },
+        "manipulation": manipulation_figures(schedule),
     }
     figures = write_outputs(danced, out, tell, report.rounded(extra))
     curves.save_curves(out / curves.CURVES_FILE, drawn)
     pictures.draw(out / pictures.PICTURE_FILE, [drawn], f"{handling.clip}, {label}, by {system.robot.label}")
     return figures
-
-
-def object_report(log: RunLog, system: System, demonstration: RobotDemonstration) -> dict[str, dict[str, Any]]:
-    """Figures of the things, see `object_figures`, with how far they are off their aim, or should have turned.
-
-    Args:
-        log: Rows of the run.
-        system: The robot and the things as they are simulated.
-        demonstration: What was to be done.
-    """
-    objects = object_figures(log, system)
-    for name, path in demonstration.things.items():
-        aim = path.track.position[-1]
-        if system.thing(name).is_free:
-            made = [event for event in demonstration.targets if event.pair.first.entity == name]
-            aim = demonstration.targets[made[-1]].place.translation if made else aim
-            objects[name]["end_error_m"] = float(np.linalg.norm(np.array(objects[name]["end_m"]) - aim))
-        else:
-            objects[name]["wanted_angle_deg"] = _turned(path)
-    return objects
 
 
 def perform(request: Replay, handling: Handling, tell: ProgressCallback) -> tuple[Dance, ManipulationSchedule, System]:
@@ -204,6 +189,9 @@ def hands_for(robot: Robot, study: str) -> dict[str, str]:
 
 def show(figures: dict[str, Any], console: Console) -> None:
     """Print what became of the things."""
+    if "bag" in figures:
+        bag.show(figures, console)
+        return
     table = Table(box=None, padding=(0, 2, 0, 0))
     for words in (
         "thing",
@@ -226,7 +214,12 @@ def show(figures: dict[str, Any], console: Console) -> None:
             _text(one["end_angle_deg"]),
         )
     console.print(table)
-    console.print(_leg_sentence(figures["legs"]), highlight=False, soft_wrap=True)
+    if "legs" in figures:
+        console.print(_leg_sentence(figures["legs"]), highlight=False, soft_wrap=True)
+    if "carrying" in figures:
+        console.print(carry.sentence(figures["carrying"]), highlight=False, soft_wrap=True)
+    if "cart" in figures:
+        console.print(cart.sentence(figures["cart"]), highlight=False, soft_wrap=True)
     held, without = (figures["tick_median_us"][words] for words in ("held", "without"))
     if held and without:
         ratio = f"a tick while hands hold something: {held / without:.2f} times one while they do not, in the median"
@@ -235,17 +228,6 @@ def show(figures: dict[str, Any], console: Console) -> None:
         console.print(
             f"waited {wait['end_s'] - wait['start_s']:.1f} s: {wait['events']}", highlight=False, soft_wrap=True
         )
-
-
-def tick_medians(log: RunLog, history: Sequence[tuple[float, ContactSets]]) -> dict[str, float | None]:
-    """Medians of the time of a tick while hands hold a thing and while none does [µs]; None where that never was."""
-    starts = [start for start, _ in history]
-    holding = np.array([bool(sets.holding) for _, sets in history])
-    held = holding[np.searchsorted(starts, log.time, side="right") - 1]
-    return {
-        words: float(np.median(log.tick_us[rows])) if rows.any() else None
-        for words, rows in (("held", held), ("without", ~held))
-    }
 
 
 def _leg_sentence(legs: dict[str, Any]) -> str:
@@ -261,12 +243,6 @@ def _leg_sentence(legs: dict[str, Any]) -> str:
         f"at the end, {when}: right ankle {_text(legs['right_ankle_torque_mean_nm'])} N m, hands "
         f"{_text(legs['hand_force_mean_n'])} N in the mean"
     )
-
-
-def _turned(path: PosePath) -> float:
-    """How far a path turns from its start to its end [deg]."""
-    turn = rotation_vector(path.track.rotation[-1] @ path.track.rotation[0].T)
-    return float(np.degrees(np.linalg.norm(turn)))
 
 
 def _text(value: float | None, factor: float = 1.0) -> str:

@@ -89,14 +89,13 @@ def scene_things(
 def placement_noise(handled: HandledObjects, seed: int, distance: float, angle: float) -> dict[str, pin.SE3]:
     """Offsets of the free objects: of normal distribution in two places [m] and in their heading [rad]."""
     random = np.random.default_rng(seed)
-    return {
-        name: pin.SE3(
-            pin.exp3(np.array([0.0, 0.0, angle * random.standard_normal()])),
-            np.array([*(distance * random.standard_normal(2)), 0.0]),
-        )
-        for name, path in handled.objects.items()
-        if not path.hinged
-    }
+    return {name: random_offset(random, distance, angle) for name, path in handled.objects.items() if not path.hinged}
+
+
+def random_offset(random: np.random.Generator, distance: float, angle: float) -> pin.SE3:
+    """An offset of a level thing: of normal distribution in its heading [rad], and in two places [m]."""
+    turn = pin.exp3(np.array([0.0, 0.0, angle * random.standard_normal()]))
+    return pin.SE3(turn, np.array([*(distance * random.standard_normal(2)), 0.0]))
 
 
 def _resting_centre(path: ObjectPath, scale: Scale, size: Array) -> Array:

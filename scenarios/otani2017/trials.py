@@ -12,7 +12,8 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from scenarios.otani2017.otani import Handling, object_report, perform
+from scenarios.otani2017.figures import object_report
+from scenarios.otani2017.otani import Handling, perform
 from scenarios.otani2017.scene import ObjectOptions
 from scenarios.replay import Replay
 from sim.reporting.figures import SATURATION_RATIO

@@ -165,7 +165,11 @@ class Contact:
         if self.mode != "off" or not self.is_footing or on.point is not None:
             raise InputError(f"contact '{self.name}' cannot move to {on.name}: lift a foot first, and onto the world")
         self.on = on
-        friction = min(self.surface.friction, on.friction) if self._friction_given is None else self._friction_given
+        if self._friction_given is None:
+            self.rely_on(min(self.surface.friction, on.friction))
+
+    def rely_on(self, friction: float) -> None:
+        """Rely on another Coulomb coefficient from now on, as where a hand has slipped."""
         if friction != self.friction and self.form == "pyramid":
             self.friction, self._force_rows = friction, self._friction_pyramids(friction)
 

@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 FORMAT_VERSION = 1
 FACTS_KEY = "facts"
+NAMES_AND_NUMBERS = ("q", "contact", "rate", "human_rate", "joints", "feet", "human_points")
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +40,12 @@ class SimulatedMotion:
         zmp: (T, 2) measured zero-moment point [m]; nan without load.
         zmp_margin: (T,) from the ZMP to the edge of the planned support, negative outside [m]; nan without.
         friction_margin: (T, 2) friction that is left, µ f_normal - |f_tangential| [N]; nan of a foot without load.
+        reference: (T, nq) what the robot was to do.
+        human: (K, P, 3) points of the human in the robot's size and place, on the reference's time line [m]; K is 0
+            where there was none.
+        human_rate: of these, per second [Hz].
         rate: ticks per second [Hz].
-        joints, feet: names of the columns.
+        joints, feet, human_points: names of the columns.
         facts: robot, clip, source, licence, command, revision and the like; plain text by what it tells.
     """
 
@@ -53,17 +58,21 @@ class SimulatedMotion:
     zmp: Array
     zmp_margin: Array
     friction_margin: Array
+    reference: Array
+    human: Array
+    human_rate: float
     rate: float
     joints: tuple[str, ...]
     feet: tuple[str, ...]
+    human_points: tuple[str, ...]
     facts: Mapping[str, str]
 
     def save(self, path: Path) -> None:
         """Write to a file (.npz), which appears under its name once it is complete: q in double, others in single
         precision."""
-        single = ("v", "a", "torque", "wrench", "zmp", "zmp_margin", "friction_margin")
+        single = ("v", "a", "torque", "wrench", "zmp", "zmp_margin", "friction_margin", "reference", "human")
         content: dict[str, Any] = {name: getattr(self, name).astype(np.float32) for name in single}
-        content |= {name: np.array(getattr(self, name)) for name in ("q", "contact", "rate", "joints", "feet")}
+        content |= {name: np.array(getattr(self, name)) for name in NAMES_AND_NUMBERS}
         content[FACTS_KEY] = np.array(json.dumps({"version": FORMAT_VERSION, **self.facts}))
         with atomic_write(path) as place:
             np.savez_compressed(place, **content)
@@ -85,7 +94,8 @@ class SimulatedMotion:
             raise InputError(f"{path}: not the motion of a run, its facts are damaged") from None
         if version != FORMAT_VERSION:
             raise InputError(f"{path}: of another version ({version}, this one reads {FORMAT_VERSION}); run it again")
-        joints, feet = (tuple(str(name) for name in content[key].ravel()) for key in ("joints", "feet"))
+        keys = ("joints", "feet", "human_points")
+        joints, feet, points = (tuple(str(name) for name in content[key].ravel()) for key in keys)
         length, joint_count = len(np.atleast_1d(content["q"])), len(joints)
         shapes = {
             "q": (7 + joint_count,),
@@ -97,18 +107,21 @@ class SimulatedMotion:
             "zmp": (2,),
             "zmp_margin": (),
             "friction_margin": (len(feet),),
+            "reference": (7 + joint_count,),
         }
+        if content["human"].ndim != 3 or content["human"].shape[1:] != (len(points), 3):
+            raise InputError(f"{path}: 'human' has shape {content['human'].shape}, expected (K, {len(points)}, 3)")
         for name, shape in shapes.items():
             if content[name].shape != (length, *shape):
                 raise InputError(f"{path}: '{name}' has shape {content[name].shape}, expected {(length, *shape)}")
-        for name in ("q", "v", "torque"):
+        for name in ("q", "v", "torque", "reference", "human", "human_rate"):
             numbers(path, name, content[name])
-        columns: dict[str, Any] = {name: content[name].astype(float) for name in shapes}
+        columns: dict[str, Any] = {name: content[name].astype(float) for name in (*shapes, "human")}
         columns["contact"] = content["contact"].astype(bool)
         told = {str(key): str(value) for key, value in facts.items()}
-        return SimulatedMotion(
-            **columns, rate=checked_rate(path, content["rate"]), joints=joints, feet=feet, facts=told
-        )
+        rate, human_rate = checked_rate(path, content["rate"]), float(content["human_rate"])
+        names: dict[str, Any] = {"joints": joints, "feet": feet, "human_points": points}
+        return SimulatedMotion(**columns, **names, rate=rate, human_rate=human_rate, facts=told)
 
     def motion(self, robot: Robot, name: str) -> RobotMotion:
         """What other formats hold of it.

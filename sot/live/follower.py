@@ -15,7 +15,7 @@ from sot.live.body_solver import BodySolver
 from sot.live.frame import Frame, Source
 from sot.live.person import Acquaintance, Moment, Person
 from sot.live.placement import MomentTargets, Placement
-from sot.live.reference import PERIOD, LiveReference
+from sot.live.reference import PERIOD, FutureTarget, LiveReference
 from sot.live.sensing.gate import Gate
 from sot.live.sensing.one_euro import MomentFilter
 from sot.live.sensing.time_line import TimeLine
@@ -23,6 +23,7 @@ from sot.live.state import pinocchio_state
 from sot.motion.body.limits import Limits
 from sot.motion.feet.stance import Build
 from sot.motion.human.human import SIDES
+from sot.motion.human.skeleton import JointAliases
 from sot.robots.robot import Robot
 from sot.smooth import minimum_jerk
 
@@ -73,28 +74,37 @@ class Follower:
     Args:
         source: of frames.
         robot: who follows.
-        delay: by which everything is played later [s]; the centre of mass is planned with the future that this buys.
+        delay: by which everything is played later [s]; the motion is planned with the future that this buys.
         start: what the source's clock shows when the run begins [s].
+        mapping: names of the joints of an unknown skeleton, as of `sot.motion.human.skeleton.named_joints`.
 
     Attributes:
         reference: what the robot shall do.
         time_line: of the frames.
         counts: what befell the frames.
-        shown: when the person was seen, in the time of the run [s], and as what in the robot's size.
+        shown: when the person is played, in the time of the run [s], and as what in the robot's size.
         frame_times: of each frame that was followed.
         held_s: time without a frame to follow, once there had been one [s].
     """
 
-    def __init__(self, source: Source, robot: Robot, delay: float = 0.0, start: float = 0.0) -> None:
-        self.source, self.robot, self._start = source, robot, start
+    def __init__(
+        self,
+        source: Source,
+        robot: Robot,
+        delay: float = 0.0,
+        start: float = 0.0,
+        mapping: JointAliases | None = None,
+    ) -> None:
+        self.source, self.robot, self._start, self._mapping = source, robot, start, mapping
         self._build, limits = Build.of(robot), Limits.of(robot)
+        self._foresight = max(delay - REORDERING_TIME, 0.0)
         self.reference = self._new_reference(robot, limits)
         self.time_line = TimeLine(delay)
         self.counts: Counter[str] = Counter()
         self._body = BodySolver(robot, self._build, limits)
         arms = [ArmSolver(robot, side, limits) for side in SIDES]
         self._arms = [arm for arm in arms if len(arm.columns)]
-        self._acquaintance = Acquaintance(source.name)
+        self._acquaintance = Acquaintance(source.name, mapping)
         self._person: Person | None = None
         self._placement: Placement
         self._gate: Gate
@@ -102,7 +112,6 @@ class Follower:
         self._solution = self.reference.rest.copy()
         self._velocity = np.zeros(robot.nv)
         self._last: float | None = None  # due time of the last frame that was solved
-        self._preview = max(delay - REORDERING_TIME, 0.0)
         self._target: Target | None = None
         self._future: deque[Target] = deque()
         self._share = 0.0  # of the way from the safe posture to the person
@@ -116,7 +125,7 @@ class Follower:
         now = t + self._start
         for frame in self.source.poll(now):
             self.time_line.add(frame)
-        due = self.time_line.due(now + self._preview)
+        due = self.time_line.due(now + self._foresight)
         self.counts["skipped"] += max(0, len(due) - 1)  # many at once: the last is where the person is now
         for frame in due[-1:]:
             self._take_in(frame, t)
@@ -129,7 +138,7 @@ class Follower:
 
     def _new_reference(self, robot: Robot, limits: Limits) -> LiveReference:
         """The reference that is fed."""
-        return LiveReference(robot, limits)
+        return LiveReference(robot, limits, self._foresight)
 
     def _take_due(self, t: float) -> None:
         """Go over to the targets that are due by a time [s]."""
@@ -168,7 +177,7 @@ class Follower:
             return
         if self._person is not None:
             self.counts["persons"] += 1
-            self._acquaintance = Acquaintance(self.source.name)
+            self._acquaintance = Acquaintance(self.source.name, self._mapping)
             self._meet(self._person)
             self._gate = Gate(self._person, self.counts)
             self._filter.start_anew()
@@ -187,11 +196,11 @@ class Follower:
 
     def _solved(self, targets: MomentTargets, due: float) -> Target:
         """What the robot shall do for targets at a time [s], not before those of earlier calls."""
-        self.shown.append((due - self.time_line.delay, targets))
+        self.shown.append((due, targets))
         elapsed = due - self._last if self._last is not None else PERIOD
         y = self._body.solve(targets, self._solution)
-        # What the trunk will be late when the frame is due is head's and arms' to make up.
-        start = self.reference.expected(y, due)
+        # What the trunk will be late when the frame is due is head's and arms' to make up; with a future it is not.
+        start = y if self._foresight else self.reference.expected(y, due)
         head = self._body.head_columns
         y[head] = self._body.solve_head(targets, start)[head]
         data = self._body.place(start)
@@ -224,5 +233,8 @@ class Follower:
             self.reference.advance(rest, np.zeros_like(rest))
             return
         velocity = share * target.velocity if fresh else np.zeros_like(rest)
-        future = [(later.due - t, share * (later.com - target.com)) for later in self._future]
+        future = [
+            FutureTarget(later.due - t, rest + share * (later.y - rest), share * (later.com - target.com))
+            for later in self._future
+        ]
         self.reference.advance(rest + share * (target.y - rest), velocity, future)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from solvers.compiled import compiled
 from sot.acceleration_bounds import AccelerationBounds
+from sot.live.joint_preview import JointPreview
 from sot.live.led_legs import LedLegs
 from sot.live.state import pinocchio_state
 from sot.motion.body.coordinates import rate_matrix, to_rotation
@@ -60,9 +61,12 @@ class Governor:
         legs: of the robot, led to where its feet are to be after the next period.
         start: coordinates to start from, at rest (nv,).
         period: between its steps [s].
+        foresight: how much of the future will be known [s].
     """
 
-    def __init__(self, robot: Robot, limits: Limits, legs: LedLegs, start: Array, period: float) -> None:
+    def __init__(
+        self, robot: Robot, limits: Limits, legs: LedLegs, start: Array, period: float, foresight: float = 0.0
+    ) -> None:
         self.y, self.dy, self.ddy = start.copy(), np.zeros_like(start), np.zeros_like(start)
         self._period, self._legs = period, legs
         velocity, acceleration = USABLE_VELOCITY_SHARE * limits.velocity, limits.acceleration.copy()
@@ -82,11 +86,27 @@ class Governor:
         self._bounds = AccelerationBounds(limits.lower, limits.upper, velocity, BRAKING_SHARE * brake, acceleration)
         self._scale = acceleration[:6]
         self._model, self._data = robot.model, robot.model.createData()
+        self._free = np.setdiff1d(np.arange(2, robot.nv), legs.columns)  # neither shifts nor follows from the others
+        limited = velocity[self._free], acceleration[self._free]
+        self._preview = JointPreview(*limited, foresight) if foresight > 0.0 else None
+        self._planned: Array | None = None
 
     def expected(self, target: Array, time: float) -> Array:
         """Coordinates (nv,) that would be reached within a time [s] at full speed towards a target (nv,)."""
         way = time * self._velocity
         return self.y + np.clip(target - self.y, -way, way)
+
+    def plan(self, times: Array, targets: Array) -> None:
+        """Plan the steps until the next plan from what is known of the future: targets (n, nv) at times from now [s].
+
+        What an acceleration changes comes half of `JERK_TIME` late, and is planned from there on.
+        """
+        if self._preview is not None:
+            lag, free = 0.5 * JERK_TIME, self._free
+            rate = self.dy[free] + lag * self.ddy[free]
+            place = self.y[free] + 0.5 * lag * (self.dy[free] + rate)
+            wanted = [np.interp(self._preview.times + lag, times, column) for column in targets.T[free]]
+            self._planned = self._preview(place, rate, np.transpose(wanted))
 
     def step(self, target: Array, velocity: Array, com: Array) -> None:
         """Go on by a period towards a target (nv,) that moves with a velocity (nv,).
@@ -105,6 +125,9 @@ class Governor:
             high,
             self._acceleration,
         )
+        if self._planned is not None:
+            wanted[self._free] = self._planned
+            wanted = np.clip(wanted, low, high)
         T, change = self._period, self._acceleration * (self._period / JERK_TIME)
         least, most = np.clip((low, high), self.ddy - change, self.ddy + change)
         curve = np.clip(wanted, least, most)

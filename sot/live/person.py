@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sot.errors import InputError, UnknownSkeletonError
+from sot.errors import UnknownSkeletonError
 from sot.live.frame import Frame, Skeleton, capture_of
 from sot.motion.body.targets import UPPER_BODY_SEGMENTS
 from sot.motion.human.calibration import calibrate, canonical_points, upright_frames
@@ -14,7 +14,7 @@ from sot.motion.human.capture import Capture
 from sot.motion.human.human import SEGMENTS, Human
 from sot.motion.human.key_points import KEY_POINTS, LEG_PER_TRUNK, UpperBodyLengths, human_from_key_points
 from sot.motion.human.plausibility import check_plausible
-from sot.motion.human.skeleton import named_joints
+from sot.motion.human.skeleton import JointAliases, named_joints
 
 Array = NDArray[np.float64]
 
@@ -74,10 +74,11 @@ class Acquaintance:
 
     Args:
         name: of the source, for errors.
+        mapping: names of the joints of an unknown skeleton, as of `named_joints`.
     """
 
-    def __init__(self, name: str) -> None:
-        self._name = name
+    def __init__(self, name: str, mapping: JointAliases | None = None) -> None:
+        self._name, self._mapping = name, mapping
         self._frames: list[Frame] = []
 
     def add(self, frame: Frame) -> Person | None:
@@ -89,29 +90,29 @@ class Acquaintance:
         if self._frames and self._frames[0].skeleton != frame.skeleton:
             self._frames.clear()
         if not self._frames and not _is_upper_body(frame.skeleton):
-            _check_known(capture_of([frame], 1.0, self._name))
+            _check_known(capture_of([frame], 1.0, self._name), self._mapping)
         self._frames.append(frame)
         seen = frame.stamp - self._frames[0].stamp
         if seen < CALIBRATION_TIME or len(self._frames) < MIN_CALIBRATION_FRAMES:
             return None
-        return _person(self._frames, self._name)
+        return _person(self._frames, self._name, self._mapping)
 
 
-def _check_known(capture: Capture) -> None:
-    """Check that the joints of a stream have names that are known: a stream has no mapping file."""
+def _check_known(capture: Capture, mapping: JointAliases | None) -> None:
+    """Check that the joints of a stream have names that are known; the error says what it has, too."""
     try:
-        named_joints(capture)
+        named_joints(capture, mapping)
     except UnknownSkeletonError as error:
-        joints = ", ".join(capture.joints)
-        raise InputError(f"{error.lacking}; its joints are {joints}: send them under names of docs/live.md") from None
+        lacking = f"{error.lacking}; its joints are {', '.join(capture.joints)}"
+        raise UnknownSkeletonError(lacking, error.mapping) from None
 
 
-def _person(frames: Sequence[Frame], name: str) -> Person:
+def _person(frames: Sequence[Frame], name: str, mapping: JointAliases | None) -> Person:
     skeleton = frames[0].skeleton
     if _is_upper_body(skeleton):
         read, measured = _key_point_reader(frames, name), UPPER_BODY_SEGMENTS
     else:
-        read, measured = _whole_body_reader(frames, name), tuple(SEGMENTS)
+        read, measured = _whole_body_reader(frames, name, mapping), tuple(SEGMENTS)
     human = read(frames)
     check_plausible(human)
     shoulders = human.points["left_shoulder"] - human.points["right_shoulder"]
@@ -125,10 +126,10 @@ def _person(frames: Sequence[Frame], name: str) -> Person:
     return Person(human.leg, human.arm, breadth, lengths, skeleton, read)
 
 
-def _whole_body_reader(frames: Sequence[Frame], name: str) -> HumanReader:
+def _whole_body_reader(frames: Sequence[Frame], name: str, mapping: JointAliases | None) -> HumanReader:
     """Reads a skeleton of which the joints' rotations are known, or their positions only."""
     capture = capture_of(frames, NOMINAL_RATE, name)
-    joints = named_joints(capture)
+    joints = named_joints(capture, mapping)
     calibration = calibrate(capture, joints)
     if frames[0].rotations is not None:
         return lambda moments: calibration.human(capture_of(moments, NOMINAL_RATE, name))

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from sot.control.pose import Pose
 from sot.gravity import GRAVITY
+from sot.live.com_preview import KNOT_PERIOD
 from sot.live.footing import Footing, PlantedFooting
 from sot.live.governor import Governor
 from sot.live.led_legs import LedLegs
@@ -24,6 +26,7 @@ Array = NDArray[np.float64]
 
 PERIOD = 0.01
 """Time between the knots of the reference [s]."""
+KNOTS_PER_PLAN = round(KNOT_PERIOD / PERIOD)
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,20 @@ class Knot:
     poses: dict[str, Pose]
 
 
+class FutureTarget(NamedTuple):
+    """What will be asked for later.
+
+    Attributes:
+        later: by how much [s].
+        y: coordinates (nv,) then.
+        com_shift: how much farther the centre of mass will be wanted (2,) [m].
+    """
+
+    later: float
+    y: Array
+    com_shift: Array
+
+
 class LiveReference:
     """A robot motion that follows targets as they come; a `sot.motion.trajectory.Reference`.
 
@@ -51,18 +68,19 @@ class LiveReference:
     Args:
         robot: who moves, from its rest posture.
         limits: of the coordinates.
+        foresight: how much of the future will be known [s].
         footing: what it stands on; feet that stay unless given.
     """
 
     duration = inf
 
-    def __init__(self, robot: Robot, limits: Limits, footing: Footing | None = None) -> None:
+    def __init__(self, robot: Robot, limits: Limits, foresight: float = 0.0, footing: Footing | None = None) -> None:
         self.robot, self._footing = robot, footing or PlantedFooting(robot)
         self._data = robot.model.createData()
         self.rest = from_configuration(robot.rest[None])[0]
         self._points: dict[str, int] = {}
         self._legs = LedLegs(robot, self._footing.start, self.rest)
-        self._governor = Governor(robot, limits, self._legs, self.rest, PERIOD)
+        self._governor = Governor(robot, limits, self._legs, self.rest, PERIOD, foresight)
         self._com, self._com_height = np.zeros(2), 0.0
         self._knots: list[Knot] = []
         self._knots.append(self._knot())
@@ -83,20 +101,20 @@ class LiveReference:
         return self._knots[-1].y
 
     def expected(self, target: Array, t: float) -> Array:
-        """Coordinates (nv,) where it could be at a time [s] on the way to a target (nv,): it may be later than the last
-        knot, as where the future is known."""
+        """Coordinates (nv,) where it could be at a time [s] on the way to a target (nv,), not before the last knot."""
         return self._governor.expected(target, max(t - self.horizon, 0.0))
 
-    def advance(self, target: Array, velocity: Array, future: Sequence[tuple[float, Array]] = ()) -> None:
-        """Make the next knot, towards a target (nv,) that moves with a velocity (nv,).
-
-        future: how much later [s] the centre of mass will be wanted how much farther (2,) [m], as far as is known.
-        """
+    def advance(self, target: Array, velocity: Array, future: Sequence[FutureTarget] = ()) -> None:
+        """Make the next knot, towards a target (nv,) that moves with a velocity (nv,); future: in order, if known."""
         self._step(target, velocity, future)
 
-    def _step(self, target: Array, velocity: Array, future: Sequence[tuple[float, Array]] = ()) -> None:
+    def _step(self, target: Array, velocity: Array, future: Sequence[FutureTarget] = ()) -> None:
+        if (len(self._knots) - 1) % KNOTS_PER_PLAN == 0:
+            times = np.array([0.0, *(one.later for one in future)])
+            self._governor.plan(times, np.array([target, *(one.y for one in future)]))
         t, wanted = self.horizon, self._com + target[:2] - self._governor.y[:2]
-        com = self._footing.advance(t, PERIOD, wanted, future, self._com_height)
+        shifts = [(one.later, one.com_shift) for one in future]
+        com = self._footing.advance(t, PERIOD, wanted, shifts, self._com_height)
         if poses := self._footing.poses(t + PERIOD):
             self._legs.lead(poses)
         self._governor.step(target, velocity, com)

@@ -1,5 +1,6 @@
 """The fit of a robot's body to a course of human and feet, slower where body or motors cannot follow."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -15,14 +16,15 @@ from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import Targets, targets_of_human
 from sot.motion.body.whole_body import retarget
-from sot.motion.feet.contacts import Phase
+from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.course import Course, stepping_course, with_clock, with_slides
 from sot.motion.feet.footwork import Step
 from sot.motion.feet.slides import SlideWay, find_slide
 from sot.motion.feet.stance import Build, human_on_time_line
-from sot.motion.feet.swing import feet_heading
+from sot.motion.feet.swing import feet_heading, feet_middle, standing_paths
 from sot.motion.feet.tempo import clock_from_slowness, slowness_raised
-from sot.motion.feet.travel import HIGH_LIFT_LEGS
+from sot.motion.feet.timetable import TIME_GRID
+from sot.motion.feet.travel import HIGH_LIFT_LEGS, KEPT_TIME_SHARE
 from sot.motion.human.human import Human
 from sot.robots.robot import Robot
 from sot.smooth import low_passed, minimum_jerk
@@ -32,12 +34,15 @@ Flags = NDArray[np.bool_]
 
 PLAN_RATE = 50.0  # knots per second
 SLOWDOWN_FACTOR, MAX_SLOWNESS = 1.3, 3.0  # by which one slowdown slows, and times slower than the dancer in all
-MAX_CALMINGS = 2  # times that swings get calmer, beside those that the dance is slowed down
-SHARE_GIVEN_UP = 0.5  # of what of a swing is the dancer's, at a time
-MIN_SHARES = {False: 0.0, True: 0.5}  # least share before the dance is slowed down; of a high lift
-STRAIN_MARGIN = 0.1  # s about a swing, in which what the body cannot follow is taken for its doing
-MAX_FOLLOWED_DELAY = 0.15  # s off the dancer's step: a swing farther off is a plain one
-MAX_FOLLOWED_TURN = 0.5  # rad, of a foot: a swing that turns farther is a plain one
+MAX_CALMINGS = 1  # times that swings get calmer, beside those that the dance is slowed down
+STRAIN_MARGIN = 0.5  # s about a swing, in which what the body cannot follow is taken for its doing
+CHANGE_MARGIN = 0.1  # s about a swing that changes, in which the body changes at once
+SLOWED = 1.02  # times slower than the dancer: there a robot has no room for the dancer's swings
+MIN_LIFT_SHARE = 0.5  # of a high lift that is kept: least share before the dance is slowed down
+MIN_FOLLOWED_SWINGS = 0.25  # share of a dance's swings: fewer are not worth the time that planning takes
+MAX_FOLLOWED_DELAY = 0.3  # s off the dancer's step: a swing farther off is a plain one
+MAX_FOLLOWED_TURN = 1.0  # rad, of a foot: a swing that turns farther is a plain one
+MIN_FOLLOWED_TIME_SHARE = 0.6  # of the dancer's time in the air: a shorter swing is a plain one
 BOUNCE_FADE_TIME = 0.5  # s before a slide, in which the hips stop bouncing
 BOUNCE_HZ = 0.5  # slower motion of the hips is no bounce
 
@@ -51,14 +56,14 @@ class Fitter:
     limits: Limits
     hip_height_error: float | None
 
-    def stepping_course(self, human: Human, contacts: Sequence[Step] | None, follow: bool) -> Course:
+    def stepping_course(self, human: Human, contacts: Sequence[Step] | None, keep_lifts: bool) -> Course:
         """A course that steps.
 
         contacts: the steps to make, on the clip's time, instead of those found.
-        follow: whether feet swing as the dancer's do, and take as long for high lifts.
+        keep_lifts: whether high lifts are the dancer's, and take as long.
         """
-        course = stepping_course(human_on_time_line(human, PLAN_RATE), self.robot, self.build, contacts, follow)
-        return self.with_dancers_swings(course, swings_at_first(course) if follow else ())
+        course = stepping_course(human_on_time_line(human, PLAN_RATE), self.robot, self.build, contacts, keep_lifts)
+        return self.with_dancers_swings(course, tuple(map(float, kept_lifts(course))))
 
     def with_dancers_swings(self, course: Course, shares: tuple[float, ...]) -> Course:
         """The course with feet that swing as the dancer's do; shares: for each step by how much, 0 to 1."""
@@ -68,7 +73,9 @@ class Fitter:
         return replace(course, feet=swings.paths(shares), swing_shares=shares)
 
     def targets(self, course: Course) -> Targets:
-        wanted = targets_of_human(course.human, self.robot, self.build, feet_heading(course.feet))
+        moved = feet_middle(course.feet)[0] - feet_middle(standing_paths(planted_phases(self.robot, 1.0)[0], 1))[0]
+        facing = feet_heading(course.feet)
+        wanted = targets_of_human(course.human, self.robot, self.build, facing, (float(moved[0]), float(moved[1])))
         if self.hip_height_error is None:
             return wanted
         return replace(
@@ -124,6 +131,33 @@ class Fitter:
             wanted, changed, moved, left = self.targets(course), slowed_knots(clock, period), False, left - 1
         return course, body_motion, relieved
 
+    def with_swings_followed(
+        self, course: Course, wanted: Targets, body_motion: Spline, relieved: bool
+    ) -> tuple[Course, Spline]:
+        """The course with swings that are the dancer's wherever a balanced body follows them as it is, and the motion
+        of that body: they take no time. Both are as they were where too few swings can be."""
+        shares, already = followed_swings(course), course.swing_shares or itertools.repeat(0.0)
+        changed = [k for k, (share, before) in enumerate(zip(shares, already, strict=False)) if share != before]
+        if len(changed) < MIN_FOLLOWED_SWINGS * len(shares) or not changed:
+            return course, body_motion
+        plain, about = (course, body_motion), swing_knots(course, changed)
+        overloaded_before = np.logical_or(*self.overloaded(course, body_motion))
+        for _ in range(1 + MAX_CALMINGS):
+            course = self.with_dancers_swings(course, shares)
+            rounds = BalanceRounds(
+                self.robot, self.build, wanted, course.feet, course.phases, self.limits, body_motion, relieved
+            )
+            strained_times = rounds.balance_about(about, rough=True)
+            body_motion = rounds.body_motion
+            over = np.logical_or(*self.overloaded(course, body_motion)) & ~overloaded_before
+            strained_times = np.union1d(strained_times, np.flatnonzero(over) / PLAN_RATE)
+            if not len(strained_times):
+                return course, body_motion
+            shares, about = calmer_swings(course, strained_times)
+            if not about.any():
+                break
+        return plain
+
     def overloaded(self, course: Course, body_motion: Spline) -> tuple[Flags, Flags]:
         """Flags of the knots (T,) at which motors give more than they can, but would not if the body moved slower; and
         of those at which a leg's give more than they can."""
@@ -136,32 +170,59 @@ class Fitter:
         return hasty, heavy
 
 
-def swings_at_first(course: Course) -> tuple[float, ...]:
-    """How much of each swing is the dancer's: all, but where the robot steps at another time, or the foot turns far."""
+def kept_lifts(course: Course) -> tuple[bool, ...]:
+    """Which swings are high lifts that keep the dancer's time, where a course keeps them."""
+    if course.travel is None or not course.keeps_lifts:
+        return ()
+    high, travel = HIGH_LIFT_LEGS * course.human.leg, course.travel
+    return tuple(
+        lift > high and step.land - step.lift >= KEPT_TIME_SHARE * (move.land - move.lift) - TIME_GRID
+        for step, move, lift in zip(travel.steps, travel.moves, travel.lifts, strict=True)
+    )
+
+
+def followed_swings(course: Course) -> tuple[float, ...]:
+    """How much of each swing may be the dancer's at no price: all, but where the robot steps at another time or much
+    faster, turns the foot far, or had to be slowed down; there as much as it is already."""
     if course.travel is None:
         return ()
     stands, shares = {foot: list(own) for foot, own in course.travel.stands.items()}, []
-    for step, move in zip(course.travel.steps, course.travel.moves, strict=True):
+    already = course.swing_shares or (0.0,) * len(course.travel.steps)
+    slowed = course.clock[PLAN_RATE * np.gradient(course.clock) > SLOWED]
+    for step, move, share in zip(course.travel.steps, course.travel.moves, already, strict=True):
         here, there = stands[step.foot].pop(0), stands[step.foot][0]
-        late = max(abs(step.lift - move.lift), abs(step.land - move.land))
-        turned = abs(there.heading - here.heading)
-        shares.append(float(late <= MAX_FOLLOWED_DELAY and turned <= MAX_FOLLOWED_TURN))
+        follows = (
+            max(abs(step.lift - move.lift), abs(step.land - move.land)) <= MAX_FOLLOWED_DELAY
+            and abs(there.heading - here.heading) <= MAX_FOLLOWED_TURN
+            and step.land - step.lift >= MIN_FOLLOWED_TIME_SHARE * (move.land - move.lift)
+            and not np.any((slowed > step.lift - STRAIN_MARGIN) & (slowed < step.land + STRAIN_MARGIN))
+        )
+        shares.append(1.0 if follows else share)
     return tuple(shares)
 
 
 def calmer_swings(course: Course, strained_times: Array) -> tuple[tuple[float, ...], Flags]:
-    """By how much each swing of a course is to be the dancer's where the body cannot follow at some times [s], and the
-    knots (T,) at which that changes something: amplitude is given up before time, of a high lift little."""
-    times, shares = course.human.times, list(course.swing_shares)
-    about = np.zeros(len(times), bool)
+    """How much of each swing of a course is to be the dancer's where the body cannot follow at some times [s], and the
+    knots (T,) at which that changes something: amplitude is given up before time, of a high lift that is kept little.
+    """
+    shares, changed, kept = list(course.swing_shares), [], kept_lifts(course)
     if course.travel is not None and shares:
-        for k, (step, lift) in enumerate(zip(course.travel.steps, course.travel.lifts, strict=True)):
-            least = MIN_SHARES[lift > HIGH_LIFT_LEGS * course.human.leg]
+        for k, step in enumerate(course.travel.steps):
+            least = MIN_LIFT_SHARE if kept and kept[k] else 0.0
             inside = (strained_times > step.lift - STRAIN_MARGIN) & (strained_times < step.land + STRAIN_MARGIN)
             if inside.any() and shares[k] > least:
-                shares[k] = max(least, shares[k] - SHARE_GIVEN_UP)
-                about |= (times > step.lift - STRAIN_MARGIN) & (times < step.land + STRAIN_MARGIN)
-    return tuple(shares), about
+                shares[k] = least
+                changed.append(k)
+    return tuple(shares), swing_knots(course, changed)
+
+
+def swing_knots(course: Course, steps: Sequence[int]) -> Flags:
+    """Flags of the knots (T,) about the swings of some steps, given by number."""
+    times, about = course.human.times, np.zeros(course.human.count, bool)
+    if course.travel is not None:
+        for step in (course.travel.steps[k] for k in steps):
+            about |= (times > step.lift - CHANGE_MARGIN) & (times < step.land + CHANGE_MARGIN)
+    return about
 
 
 def slowness_about(course: Course, strained_times: Array) -> Array:

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -19,7 +19,7 @@ from sot.motion.balance.torques import (
 from sot.motion.body.coordinates import to_pinocchio
 from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.body.lean import LeanCut, lean_cut, lean_remark
-from sot.motion.body.limits import Limits
+from sot.motion.body.limits import MAX_LEG_EXTENSION_STEPPING, Limits
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import Targets, key_points
 from sot.motion.body.whole_body import fit_limbs
@@ -43,7 +43,6 @@ Flags = NDArray[np.bool_]
 
 FEET_MODES = ("auto", "dancer", "steps", "planted")
 MAX_SLOWDOWNS, MAX_FINAL_SLOWDOWNS = 4, 2  # times that a body gets more time, before and after its arms are fitted
-MAX_ADDED_SHARE = 0.07  # of a clip's time, that swings may add before plain ones are tried
 MAX_FOOT_ERROR_LEGS = 0.1  # leg lengths: a foot that is planned so far off its place makes the robot fall
 LIMB_REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
 CAPTURE_NOISE_HZ = 6.0  # faster motion of a capture is noise
@@ -133,8 +132,8 @@ def plan(
         human: a clip, or the part of one to dance.
         robot: who dances.
         feet: "planted", both soles where the rest posture puts them; "steps", where and when the dancer steps;
-            "auto" and "dancer", planted if the dancer's feet never really move; feet in the air go the dancer's way by
-            "dancer", which may take more time.
+            "auto" and "dancer", planted if the dancer's feet never really move, and in the air on the dancer's way
+            where that takes no more time; high lifts keep the dancer's time by "dancer", which may slow others down.
         contacts: the steps to make, in the clip's time, instead of those found in it; none may be planted.
         rate: samples per second of the motion [Hz].
         slide: the way of a slide to put in where the dancer stands on one foot most, see `slides.find_slide`; feet
@@ -149,7 +148,7 @@ def plan(
     try:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             once = partial(_plan, human, robot, feet, rate, contacts, slide, height)
-            planned = _better_swings(once, human.duration) if feet == "dancer" else once(follow=False)
+            planned = _with_lifts_kept(once) if feet == "dancer" else once(keep_lifts=False)
         if np.isfinite(planned.motion.q).all() and np.isfinite(planned.motion.a).all():
             return planned
     except np.linalg.LinAlgError:
@@ -177,21 +176,17 @@ def imitation(human: Human, robot: Robot, rate: float = 1000.0) -> Motion:
     return sampled_motion(robot, body_motion, course.phases, rate)
 
 
-def _better_swings(once: Callable[..., Plan], duration: float) -> Plan:
-    """The plan with feet that swing as the dancer's do, of a clip of some duration [s]; with plain swings where that
-    falls short of anything or takes much time, and those do better."""
-    followed = None
+def _with_lifts_kept(once: Callable[..., Plan]) -> Plan:
+    """The plan in which high lifts keep the dancer's time; without, where that one falls short of anything."""
+    kept = None
     try:
-        followed = once(follow=True)
-        slow = followed.added_time > MAX_ADDED_SHARE * duration
-        if followed.travel is None or not (followed.shortfalls or slow):
-            return followed
+        kept = once(keep_lifts=True)
+        if not kept.shortfalls:
+            return kept
     except UnreachableFeetError:
         pass
-    plain = once(follow=False)
-    if followed is None or len(plain.shortfalls) < len(followed.shortfalls):
-        return plain
-    return followed if followed.added_time <= plain.added_time else plain
+    other = once(keep_lifts=False)
+    return other if kept is None or len(other.shortfalls) < len(kept.shortfalls) else kept
 
 
 def _plan(
@@ -202,7 +197,7 @@ def _plan(
     contacts: Sequence[Step] | None,
     slide: SlideWay | None,
     height: float | None,
-    follow: bool,
+    keep_lifts: bool,
 ) -> Plan:
     if feet not in FEET_MODES:
         raise InputError(f"feet '{feet}' are not known: choose one of {', '.join(FEET_MODES)}")
@@ -212,10 +207,11 @@ def _plan(
         raise InputError("only planted feet slide, and let the hips bounce: choose them, or leave slide and height out")
     supports(robot, planted_phases(robot, 1.0))  # compiles what it needs, once an installation: that is no planning
     begun = time.perf_counter()
-    fit = Fitter(robot, Build.of(robot), Limits.of(robot), height)
+    fit = Fitter(robot, Build.of(robot), Limits.of(robot, MAX_LEG_EXTENSION_STEPPING), height)
     smooth = human.low_passed(CAPTURE_NOISE_HZ)
-    course = None if feet == "planted" else fit.stepping_course(smooth, contacts, follow)
+    course = None if feet == "planted" else fit.stepping_course(smooth, contacts, keep_lifts)
     if course is None or (feet in ("auto", "dancer") and contacts is None and len(course.phases) == 1):
+        fit = replace(fit, limits=Limits.of(robot))
         course = standing_course(human_on_time_line(human_over_feet(smooth, fit.build), PLAN_RATE), robot)
     wanted, imitation = fit.unbalanced_body(course)
     if slide is not None:
@@ -223,6 +219,8 @@ def _plan(
         wanted, imitation = fit.unbalanced_body(course)
     retargeted = time.perf_counter()
     course, body_motion, relieved = fit.balanced(course, wanted, imitation, MAX_SLOWDOWNS, fresh=True, relieved=False)
+    if feet in ("auto", "dancer"):
+        course, body_motion = fit.with_swings_followed(course, fit.targets(course), body_motion, relieved)
     body_motion = fit_limbs(
         robot, fit.targets(course), fit.limits, body_motion, LIMB_REFIT_STEPS
     )  # the chest has moved

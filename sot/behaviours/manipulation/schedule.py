@@ -17,6 +17,19 @@ from sot.behaviours.manipulation.guide import (
 )
 from sot.behaviours.manipulation.hand_shift import shift_of_hands
 from sot.behaviours.manipulation.loss import LossWatch
+from sot.behaviours.manipulation.pace import (
+    CLOSING_PATIENCE,
+    CLOSING_RAMP,
+    CLOSING_SPEED,
+    COM_REST_SPEED,
+    COM_SPEED,
+    COM_TIME,
+    COM_TOLERANCE,
+    HOLDING_TIME,
+    LOAD_RAMP,
+    MAX_WAIT,
+    TOUCH_LOAD,
+)
 from sot.behaviours.manipulation.played import Waiting, played_motion
 from sot.behaviours.manipulation.pushes import Pushes
 from sot.control.contact import Contact
@@ -38,19 +51,7 @@ CLOCK_FREQUENCY = 5.0  # 1/√(leg/g), of the demonstration's clock
 CLOCK_AT_REST = 1e-3  # rate of the clock below which the demonstration stands still
 FACING_SPEED = 0.08  # leg lengths per √(leg/g), mean, on the way to the standoff
 MIN_FACING_TIME = 1.6  # √(leg/g)
-CLOSING_SPEED = 0.0125  # leg lengths per √(leg/g): 3 cm/s
-CLOSING_RAMP = 0.8  # √(leg/g)
 OVERTRAVEL = 0.08  # leg lengths beyond the expected surface at which an approach is given up
-CLOSING_PATIENCE = (
-    2.0  # times as long as an approach takes, after which it is given up: what else is asked holds it off
-)
-TOUCH_LOAD = 3.5e-3  # weights: 2 N
-LOAD_RAMP, HOLDING_TIME = 1.6, 1.6  # √(leg/g), of a contact that is made, and of one that is broken
-COM_TIME = 3.2  # √(leg/g): the least time of a move of the centre of mass
-COM_SPEED = 0.04  # leg lengths per √(leg/g), mean: longer moves take longer
-COM_TOLERANCE = 0.02  # leg lengths from its goal, at which a support may be given up
-COM_REST_SPEED = 0.01  # leg lengths per √(leg/g)
-MAX_WAIT = 25.0  # √(leg/g), for the centre of mass
 GUIDE_FADE = 3.2  # √(leg/g), in which a free link is back on its path
 SHIFT_TIME = 0.6  # √(leg/g), low-pass of what the hands' forces shift the centre of mass by
 LOST_TIME = 0.4  # √(leg/g) without any force on all that hold a thing: it is lost

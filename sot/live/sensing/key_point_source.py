@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from sot.errors import InputError
 from sot.live.frame import Frame, Skeleton, Source, capture_of
 from sot.motion.human.key_points import KEY_POINTS
-from sot.motion.human.skeleton import named_joints
+from sot.motion.human.skeleton import JointAliases, named_joints
 
 Array = NDArray[np.float64]
 
@@ -33,16 +33,17 @@ class KeyPointSource:
     Args:
         source: of whole people.
         names: the key points that are asked for; all eight are needed.
+        mapping: names of the joints of an unknown skeleton, as of `named_joints`.
 
     Raises:
         InputError: some of them are missing.
     """
 
-    def __init__(self, source: Source, names: Sequence[str] = KEY_POINTS) -> None:
+    def __init__(self, source: Source, names: Sequence[str] = KEY_POINTS, mapping: JointAliases | None = None) -> None:
         if missing := [name for name in KEY_POINTS if name not in names]:
             raise InputError(f"a human takes all eight key points; missing: {', '.join(missing)}")
         self.name = f"{source.name}, key points"
-        self._source = source
+        self._source, self._mapping = source, mapping
         self._skeleton: Skeleton | None = None
         self._joints: list[list[int]] = []
 
@@ -66,7 +67,7 @@ class KeyPointSource:
 
     def _reduced(self, frame: Frame) -> Frame:
         if frame.skeleton != self._skeleton:
-            joints = named_joints(capture_of([frame], 1.0, self._source.name))
+            joints = named_joints(capture_of([frame], 1.0, self._source.name), self._mapping)
             hips = [joints["left_hip"], joints["right_hip"]]
             self._joints = [hips if name == "waist" else [joints[name]] for name in KEY_POINTS]
             self._skeleton = frame.skeleton

@@ -6,17 +6,20 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from sot.control.tick import Tick
 from sot.errors import InputError
+from sot.gravity import GRAVITY
 from sot.motion.balance.centroidal import Centroidal
+from sot.motion.balance.held_load import HeldLoad
 from sot.motion.balance.programme import plan_balance
 from sot.motion.body.coordinates import from_configuration, to_pinocchio
 from sot.motion.body.height import reachable_hip_height, smooth_height_below
 from sot.motion.body.spline import Spline
 from sot.motion.feet.contacts import Phase
 from sot.motion.feet.support import supports
-from sot.motion.feet.swing import FootPath
+from sot.motion.feet.swing import FootPath, feet_heading
 from sot.motion.footing import footing_on
 from sot.motion.ground import UP
 from sot.motion.human.human import SIDES
@@ -44,10 +47,11 @@ def feet_led(
     rate: float,
     ground_height: GroundHeight | None = None,
     where: str = "the floor",
+    load: HeldLoad | None = None,
 ) -> Motion:
     """The motion of a robot whose feet follow paths, its waist upright, its centre of mass as high as at rest.
 
-    Where legs would not reach, it is lower.
+    Where legs would not reach, it is lower. The waist turns as the feet do.
 
     Args:
         robot: who moves.
@@ -58,26 +62,40 @@ def feet_led(
         ground_height: of what the robot is over, at times (n,) and horizontal places (n, 2) of its centre of mass, (n,)
             [m]: the centre of mass rises with it. The floor's unless given.
         where: what the robot moves on, in words.
+        load: what it holds: the centre of mass and the momentum of the motion are then those of both.
 
     Raises:
         InputError: legs do not reach.
     """
     height = ground_height or (lambda _, places: np.zeros(len(places)))
     rest = Tick(robot)
-    middle = np.mean([path.position[:, :2] for path in paths.values()], axis=0)
+    middle, heading = np.mean([path.position[:, :2] for path in paths.values()], axis=0), feet_heading(paths)
+    turns = Rotation.from_euler("z", heading[:, None]).as_matrix()
     wanted, knots = rest.com[:2] + middle - middle[0], period * np.arange(len(middle), dtype=float)
+    wanted += (turns[:, :2, :2] - np.eye(2)) @ (rest.com[:2] - middle[0])
+    if load is not None:
+        height_at_rest = float(rest.frame(load.point).position[2] + load.place[:, 2].mean())
+        wanted = wanted + load.com_shift(height_at_rest, robot.mass * GRAVITY)
     nothing = np.zeros((len(middle), 6))
     state = Centroidal(np.tile(rest.com, (len(middle), 1)), nothing, nothing, robot.mass)
     for _ in range(BALANCE_ROUNDS):
         com = plan_balance(state, wanted, supports(robot, phases), period).com.knots
         rise = height(knots, com)
-        heights = rest.com[2] + rise - _drop(robot, com - rest.com[:2], rise, paths, period)
-        q = _configurations_following(robot, np.column_stack([com, heights]), paths, phases[0], period, where)
+        heights = rest.com[2] + rise - _drop(robot, com - rest.com[:2], rise, heading, paths, period)
+        q = _configurations_following(
+            robot, np.column_stack([com, heights]), turns, paths, phases[0], period, where, load
+        )
         spline = Spline.through(from_configuration(q), period)
-        state = _above_ground(Centroidal.along(robot, *_sampled(spline, knots)), knots, height)
+        state = Centroidal.along(robot, *_sampled(spline, knots))
+        if load is not None:
+            state = load.combined(robot, state, q, period, knots)
+        state = _above_ground(state, knots, height)
     times = np.arange(round(spline.duration * rate) + 1) / rate
     sampled = _sampled(spline, times)
-    state = Centroidal.along(robot, *sampled)
+    if load is None:
+        state = Centroidal.along(robot, *sampled)
+    else:
+        state = load.combined(robot, Centroidal.along(robot, *_sampled(spline, knots)), q, period, times)
     return Motion(
         robot,
         rate,
@@ -101,14 +119,15 @@ def _above_ground(state: Centroidal, times: Array, height: GroundHeight) -> Cent
     return replace(state, com=state.com - np.outer(height(times, state.com[:, :2]), UP))
 
 
-def _drop(robot: Robot, way: Array, rise: Array, paths: Mapping[str, FootPath], period: float) -> Array:
+def _drop(robot: Robot, way: Array, rise: Array, heading: Array, paths: Mapping[str, FootPath], period: float) -> Array:
     """How much lower (T,) than at rest the body has to be for both legs to reach [m].
 
-    way: of the body from rest (T, 2), rise: of the ground under it (T,) [m].
+    way: of the body from rest (T, 2), rise: of the ground under it (T,) [m]; heading: of the body (T,) [rad].
     """
     y = np.tile(from_configuration(robot.rest[None])[0], (len(way), 1))
     y[:, :2] += way
     y[:, 2] += rise
+    y[:, 5] += heading
     hips = rise + float(np.mean([Tick(robot).frame(f"{side}_hip").position[2] for side in SIDES]))
     highest = reachable_hip_height(robot, y, paths)
     if (hips <= highest).all():
@@ -119,28 +138,42 @@ def _drop(robot: Robot, way: Array, rise: Array, paths: Mapping[str, FootPath], 
 
 
 def _configurations_following(
-    robot: Robot, com: Array, paths: Mapping[str, FootPath], start: Phase, period: float, where: str
+    robot: Robot,
+    com: Array,
+    turns: Array,
+    paths: Mapping[str, FootPath],
+    start: Phase,
+    period: float,
+    where: str,
+    load: HeldLoad | None,
 ) -> Array:
     """Configurations (T, nq): Newton steps on CoM, waist and feet; the joints go home in their null space.
+
+    turns: of the waist (T, 3, 3). What holds a load is where it is to be.
 
     Raises:
         InputError: they would be beyond the joints' ranges, or legs do not reach.
     """
     tick, nothing = Tick(robot), np.zeros(robot.nv)
     q = footing_on(robot, start.surfaces).q
-    out = np.empty((len(com), robot.nq))
+    out, held = np.empty((len(com), robot.nq)), np.zeros(robot.nv, dtype=bool)
+    if load is not None:
+        held[6 + load.joints] = True
     for k, centre in enumerate(com):
         for _ in range(NEWTON_STEPS):
             tick.update(0.0, q, nothing)
             waist = tick.frame("waist")
-            jacobians, errors = [tick.com_jacobian, waist.jacobian[3:]], [centre - tick.com, pin.log3(waist.rotation.T)]
+            now, J_com = (tick.com, tick.com_jacobian) if load is None else load.combined_com(tick, k)
+            jacobians, errors = [J_com, waist.jacobian[3:]], [centre - now, pin.log3(turns[k] @ waist.rotation.T)]
             for foot, path in paths.items():
                 frame = tick.frame(foot)
                 jacobians.append(frame.jacobian)
                 errors += [path.position[k] - frame.position, pin.log3(path.rotation[k] @ frame.rotation.T)]
             J, error = np.vstack(jacobians), np.concatenate(errors)
             home = np.concatenate([np.zeros(6), HOMEWARD_SHARE * (robot.rest[7:] - q[7:])])
-            q = pin.integrate(robot.model, q, _step_within(robot, q, J, error, home))
+            if load is not None:
+                home[6 + load.joints] = load.angles[k] - q[7 + load.joints]
+            q = pin.integrate(robot.model, q, _step_within(robot, q, J, error, home, held))
         beyond = np.maximum(robot.lower - q[7:], q[7:] - robot.upper)
         if not np.abs(error).max() < REACH_TOLERANCE or beyond.max() > RANGE_TOLERANCE:
             raise InputError(
@@ -150,9 +183,12 @@ def _configurations_following(
     return out
 
 
-def _step_within(robot: Robot, q: Array, J: Array, error: Array, home: Array) -> Array:
-    """Newton step (nv,) for ``J step = error``, and home otherwise; joints stay at the ends of their ranges."""
-    held, fixed = np.zeros(robot.nv, dtype=bool), home
+def _step_within(robot: Robot, q: Array, J: Array, error: Array, home: Array, held: NDArray[np.bool_]) -> Array:
+    """Newton step (nv,) for ``J step = error``, and home otherwise; joints stay at the ends of their ranges.
+
+    What is held (nv,) goes home in any case.
+    """
+    fixed = home
     while True:
         step: Array = fixed + np.linalg.pinv(np.where(held, 0.0, J), rcond=1e-6) @ (error - J @ fixed)
         ends = np.concatenate([step[:6], np.clip(q[7:] + step[6:], robot.lower, robot.upper) - q[7:]])

@@ -227,7 +227,8 @@ class BalanceRounds:
             foot: FootPath(path.position[part], path.rotation[part], path.free[part], path.yielding[part])
             for foot, path in self._feet.items()
         }
-        highest = reachable_hip_height(self._robot, self.body_motion.knots[part], feet)
+        extension = {foot: own[part] for foot, own in self._human.extension.items()}
+        highest = reachable_hip_height(self._robot, self.body_motion.knots[part], feet, extension)
         low = smooth_height_below(
             self._human.hips[part, 2], highest, self.body_motion.period, self._held_ends(self._height, part)
         )

@@ -24,6 +24,7 @@ from sot.motion.feet.swing import (
     FootPath,
     Swing,
     feet_at_rest,
+    foot_paths,
     freedom,
     least_height,
     sole_gap,
@@ -39,7 +40,6 @@ Indices = NDArray[np.int_]
 AIR_SPEED_SHARE = 0.7  # of the legs' speed limit times their length, that an ankle in the air may have
 AIR_ACCELERATION_SHARE = 0.33  # of the legs' acceleration limit times their length
 SOLE_ROOM_LEGS = 0.02  # leg lengths between the floor and the lowest corner of a sole in the air
-PLAIN_FREEDOM = 0.3  # of the freedom of a foot that swings as the dancer's, that of one that does not
 MAX_SINE = 0.9  # of the pitch of a foot in the air
 TILTS_TRIED, TILT_WINDOW = 11, 7  # shares of a tilt; knots over which the share is made smooth
 LEG_GAUSS_NEWTON_STEPS = 2  # of a leg over the whole clip
@@ -70,23 +70,19 @@ class DancersFeet:
     def paths(self, shares: Sequence[float]) -> dict[str, FootPath]:
         """The paths; shares: for each step how much of its swing is the dancer's, 1 all of it, 0 nothing."""
         travel, times = self._course.travel, self._course.human.times
-        paths = {
-            foot: FootPath(path.position.copy(), path.rotation.copy(), path.free.copy(), path.yielding.copy())
-            for foot, path in self._course.feet.items()
-        }
         if travel is None:
-            return paths
+            return dict(self._course.feet)
+        paths = foot_paths(self._robot, travel.stands, travel.steps, travel.lifts, self._reach, times)
         for swing, share in zip(
             swings_between(travel.stands, travel.steps, travel.lifts, self._reach), shares, strict=True
         ):
             path, knots = paths[swing.step.foot], np.flatnonzero(swing.knots(times))
-            followed = PLAIN_FREEDOM + (1.0 - PLAIN_FREEDOM) * share
-            free = followed * freedom(swing.step, times[knots], self._reach.leg_length)
-            path.free[knots] = path.yielding[knots] = free
             if share > 0.0 and len(knots) >= MIN_KNOTS:
+                free = share * freedom(swing.step, times[knots], self._reach.leg_length)
                 found = self._swing(swing, knots, share, free)
                 if found is not None:
                     path.position[knots], path.rotation[knots] = found
+                    path.free[knots] = path.yielding[knots] = free
         return paths
 
     def _swing(self, swing: Swing, knots: Indices, share: float, free: Array) -> tuple[Array, Array] | None:
@@ -97,6 +93,7 @@ class DancersFeet:
         plain = swing_track(swing, over, self._reach)
         upright = np.array([0.0, 0.0, self._rest_ankle(foot)])
         wanted = plain[:, :3] + share * (ankles[knots] - upright - plain[:, :3])
+        wanted[:, 2] = np.maximum(wanted[:, 2], plain[:, 2])  # the dancer lifts its heel before its foot
         ends = np.array([[hold.x, hold.y, 0.0] for hold in (swing.here, swing.there)])
         around = hips[knots[0] - 1 : knots[-1] + 2]
         beside, needed, across = sole_gap(swing, plain, self._reach)

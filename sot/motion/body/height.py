@@ -1,6 +1,7 @@
 """A smooth height of the hips from which both legs reach their feet."""
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 import scipy.sparse as sp
@@ -15,21 +16,26 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-MAX_LEG_EXTENSION = 0.975  # share of its length that a leg may reach; the closed loop needs the rest
+LEG_EXTENSION_RANGE = 0.975, 0.988  # share of its length that a leg may reach, the dancer's between; the closed loop
+# needs the rest
 END_ACCELERATION_SHARE = 0.5  # of the acceleration, with which hips may come down from the ends
 MAX_HIP_ACCELERATION = 2.5  # m/s², of the hips, up and down
 ACCEPTED_HEIGHT_ERROR = 0.02  # m, deviation that costs as much as a jerk of ACCEPTED_JERK
 ACCEPTED_JERK = 20.0  # m/s³
 HELD_END_WEIGHT = 1e9  # weight that holds the control points at both ends
 HELD_HEIGHT_ROOM = 1e-4  # m, added to the bound where a height is held
+UNKNOWN: Mapping[str, Array] = MappingProxyType({})
 
 
-def reachable_hip_height(robot: Robot, y: Array, feet: Mapping[str, FootPath]) -> Array:
+def reachable_hip_height(
+    robot: Robot, y: Array, feet: Mapping[str, FootPath], extension: Mapping[str, Array] = UNKNOWN
+) -> Array:
     """Greatest height (T,) of the middle of the hips [m] from which both legs reach their feet.
 
     Args:
         y: (T, nv) coordinates, of which the base's place and orientation count.
         feet: where the feet are to be.
+        extension: foot -> (T,) share of its length to which the dancer's leg is extended, if there is one.
     """
     kinematics = Kinematics(JointTree(robot), y)
     middle = np.mean([kinematics.frame_pose(robot.point(f"{side}_hip"))[1][:, 2] for side in SIDES], axis=0)
@@ -44,7 +50,8 @@ def reachable_hip_height(robot: Robot, y: Array, feet: Mapping[str, FootPath]) -
         own = np.einsum("tji,tj->ti", rotation, ankle - at)
         target = path.position + np.einsum("tij,tj->ti", path.rotation, own)
         flat = np.sum((hip - target)[:, :2] ** 2, axis=1)
-        above = np.sqrt(np.maximum((MAX_LEG_EXTENSION * leg) ** 2 - flat, 0.0))
+        most = np.clip(extension.get(foot, LEG_EXTENSION_RANGE[0]), *LEG_EXTENSION_RANGE)
+        above = np.sqrt(np.maximum((most * leg) ** 2 - flat, 0.0))
         beyond = path.yielding * leg  # a foot that yields comes along with the hips
         highest = np.minimum(highest, target[:, 2] + above + beyond - (hip[:, 2] - middle))
     return highest

@@ -20,6 +20,7 @@ would swing to keep the pelvis where it should be."""
 USABLE_LIMIT_SHARE = 0.97  # share of the velocity and acceleration limits that a reference may use
 LEG_VELOCITY_SHARE = 0.92  # the same share of the legs' velocity limits: feedback needs the rest
 MAX_LEG_EXTENSION = 0.985  # share of its length that a leg may extend to: at full length it can no longer push
+MAX_LEG_EXTENSION_STEPPING = 0.995  # the same where feet step and none slides
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,8 @@ class Limits:
     acceleration: Array
 
     @staticmethod
-    def of(robot: Robot) -> "Limits":
+    def of(robot: Robot, extension: float = MAX_LEG_EXTENSION) -> "Limits":
+        """extension: share of its length that a leg may extend to."""
         rest = robot.rest[7:]
         base = np.full(6, np.inf)
         margin, share = np.full(robot.na, RANGE_MARGIN), np.full(robot.na, USABLE_LIMIT_SHARE)
@@ -40,7 +42,7 @@ class Limits:
         margin[legs], share[legs] = LEG_RANGE_MARGIN, LEG_VELOCITY_SHARE
         lower = np.minimum(robot.lower + margin, rest - margin)
         upper = np.maximum(robot.upper - margin, rest + margin)
-        _keep_knees_bent(robot, lower, upper)
+        _keep_knees_bent(robot, lower, upper, extension)
         return Limits(
             np.concatenate([-base, lower]),
             np.concatenate([base, upper]),
@@ -49,7 +51,7 @@ class Limits:
         )
 
 
-def _keep_knees_bent(robot: Robot, lower: Array, upper: Array) -> None:
+def _keep_knees_bent(robot: Robot, lower: Array, upper: Array, most: float) -> None:
     """Bound the joint that sets each leg's length where the leg gets nearly straight; trials find the joint."""
     chains, rest = JointTree(robot), robot.rest[7:]
 
@@ -67,6 +69,6 @@ def _keep_knees_bent(robot: Robot, lower: Array, upper: Array) -> None:
         knee = joints[int(np.argmax(bends))]
         for bound in (lower, upper):
             angles = np.linspace(rest[knee], bound[knee], 200)
-            bent = extension(side, knee, angles) <= MAX_LEG_EXTENSION
+            bent = extension(side, knee, angles) <= most
             if not bent.all():
                 bound[knee] = angles[max(1, int(bent.argmin())) - 1]

@@ -29,12 +29,14 @@ class Targets:
         height: error of the hips' height that is accepted [m]; None for what goes with the feet, and hips that are
             lowered smoothly to where both legs reach.
         lean_cut: (T,) how much less the trunk leans than the human's [rad].
+        extension: foot -> (T,) share of its length to which the human's leg is extended.
     """
 
     hips: Array
     frames: dict[str, Array]
     directions: dict[str, Array]
     lean_cut: Array
+    extension: dict[str, Array]
     height: float | None = None
 
     @property
@@ -42,36 +44,56 @@ class Targets:
         return len(self.hips)
 
 
-def targets_of_human(human: Human, robot: Robot, build: Build, facing: Array) -> Targets:
-    """Targets from a human that stands over the robot's feet, on the motion's time line, eased in within LEAD_IN_TIME.
+def targets_of_human(
+    human: Human, robot: Robot, build: Build, facing: Array, moved: tuple[float, float] = (0.0, 0.0)
+) -> Targets:
+    """Targets from a human that stands over the robot's feet, on the motion's time line, eased in within LEAD_IN_TIME
+    from the rest posture over the feet of the first knot.
 
     The trunk leans no farther than legs and waist do, see `lean.with_leans_in_range`.
 
-    facing: (T,) heading of the feet, from which the chest is turned [rad].
+    Args:
+        human: of T frames.
+        robot: whose targets they are.
+        build: of the robot.
+        facing: (T,) heading of the feet, from which the chest is turned [rad].
+        moved: x and y of the middle of the feet at the first knot, from where it is at rest [m].
     """
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
     lead = minimum_jerk(np.arange(human.count) / human.rate / LEAD_IN_TIME)[:, None]
 
-    def at_rest(point: str) -> Array:
-        return data.oMf[robot.point(point)].translation
+    middle = np.mean([data.oMf[robot.point(foot)].translation for foot in robot.feet], axis=0)
+    turned = pin.utils.rotate("z", float(facing[0]))
+
+    def at_start(point: str) -> Array:
+        return middle + turned @ (data.oMf[robot.point(point)].translation - middle) + np.array([*moved, 0.0])
 
     directions = {}
     for segment in UPPER_BODY_SEGMENTS:
         near, far = SEGMENTS[segment]
-        rest = at_rest(far) - at_rest(near)
+        rest = at_start(far) - at_start(near)
         mixed = (1.0 - lead) * rest / np.linalg.norm(rest) + lead * human.segment_direction(segment)
         directions[segment] = mixed / np.linalg.norm(mixed, axis=1, keepdims=True)
 
-    hips = (1.0 - lead) * data.oMf[robot.point("waist")].act(build.hips) + lead * human.points["waist"]
+    hips_at_rest = data.oMf[robot.point("waist")].rotation @ build.hips
+    hips = (1.0 - lead) * (at_start("waist") + turned @ hips_at_rest) + lead * human.points["waist"]
     human_breadth = np.median(np.linalg.norm(human.points["left_shoulder"] - human.points["right_shoulder"], axis=1))
     swing = min(1.0, (human_breadth / human.arm) / (build.breadth / build.arm))
     frames = {}
     for body, rotation in (human.frames | {"chest": _with_share_of_yaw(human.frames["chest"], swing, facing)}).items():
-        turn = Rotation.from_matrix(rotation).as_rotvec()
-        frames[body] = Rotation.from_rotvec(lead * turn).as_matrix()
+        turn = Rotation.from_matrix(turned.T @ rotation).as_rotvec()
+        frames[body] = turned @ Rotation.from_rotvec(lead * turn).as_matrix()
     frames, directions, lean_cut = with_leans_in_range(robot, frames, directions, facing)
-    return Targets(hips, frames, directions, lean_cut)
+    return Targets(hips, frames, directions, lean_cut, {f"{side}_foot": leg_extension(human, side) for side in SIDES})
+
+
+def leg_extension(human: Human, side: str) -> Array:
+    """The distance from hip to ankle (T,), over the length of thigh and shank."""
+    hip, knee, ankle = (human.points[f"{side}_{joint}"] for joint in ("hip", "knee", "ankle"))
+    length = np.linalg.norm(knee - hip, axis=1) + np.linalg.norm(ankle - knee, axis=1)
+    extension: Array = np.linalg.norm(ankle - hip, axis=1) / length
+    return extension
 
 
 def key_points(wanted: Targets, robot: Robot) -> dict[str, Array]:

@@ -69,7 +69,9 @@ def _with_reachable_hips(
     robot: Robot, wanted: Targets, feet: Mapping[str, FootPath], y: Array, period: float
 ) -> Targets:
     """The targets with hips low enough for both legs to reach their feet, at coordinates (T, nv) of the body."""
-    height = smooth_height_below(wanted.hips[:, 2], reachable_hip_height(robot, y, feet), period).knots
+    height = smooth_height_below(
+        wanted.hips[:, 2], reachable_hip_height(robot, y, feet, wanted.extension), period
+    ).knots
     return replace(wanted, hips=np.column_stack([wanted.hips[:, :2], height]))
 
 

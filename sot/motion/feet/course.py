@@ -30,6 +30,7 @@ class Course:
         clock: (n,) the motion's time at the dancer's frames, lead-in and tail included [s].
         travel: of feet that step.
         swing_shares: of each step, how much of its swing is the dancer's, 0 to 1; none where all are plain ones.
+        keeps_lifts: whether high lifts keep the dancer's time in the air, and half of their way before time is added.
     """
 
     human: Human
@@ -38,6 +39,7 @@ class Course:
     clock: Array
     travel: Travel | None = None
     swing_shares: tuple[float, ...] = ()
+    keeps_lifts: bool = False
 
 
 def standing_course(human: Human, robot: Robot) -> Course:
@@ -60,7 +62,8 @@ def stepping_course(
     contacts: the steps to make, in the clip's time, instead of those found.
     keep_lifts: whether high lifts keep the dancer's time in the air.
     """
-    return _course_along(plan_travel(human, build, LegReach.of(robot), contacts, keep_lifts), robot)
+    course = _course_along(plan_travel(human, build, LegReach.of(robot), contacts, keep_lifts), robot)
+    return replace(course, keeps_lifts=keep_lifts)
 
 
 def with_clock(course: Course, robot: Robot, clock: Array) -> Course:
@@ -70,7 +73,8 @@ def with_clock(course: Course, robot: Robot, clock: Array) -> Course:
         ValueError: its feet slide, at a speed of their own.
     """
     if course.travel is not None:
-        return _course_along(travel_at_clock(course.travel, clock), robot)
+        slow = _course_along(travel_at_clock(course.travel, clock), robot)
+        return replace(slow, keeps_lifts=course.keeps_lifts)
     if len(course.phases) > 1:
         raise ValueError("feet that slide have a speed of their own")
     human = course.human

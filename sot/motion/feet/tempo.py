@@ -29,12 +29,14 @@ class AskedStep:
         length: how far the foot moves [m].
         min_time: that the robot needs in the air [s].
         omissible: whether it may be left out.
+        high: whether it lifts the foot high.
     """
 
     step: Step
     length: float
     min_time: float
     omissible: bool
+    high: bool = False
 
 
 @dataclass(frozen=True)

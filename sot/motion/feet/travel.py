@@ -195,7 +195,6 @@ def _asked_steps(
     feet: Mapping[str, FootTrack], found: Sequence[Step], human: Human, reach: LegReach, given: bool, keep_lifts: bool
 ) -> list[AskedStep]:
     """The dancer's steps with what each asks of the robot; none may be left out if they were given."""
-    kept = KEPT_TIME_SHARE if keep_lifts else 0.0
     own, now, moves = footholds(feet, found, human.rate), dict.fromkeys(feet, 0), []
     for step in found:
         here, there = own[step.foot][now[step.foot] : now[step.foot] + 2]
@@ -205,7 +204,6 @@ def _asked_steps(
         least = max(
             reach.swing_time(min(moved, reach.max_stride)),
             min(turned / reach.turn_speed, MAX_TIME_RESERVED_FOR_TURN),
-            kept * (step.land - step.lift) if lift > HIGH_LIFT_LEGS * human.leg else 0.0,
         )
         small = (
             not given
@@ -213,8 +211,22 @@ def _asked_steps(
             and turned < OMISSIBLE_TURN
             and lift < OMISSIBLE_LIFT_LEGS * human.leg
         )
-        moves.append(AskedStep(step, moved, least, small))
-    return moves
+        moves.append(AskedStep(step, moved, least, small, high=lift > HIGH_LIFT_LEGS * human.leg))
+    if not keep_lifts:
+        return moves
+    return [with_time_kept(move, moves) if move.high else move for move in moves]
+
+
+def with_time_kept(lift: AskedStep, moves: Sequence[AskedStep]) -> AskedStep:
+    """A high lift that keeps the dancer's time, unless another step begins or ends meanwhile that has to be made."""
+    begin, end = lift.step.lift, lift.step.land
+    if any(
+        other is not lift and not other.omissible and other.step.lift < end and other.step.land > begin
+        for other in moves
+    ):
+        return lift
+    time = KEPT_TIME_SHARE * (lift.step.land - lift.step.lift)
+    return replace(lift, min_time=max(lift.min_time, time))
 
 
 def _human_at_robot_time(human: Human, pace: Tempo) -> Human:

@@ -29,7 +29,7 @@ CANONICAL_JOINTS = (
 JointAliases = Mapping[str, list[str]]
 
 
-def recognise(capture: Capture, mapping: str | Path | Mapping[str, str] | None = None) -> Human:
+def recognise(capture: Capture, mapping: str | Path | Mapping[str, str | list[str]] | None = None) -> Human:
     """Name a capture's joints, calibrate its pelvis, chest and head, and mend what its tracker did wrong.
 
     Joint names are looked up in `skeletons/*.toml`, one file a naming convention, without regard to case, punctuation
@@ -55,7 +55,7 @@ def recognise(capture: Capture, mapping: str | Path | Mapping[str, str] | None =
     return standing(on_level_floor(check_anatomy(human, capture, joints)))
 
 
-def named_joints(capture: Capture, mapping: str | Path | Mapping[str, str] | None = None) -> dict[str, int]:
+def named_joints(capture: Capture, mapping: str | Path | Mapping[str, str | list[str]] | None = None) -> dict[str, int]:
     """Canonical joint -> joint of a capture, as `recognise` names them.
 
     Raises:
@@ -63,6 +63,15 @@ def named_joints(capture: Capture, mapping: str | Path | Mapping[str, str] | Non
         InputError: a mapping that does not fit, or names that contradict the hierarchy.
     """
     return _joints_from_mapping(capture, mapping) if mapping is not None else _joints_from_conventions(capture)
+
+
+def read_mapping(path: Path) -> JointAliases:
+    """Canonical joint -> the names it may have, as a mapping file (TOML) says.
+
+    Raises:
+        InputError: no such file, or something else than names of canonical joints in it.
+    """
+    return _checked_aliases(read_toml(path, "a mapping of joints"), str(path))
 
 
 def naming_conventions() -> dict[str, JointAliases]:
@@ -87,9 +96,9 @@ def _checked_aliases(table: Mapping[str, object], where: str) -> JointAliases:
     return names
 
 
-def _joints_from_mapping(capture: Capture, mapping: str | Path | Mapping[str, str]) -> dict[str, int]:
+def _joints_from_mapping(capture: Capture, mapping: str | Path | Mapping[str, str | list[str]]) -> dict[str, int]:
     if isinstance(mapping, str | Path):
-        names, where = _checked_aliases(read_toml(Path(mapping), "a mapping of joints"), str(mapping)), str(mapping)
+        names, where = read_mapping(Path(mapping)), str(mapping)
     else:
         names, where = _checked_aliases(mapping, "mapping"), "mapping"
     table = {name.lower(): index for index, name in enumerate(capture.joints)}

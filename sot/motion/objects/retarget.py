@@ -156,7 +156,7 @@ class _Retargeting:
         self.reaching = REACHING_TIME * float(np.sqrt(build.leg / GRAVITY))
         self.count = min(human.count, *(len(path.position) for path in handled.objects.values()))
         self.times = LEAD_IN_TIME + np.arange(self.count) / handled.rate
-        self.surfaces = dict(_named_surfaces(system, palms))
+        self.surfaces = dict(named_surfaces(system, palms))
         contacts.check_surfaces(self.surfaces)
         self.contacts = ContactPlan(
             contacts.initial, tuple(replace(event, time=event.time + LEAD_IN_TIME) for event in contacts.events)
@@ -366,7 +366,7 @@ class _Retargeting:
         return 1.0 - minimum_jerk((self.times - time) / self.reaching)
 
 
-def _named_surfaces(system: System, palms: Mapping[str, str]) -> Iterator[tuple[SurfaceName, Surface]]:
+def named_surfaces(system: System, palms: Mapping[str, str]) -> Iterator[tuple[SurfaceName, Surface]]:
     """Surfaces of a system under the names that events have for them."""
     for name, surface in system.surfaces.items():
         thing, _, face = name.partition("/")

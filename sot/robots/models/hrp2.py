@@ -116,12 +116,14 @@ CORNERS = {  # right sole, in the foot frame, going round
     "right_sole_back_out": (SOLE_X[0], SOLE_Y[0]),
 }
 
-# Rubber pads of the right hand in its frame: middle, and two edges whose product points out of the hand. Nearer than
-# 52 mm to its axis, or 12 mm to its end, the hand itself would touch first.
+# Rubber pads of the right hand in its frame: middle, and two edges [pad sides] whose product points out of the hand.
+# Nearer than 52 mm to its axis, or 12 mm to its end, the hand itself would touch first.
 PAD_SIDE, PAD_FRICTION = 0.07, 0.6  # m; the coefficient that is relied upon
 PADS: dict[str, tuple[Vector, Vector, Vector]] = {
     "right_palm": ((0.0, 0.052, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
     "right_hand_end": ((0.0, 0.0, -0.072), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)),
+    # On the thumb's side, 3 cm of the hand's length: narrower than the handles that hang on it.
+    "right_hook": ((0.052, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 3.0 / 7.0)),
 }
 
 

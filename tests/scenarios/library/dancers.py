@@ -4,6 +4,8 @@ import os
 import signal
 import time
 
+import numpy as np
+
 from scenarios.library.job import UPRIGHT, Job, Row, dance_clip, empty_row, write_row
 from sot.whole_file import atomic_folder
 
@@ -32,7 +34,7 @@ def _eating(job: Job) -> Row:
     import scenarios.library.job as own
 
     def eat(*anything: object) -> object:
-        return [bytearray(50_000_000) for _ in range(200)]
+        return [np.empty(125_000_000) for _ in range(200)]  # reserved, not touched
 
     own.replay = eat  # type: ignore[assignment]
     return dance_clip(job)

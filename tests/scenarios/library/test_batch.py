@@ -91,6 +91,7 @@ def test_ranks_share_the_clips_and_make_the_same_table(tmp_path, quick_workers):
 
 
 KILLED = """
+import signal
 import sys
 from pathlib import Path
 from scenarios.library import batch as batch_module
@@ -98,11 +99,36 @@ from scenarios.library.worker import Worker
 from scenarios.replay import Replay
 from tests.scenarios.library.dancers import quick
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     batch_module.Worker = lambda limit: Worker(limit, quick)
     print("ready", flush=True)
     batch_module.run_batch(batch_module.Batch(sys.argv[1], Path(sys.argv[2]), Replay(""), workers=2),
                            lambda row, done, count: print(done, flush=True))
 """
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="needs signals")
+def test_ctrl_c_ends_a_batch_and_keeps_what_is_done(tmp_path):
+    folder, out = folder_of(tmp_path, "slow", *(f"hang{k}" for k in range(4))), tmp_path / "library"
+    script = tmp_path / "killed.py"
+    script.write_text(KILLED)
+    process = subprocess.Popen(
+        [sys.executable, str(script), str(folder), str(out)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    started = [process.stdout.readline().strip() for _ in range(2)]
+    assert started == ["ready", "1"]
+    begun = time.monotonic()
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does, to all of them
+    _, said = process.communicate(timeout=60.0)
+    assert time.monotonic() - begun < 30.0 and said.count("Traceback") == 1 and "KeyboardInterrupt" in said
+    assert [row["clip"] for row in read_rows(out)] == ["slow.bvh"]
+    assert pq.read_table(out / TABLE_FILE).num_rows == 1
 
 
 @pytest.mark.slow

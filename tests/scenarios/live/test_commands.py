@@ -27,6 +27,7 @@ def refusal(capsys, *arguments):
         (("live", "groove", "--token", "x"), "are for streams"),
         (("live", "vmc://127.0.0.1:0", "--token", "x"), "knows no token"),
         (("live", "udp://0.0.0.0:0"), "--bind"),
+        (("live", "groove", "--mapping", "nowhere.toml"), "nowhere.toml"),
         (("live", "udp://127.0.0.1:0", "--robot", "nobody"), "unknown robot"),
         (("stream", "groove", "--to", "groove"), "unknown stream"),
         (("stream", "groove", "--to", "udp://127.0.0.1:9", "--start", "99"), "nothing from 99 s"),

@@ -1,9 +1,13 @@
 """What the live view sends."""
 
+import urllib.request
+
+import pytest
 import rerun as rr
 from rerun.chunk import RrdReader
 
-from scenarios.live.view import PICTURE_RATE, LiveView
+from scenarios import viewer
+from scenarios.live.view import PICTURE_RATE, LiveView, shown_live
 from sot.live.follower import Follower
 from sot.robots.robot import Robot
 from tests.sot.live.people import groove
@@ -34,3 +38,16 @@ def test_robot_reference_human_and_curves_are_sent_at_their_rate(tmp_path):
     assert 0 < rows["/world/human"] <= pictures and 0 < rows["/curves/frame_ms"] <= pictures  # once it is calibrated
     shapes = {chunk.entity_path for chunk in chunks if chunk.is_static}
     assert all(any(path.startswith(f"{body}/") for path in shapes) for of in bodies.values() for body in of)
+
+
+def test_without_a_display_it_is_on_a_page_of_this_machine_while_it_runs(monkeypatch):
+    monkeypatch.setattr(viewer, "has_display", lambda: False)
+    robot, told = Robot.load("hrp2"), []
+    with shown_live(told.append) as view:
+        (line,) = told
+        page = line.split()[-1]
+        assert page.startswith("http://127.0.0.1:")
+        view(0.0, robot.rest, Follower(groove(), robot))
+        assert b"<html" in urllib.request.urlopen(page).read()
+    with pytest.raises(OSError, match="refused"):
+        urllib.request.urlopen(page)

@@ -8,8 +8,11 @@ from scenarios import cli
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["otani"], "say what is handled, box or door"),
-        (["otani", "bag"], "say what is handled, box or door, not 'bag'"),
+        (["otani"], "say what is handled, box or door or bag or carry or cart, not ''"),
+        (["otani", "lift"], "say what is handled, box or door or bag or carry or cart, not 'lift'"),
+        (["otani", "bag", "--stiffness", "10"], "otani bag takes no --stiffness"),
+        (["otani", "carry", "--from-plate"], "otani carry takes no --from-plate"),
+        (["otani", "cart", "--mass", "2"], "otani cart takes no --mass"),
         (["otani", "box", "--stiffness", "10"], "otani box takes no --stiffness"),
         (["otani", "door", "--mass", "3"], "otani door takes no --mass"),
         (["otani", "box", "--mass", "-1"], "--mass -1: give a number"),

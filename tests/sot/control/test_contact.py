@@ -259,3 +259,13 @@ def test_a_contact_moves_to_another_surface_of_the_world_while_it_is_off(robot):
     assert np.abs(contact.force_inequalities(1.0)[0]).sum() < np.abs(steep).sum()
     with pytest.raises(InputError):
         contact.move_to(robot.surface(FOOT))
+
+
+def test_a_lesser_friction_narrows_the_pyramids(robot):
+    contact = Contact(robot.surface(FOOT), friction=0.5)
+    before = contact.force_inequalities(1.0)[0].copy()
+    contact.rely_on(0.2)
+    after = contact.force_inequalities(1.0)[0]
+    assert contact.friction == 0.2
+    np.testing.assert_allclose(after[0, :2], before[0, :2])
+    np.testing.assert_allclose(after[0, 2], 0.4 * before[0, 2])

@@ -5,11 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sot.errors import InputError
+from sim.reporting.figures import Points
+from sot.errors import InputError, UnknownSkeletonError
 from sot.live.clip_source import ClipSource
 from sot.live.follower import EASE_OUT_TIME, STALE_TIME, Follower
 from sot.live.sensing.key_point_source import KeyPointSource
 from sot.motion.human.capture import Capture
+from sot.motion.human.skeleton import named_joints
+from sot.motion.likeness import UPPER_SEGMENTS, mean_segment_angle_deg
 from sot.robots.robot import Robot
 from tests.sot.live.people import Spoilt, groove, moved
 
@@ -65,6 +68,22 @@ def test_the_feet_of_the_reference_stay(robot):
         assert np.abs(track.velocity).max() < 0.02
 
 
+def test_a_delay_lets_arms_start_early(robot):
+    """Mean angle of the arms' segments to those of the person who is played, who moves three times too fast."""
+    clip = groove(60.0)._frames
+    fast = Capture("fast", 180.0, clip.joints, clip.parents, clip.positions, clip.rotations)
+
+    def error(delay):
+        follower = follow(ClipSource(fast, 50.0), robot, 3.4 + delay, delay)
+        motion = follower.reference.recorded(3.3 + delay, 100.0)
+        played = [(t, targets) for t, targets in follower.shown if 2.0 + delay < t < 3.2 + delay]
+        human = {name: np.array([targets.points[name] for _, targets in played]) for name in played[0][1].points}
+        q = motion.q[[round(t * motion.rate) for t, _ in played]]
+        return mean_segment_angle_deg(human, Points.of(robot, q, tuple(human)).positions, UPPER_SEGMENTS)
+
+    assert error(0.4) < 0.75 * error(0.0)
+
+
 def test_a_stream_that_stops_is_left_within_a_third_of_a_second(robot):
     stop = 3.0
     source = Spoilt(lambda frame, now: [frame] if now < stop else [])
@@ -117,18 +136,24 @@ def test_a_person_elsewhere_is_believed_after_a_while(robot):
     assert follower.counts["jump"] < 20
 
 
-def test_an_unknown_skeleton_says_what_it_has_and_lacks(robot):
+def renamed_groove():
+    """The clip under names that nobody knows, and those that it is known by."""
     clip = groove()._frames
-    unknown = Capture(
-        "unknown",
-        50.0,
-        tuple(f"bone{k}" for k in range(len(clip.joints))),
-        clip.parents,
-        clip.positions,
-        clip.rotations,
-    )
-    with pytest.raises(InputError, match=r"not found: head, left_hip, .* its joints are bone0"):
-        follow(ClipSource(unknown, 50.0), robot, 0.1)
+    names = tuple(f"bone{k}" for k in range(len(clip.joints)))
+    return Capture("renamed", 50.0, names, clip.parents, clip.positions, clip.rotations), named_joints(clip)
+
+
+def test_an_unknown_skeleton_says_what_it_has_and_lacks_and_takes_a_mapping(robot):
+    clip, known = renamed_groove()
+    with pytest.raises(UnknownSkeletonError, match=r"not found: head, left_hip, .* its joints are bone0") as refused:
+        follow(ClipSource(clip, 50.0), robot, 0.1)
+    assert 'head = ""' in refused.value.mapping
+    mapping = {joint: [f"bone{index}"] for joint, index in known.items()}
+    for source in (ClipSource(clip, 50.0), KeyPointSource(ClipSource(clip, 50.0), mapping=mapping)):
+        follower = Follower(source, robot, mapping=mapping)
+        for k in range(130):
+            follower.update(k * STEP)
+        assert follower.counts["persons"] == 1 and follower.shown
 
 
 def test_positions_alone_are_enough(robot):

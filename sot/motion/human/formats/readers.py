@@ -11,6 +11,7 @@ from sot.motion.human.formats.amass import read_amass
 from sot.motion.human.formats.bvh import read_bvh
 from sot.motion.human.formats.c3d import read_c3d
 from sot.motion.human.formats.mvnx import read_mvnx
+from sot.motion.human.formats.omomo import read_omomo
 from sot.motion.human.world import to_world
 
 READERS: dict[str, Callable[[Path], Capture]] = {
@@ -20,6 +21,7 @@ READERS: dict[str, Callable[[Path], Capture]] = {
     ".c3d": read_c3d,
     ".mvnx": read_mvnx,
     ".npz": read_amass,
+    ".pt": read_omomo,
 }
 
 FBX_ADVICE = (

@@ -1,6 +1,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
@@ -84,3 +85,22 @@ def test_broad_shoulders_turn_less(robot, build):
     share = (0.34 / 0.5) / (build.breadth / build.arm)
     yaw, human_yaw = (np.arctan2(R[1, 0], R[0, 0]) for R in (chest, human_chest))
     assert yaw == pytest.approx(share * human_yaw, rel=1e-3)
+
+
+def test_targets_begin_at_rest_over_feet_that_are_elsewhere(robot, build):
+    """As the first feet are of a dancer in the middle of a spin: moved and turned; what follows is the human's."""
+    human = human_on_time_line(human_over_feet(dancer(2.0), build), 50.0)
+    facing = np.zeros(human.count)
+    here = targets_of_human(human, robot, build, facing)
+    facing[0] = 1.2
+    there = targets_of_human(human, robot, build, facing, (0.3, -0.2))
+    turn = pin.utils.rotate("z", 1.2)
+    forearm, before = (wanted.directions["left_forearm"] for wanted in (there, here))
+    np.testing.assert_allclose(there.frames["pelvis"][0], turn @ here.frames["pelvis"][0], atol=1e-9)
+    np.testing.assert_allclose(forearm[0], turn @ before[0], atol=1e-9)
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.rest)
+    middle = np.mean([data.oMf[robot.point(foot)].translation for foot in robot.feet], axis=0)
+    np.testing.assert_allclose(there.hips[0], middle + turn @ (here.hips[0] - middle) + [0.3, -0.2, 0.0], atol=1e-9)
+    np.testing.assert_allclose(there.hips[50:], here.hips[50:], atol=1e-9)
+    np.testing.assert_allclose(forearm[50:], before[50:], atol=1e-9)

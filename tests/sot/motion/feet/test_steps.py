@@ -26,7 +26,7 @@ from sot.motion.feet.support import FORCE_RAMP_TIME, supports
 from sot.motion.feet.swing import HEIGHT_PROFILE_CURVATURE, _height_profile
 from sot.motion.feet.tempo import AskedStep, clock_from_slowness, step_tempo
 from sot.motion.feet.timetable import MIN_DOUBLE_SUPPORT_TIME, MIN_STANCE_TIME, MIN_SWING_TIME, retimed_steps
-from sot.motion.feet.travel import travel_at_clock
+from sot.motion.feet.travel import KEPT_TIME_SHARE, travel_at_clock, with_time_kept
 from sot.robots.leg_range import DIRECTION_COUNT, HIP_HEIGHTS_LEGS, RANGE_MARGIN, flat_foot_distances
 from sot.robots.robot import Robot
 from tests.sot.motion.human.humans import dancer, walker
@@ -306,6 +306,20 @@ def test_footholds_in_reach_stay(robot):
     for foot, stands in wanted.items():
         for stand, own in zip(stands, found[foot], strict=True):
             assert (own.x, own.y, own.heading) == pytest.approx((stand.x, stand.y, stand.heading), abs=1e-9)
+
+
+def test_a_high_lift_keeps_its_time_unless_another_foot_has_to_step_meanwhile():
+    def asked(foot, lift, land, small):
+        return AskedStep(Step(foot, lift, land), 0.1, 0.3, omissible=small, high=True)
+
+    kick = asked("right_foot", 1.0, 2.0, False)
+    pivot, step, later = (
+        asked("left_foot", 1.4, 1.8, True),
+        asked("left_foot", 1.8, 2.4, False),
+        asked("left_foot", 2.0, 2.4, False),
+    )
+    assert with_time_kept(kick, [kick, pivot, later]).min_time == pytest.approx(KEPT_TIME_SHARE)
+    assert with_time_kept(kick, [kick, pivot, step]) == kick
 
 
 def test_the_dancers_footfalls_are_made(walk):
