@@ -13,7 +13,7 @@ from sot.robots.robot import Robot
 def test_a_step_that_is_begun_lifts_and_lands_its_foot():
     robot = Robot.load("hrp2")
     footing = SteppingFooting(robot)
-    reference = LiveReference(robot, Limits.of(robot), footing)
+    reference = LiveReference(robot, Limits.of(robot), footing=footing)
     stack = live_stack(robot, reference, {foot: footing.swing_path(foot) for foot in robot.feet})
     schedule = LiveSteppingSchedule(robot, footing)
     modes = {}
