@@ -19,6 +19,8 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
+EXTENSION_AT_REST = 0.95
+"""Distance from hip to ankle in the safe posture, in leg lengths: a nearly straight knee lifts nothing."""
 LOWERING_ACCELERATION = 1.0
 """Vertical acceleration with which the hips are lowered before a leg would be stretched [m/s²]."""
 
@@ -103,13 +105,13 @@ class SteppingFollower(Follower):
         y[PELVIS], velocity[PELVIS] = self._calm, self._calm_rate
         return replace(target, y=y, velocity=velocity)
 
-    def _highest_hips(self) -> float:
+    def _highest_hips(self, extension: float = MAX_EXTENSION) -> float:
         """How high the hips may be now so that no leg has to be longer than it is while they are lowered [m]."""
         y, hip_width = self.reference.now, self.footing.reach.hip_width
         base = to_rotation(y[None, 3:6])[0]
         middle = (y[:3] + base @ self._build.hips)[:2] - self.footing.com[0]
         later, places = self.footing.com_ahead
-        leg, highest = MAX_EXTENSION * self._build.leg, np.inf
+        leg, highest = extension * self._build.leg, np.inf
         for sign, foot in zip((0.5, -0.5), self.robot.feet, strict=True):
             hip = places + middle + sign * hip_width * base[:2, 1]
             at, flies = self.footing.places_ahead(foot)
@@ -120,11 +122,12 @@ class SteppingFollower(Follower):
 
     @property
     def _rest(self) -> Array:
-        """Coordinates (nv,) of the safe posture over the feet as they stand."""
+        """Coordinates (nv,) of the safe posture over the feet as they stand, as high as both legs reach."""
         rest, build = self.reference.rest.copy(), self._build
         stands = list(self.footing.stands.values())
         turned = self.footing.mean_heading(self.reference.now[5])
         rest[5] += turned
+        rest[2] = min(rest[2], self._highest_hips(EXTENSION_AT_REST) - float(build.hips[2]))
         offset = self.reference.rest[:2] - build.ankles[:2]
         cosine, sine = np.cos(turned), np.sin(turned)
         rest[:2] = (
