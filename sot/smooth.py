@@ -13,6 +13,12 @@ def minimum_jerk(s: Array) -> Array:
     return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
 
 
+def minimum_jerk_curve(s: Array) -> Array:
+    """The second derivative of `minimum_jerk` over s."""
+    s = np.clip(s, 0.0, 1.0)
+    return s * (60.0 - 180.0 * s + 120.0 * s**2)
+
+
 def low_passed(values: Array, rate: float, cutoff_hz: float) -> Array:
     """Values (T, ...) at a rate [Hz] without what is faster than `cutoff_hz`; the filter has no delay."""
     padding = min(len(values) - 1, round(rate / cutoff_hz))

@@ -44,6 +44,9 @@ def live_command(
         str,
         typer.Option(help="Follow these points alone: waist,shoulders,elbows,wrists,head, from which a human is made."),
     ] = "",
+    feet: Annotated[
+        str, typer.Option(help='"planted" keeps both feet where they are, "steps" steps as the person does.')
+    ] = "planted",
     mapping: MappingFile = None,
     push: Annotated[list[str] | None, typer.Option("--push", help="A push, as for `sot replay`.")] = None,
     mismatch: Annotated[str, typer.Option("--mismatch", help="As for `sot replay`.")] = "",
@@ -63,6 +66,7 @@ def live_command(
         pushes=pushes,
         mismatch=parse_mismatch(mismatch),
         points=points,
+        feet=feet,
         mapping=read_mapping(mapping) if mapping else None,
     )
     folder = out or Path("runs") / "live"

@@ -26,6 +26,8 @@ from sot.live.clip_source import ClipSource
 from sot.live.follower import Follower
 from sot.live.frame import Source
 from sot.live.sensing.key_point_source import KeyPointSource
+from sot.live.steps.follower import SteppingFollower
+from sot.live.steps.schedule import LiveSteppingSchedule
 from sot.live.streams.address import StreamAddress
 from sot.motion import read
 from sot.motion.human.key_points import parse_key_points
@@ -44,6 +46,7 @@ WAIT_TIME = 60.0
 """Time for which the first frame of a stream is waited for [s]."""
 COMPILING_STEP = 0.01
 """Time between the moments that are followed only to compile what that takes [s]."""
+FEET_MODES = ("planted", "steps")
 POLL_PERIOD = 0.005
 """Time between looks for it [s]."""
 
@@ -60,6 +63,7 @@ class LiveRequest:
         bind: address of the interface to listen at, None for this machine alone.
         token: that frames of udp:// have to carry.
         points: the key points to which the person is reduced, as a list; all that comes by default.
+        feet: one of FEET_MODES: "planted", they stay; "steps", they step as the person does.
         mapping: names of the joints of an unknown skeleton, as of `sot.motion.human.skeleton.named_joints`.
         keeps_time: whether it runs by the wall clock; otherwise the stream's time is that of the simulation, which
             however slow a machine does not change.
@@ -76,6 +80,7 @@ class LiveRequest:
     pushes: tuple[Push, ...] = ()
     mismatch: Mismatch = NO_MISMATCH
     points: str = ""
+    feet: str = "planted"
     mapping: JointAliases | None = None
     keeps_time: bool = True
 
@@ -139,6 +144,8 @@ def live(request: LiveRequest, out: Path, tell: ProgressCallback, viewer: Viewer
     """
     check_writable(out)
     make_solver(request.solver)
+    if request.feet not in FEET_MODES:
+        raise InputError(f"unknown feet '{request.feet}': choose one of {', '.join(FEET_MODES)}")
     robot = Robot.load(request.robot)
     source = open_source(request, robot)
     try:
@@ -173,13 +180,13 @@ def follow(
     viewer: Viewer | None = None,
 ) -> dict[str, Any]:
     """Follow an open source; see `live`."""
-    _compile(robot, tell)
+    _compile(robot, request.feet, tell)
     is_stream = StreamAddress.is_one(request.source)
     start = _first_frame_time(source, tell) if request.keeps_time and is_stream else 0.0
-    follower = Follower(source, robot, request.delay, start, request.mapping)
+    follower = _follower(request.feet, source, robot, request.delay, start, request.mapping)
     end = np.inf if request.duration is None else request.duration
     companion = LiveCompanion(follower, end, request.keeps_time, viewer)
-    controller = Controller(robot, live_stack(robot, follower.reference), make_solver(request.solver), 1 / request.rate)
+    controller = _controller(robot, follower, request.solver, 1.0 / request.rate)
     world = World(robot, 1.0 / request.rate, request.mismatch, request.pushes)
     before = signal.signal(signal.SIGINT, companion.interrupt)
     try:
@@ -192,7 +199,7 @@ def follow(
         clip=request.source if is_stream else Path(request.source).stem,
         robot=robot.name,
         solver=request.solver,
-        feet="planted",
+        feet=request.feet,
         rate_hz=request.rate,
         fell_at_s=done.fell_at_s,
         reason=done.reason,
@@ -219,11 +226,31 @@ def _first_frame_time(source: Source, tell: ProgressCallback) -> float:
     return perf_counter() - began
 
 
-def _compile(robot: Robot, tell: ProgressCallback) -> None:
+def _follower(
+    feet: str,
+    source: Source,
+    robot: Robot,
+    delay: float = 0.0,
+    start: float = 0.0,
+    mapping: JointAliases | None = None,
+) -> Follower:
+    return (SteppingFollower if feet == "steps" else Follower)(source, robot, delay, start, mapping)
+
+
+def _controller(robot: Robot, follower: Follower, solver: str, period: float) -> Controller:
+    """A controller that follows, its contacts led by the steps that are decided on if the feet step."""
+    if not isinstance(follower, SteppingFollower):
+        return Controller(robot, live_stack(robot, follower.reference), make_solver(solver), period)
+    footing = follower.footing
+    stack = live_stack(robot, follower.reference, {foot: footing.swing_path(foot) for foot in robot.feet})
+    return Controller(robot, stack, make_solver(solver), period, LiveSteppingSchedule(robot, footing))
+
+
+def _compile(robot: Robot, feet: str, tell: ProgressCallback) -> None:
     """Compile what a tick and a frame need, in a run of their own: nobody waits for it then."""
     tell("starting (the first time on a machine this compiles, for half a minute)", None)
-    follower = Follower(ClipSource(read(clips.find_clip("groove")), CLIP_RATE), robot)
+    follower = _follower(feet, ClipSource(read(clips.find_clip("groove")), CLIP_RATE), robot)
     for k in range(round(1.5 / COMPILING_STEP)):
         follower.update(k * COMPILING_STEP)
     state = follower.reference.sample(0.0)
-    Controller(robot, live_stack(robot, follower.reference), make_solver("cascade"))(0.0, state.q, state.v)
+    _controller(robot, follower, "cascade", COMPILING_STEP)(0.0, state.q, state.v)

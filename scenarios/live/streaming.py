@@ -8,8 +8,8 @@ import numpy as np
 from scenarios.inputs import clips
 from sot.errors import InputError
 from sot.live.clip_source import ClipSource, resampled
-from sot.live.seams import joined, repeated
 from sot.live.streams.address import Sender, StreamAddress, clip_for
+from sot.live.streams.seams import joined, repeated
 from sot.motion import read
 from sot.motion.human.capture import Capture
 

@@ -1,6 +1,9 @@
 """The path of a swinging foot to a foothold that may still change."""
 
+from typing import Any
+
 import numpy as np
+import pinocchio as pin
 
 from sot.control.pose import Pose
 
@@ -11,14 +14,16 @@ DESCENT_RAMP_TIME = 0.03
 """Speed at which a late foot is lowered [m/s], and the time in which it reaches that speed [s]."""
 LANDING_DEPTH = 0.005
 """Depth below the floor at which the path ends, so that the foot does not hover above it [m]."""
+BUMP_CURVATURE = 19.2
+"""Greatest second derivative of the bump over the share of the time, upward, by its height."""
 UPWARD = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 
 
 class Stride:
-    """Path of a foot that leaves the floor and lands at rest, without turning, at a fixed time: ``t -> Pose``.
+    """Path of a foot that leaves the floor and lands at rest at a fixed time: ``t -> Pose``.
 
     It is led a little into the floor, so as to land in time. Over the floor it follows quintic polynomials, from what
-    it does when it is led elsewhere; above it a bump.
+    it does when it is led elsewhere; above it a bump. It turns about the vertical alone.
 
     Args:
         start: Where its point stands, shape (3,) [m].
@@ -33,15 +38,15 @@ class Stride:
     ) -> None:
         self.lift, self.land, self._height = lift, land, height
         self._rotation, self._floor, self._ground = rotation.copy(), float(start[2]), ground
-        self._coefficients_from, self._coefficients = lift, np.zeros((6, 2))
-        self._coefficients[0] = self.landing_place = start[:2].copy()
+        self._coefficients_from, self._coefficients = lift, np.zeros((6, 3))
+        self._coefficients[0, :2] = self.landing_place = start[:2].copy()
 
-    def redirect(self, t: float, place: Array) -> None:
-        """Change the landing place (2,) [m] from a time on [s]."""
+    def redirect(self, t: float, place: Array, turn: float = 0.0) -> None:
+        """Change the landing place (2,) [m], and the turn from the start to it [rad], from a time on [s]."""
         t = max(t, self.lift)
         if t < self.land:
             self._coefficients, self._coefficients_from, self.landing_place = (
-                _quintic_to_rest(*self._horizontal_state(t), place, self.land - t),
+                _quintic_to_rest(*self._horizontal_state(t), np.append(place, turn), self.land - t),
                 t,
                 place.copy(),
             )
@@ -52,21 +57,28 @@ class Stride:
         span = self.land - self.lift
         s = min(max((t - self.lift) / span, 0.0), 1.0)
         r = s * (1.0 - s)
-        position = np.array([*at, self._floor + 64.0 * self._height * r**3])
+        position = np.array([at[0], at[1], self._floor + 64.0 * self._height * r**3])
         velocity, acceleration = np.zeros(6), np.zeros(6)
-        velocity[:2], acceleration[:2] = rate, second
+        velocity[:2], acceleration[:2], velocity[5], acceleration[5] = rate[:2], second[:2], rate[2], second[2]
         velocity[2] = 192.0 * self._height * r**2 * (1.0 - 2.0 * s) / span
-        acceleration[2] = 384.0 * self._height * r * ((1.0 - 2.0 * s) ** 2 - r) / span**2
-        over = Pose(position, self._rotation, velocity, acceleration)
+        acceleration[2] = self._height * bump_curve(s) / span**2
+        rotation = pin.utils.rotate("z", float(at[2])) @ self._rotation if at[2] else self._rotation
+        over = Pose(position, rotation, velocity, acceleration)
         return lowered_pose(
             raised_pose(over, self._ground - self._floor - LANDING_DEPTH, t - self.lift, span), t - self.land
         )
 
     def _horizontal_state(self, t: float) -> tuple[Array, Array, Array]:
-        """Horizontal position, velocity and acceleration at a time [s], (2,) each."""
+        """Horizontal position and turn, their velocity and acceleration at a time [s], (3,) each."""
         x, powers = t - self._coefficients_from, np.arange(6)
         rows = [x**powers, powers[1:] * x ** powers[:-1], (powers[2:] * powers[1:-1]) * x ** powers[:-2]]
         return rows[0] @ self._coefficients, rows[1] @ self._coefficients[1:], rows[2] @ self._coefficients[2:]
+
+
+def bump_curve(s: Any) -> Any:
+    """The second derivative of a stride's bump of unit height over its shares s (0 to 1), an array or a number."""
+    r = s * (1.0 - s)
+    return 384.0 * r * ((1.0 - 2.0 * s) ** 2 - r)
 
 
 def lowered_pose(pose: Pose, late: float) -> Pose:
@@ -90,7 +102,7 @@ def raised_pose(pose: Pose, by: float, t: float, span: float) -> Pose:
 
 
 def _quintic_to_rest(at: Array, rate: Array, second: Array, to: Array, span: float) -> Array:
-    """Coefficients (6, 2) of a polynomial that begins with a place, velocity and acceleration and ends at rest."""
+    """Coefficients (6, n) of polynomials that begin with places, velocities and accelerations (n,) and end at rest."""
     rest = to - at - span * rate - 0.5 * span**2 * second
     slower, slack = -rate - span * second, -second
     return np.array(

@@ -1,9 +1,12 @@
 """Inverse kinematics of one moment: base, legs, chest and head, from where they were a moment ago."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from sot.control.pose import Pose
 from sot.live.bounded_move import bounded_move
 from sot.live.placement import MomentTargets
 from sot.live.state import pinocchio_state
@@ -32,7 +35,7 @@ GAUSS_NEWTON_STEPS = 2
 
 
 class BodySolver:
-    """Bounded Gauss-Newton steps on the residuals of `parts.Body` and `parts.Head`, over planted feet.
+    """Bounded Gauss-Newton steps on the residuals of `parts.Body` and `parts.Head`, over feet that stay unless put.
 
     Of the batch code for whole clips one frame takes 24 ms; this takes Pinocchio's Jacobians, which are compiled.
 
@@ -49,6 +52,7 @@ class BodySolver:
         self._model, self.data = robot.model, robot.model.createData()
         self._limits, self._hips = limits, build.hips
         (phase,) = planted_phases(robot, 1.0)
+        self._frames = {foot: robot.point(foot) for foot in phase.feet}
         self._feet = [(robot.point(foot), pose.translation, pose.rotation) for foot, pose in phase.feet.items()]
         self._waist, self._neck, self._chest = (robot.point(point) for point in ("waist", "neck", "chest"))
         self._head = tuple(robot.point(point) for point in SEGMENTS["head"])
@@ -56,6 +60,10 @@ class BodySolver:
         self._columns = np.array([*range(6), *(6 + np.sort(np.array(joints, dtype=int)))])
         self.head_columns = 6 + np.sort(np.array(robot.groups["head"], dtype=int))
         self._has_head = bool(robot.groups["head"])
+
+    def put_feet(self, poses: Mapping[str, Pose]) -> None:
+        """Say where the feet are from now on."""
+        self._feet = [(self._frames[foot], pose.position, pose.rotation) for foot, pose in poses.items()]
 
     def solve(self, wanted: MomentTargets, y: Array) -> Array:
         """Coordinates (nv,) that meet the targets, from those of the moment before; the arms stay as they are."""

@@ -98,7 +98,7 @@ class Follower:
         self.source, self.robot, self._start, self._mapping = source, robot, start, mapping
         self._build, limits = Build.of(robot), Limits.of(robot)
         self._foresight = max(delay - REORDERING_TIME, 0.0)
-        self.reference = LiveReference(robot, limits, self._foresight)
+        self.reference = self._new_reference(robot, limits)
         self.time_line = TimeLine(delay)
         self.counts: Counter[str] = Counter()
         self._body = BodySolver(robot, self._build, limits)
@@ -129,13 +129,21 @@ class Follower:
         self.counts["skipped"] += max(0, len(due) - 1)  # many at once: the last is where the person is now
         for frame in due[-1:]:
             self._take_in(frame, t)
-        while self._future and self._future[0].due <= t + 1e-9:
-            self._target = self._future.popleft()
+        self._take_due(t)
         while self.reference.horizon < t - 1e-9:
             self._make_knot(self.reference.horizon)
         if t >= self._next_reply:
             self.source.reply(now, self.reference.joints(t)[0])
             self._next_reply = t + REPLY_PERIOD
+
+    def _new_reference(self, robot: Robot, limits: Limits) -> LiveReference:
+        """The reference that is fed."""
+        return LiveReference(robot, limits, self._foresight)
+
+    def _take_due(self, t: float) -> None:
+        """Go over to the targets that are due by a time [s]."""
+        while self._future and self._future[0].due <= t + 1e-9:
+            self._target = self._future.popleft()
 
     def _take_in(self, frame: Frame, t: float) -> None:
         self.counts["frames"] += 1
@@ -148,7 +156,7 @@ class Follower:
             moment, due = self._person.moment(frame), self.time_line.due_time(frame) - self._start
             if self._gate.passes(moment, due):
                 if self._gate.jumped:
-                    self._placement.start_anew()
+                    self._start_anew()
                     self._filter.start_anew()
                 moment = self._filter(moment, due)
                 self._stages.filtered = perf_counter()
@@ -170,12 +178,24 @@ class Follower:
         if self._person is not None:
             self.counts["persons"] += 1
             self._acquaintance = Acquaintance(self.source.name, self._mapping)
-            self._placement = Placement(self._build, self._person)
+            self._meet(self._person)
             self._gate = Gate(self._person, self.counts)
             self._filter.start_anew()
 
+    def _meet(self, person: Person) -> None:
+        """Get ready for a new person."""
+        self._placement = Placement(self._build, person)
+
+    def _start_anew(self) -> None:
+        """Forget where the person was: it is somewhere else now."""
+        self._placement.start_anew()
+
     def _follow(self, moment: Moment, due: float) -> None:
-        targets = self._placement(moment, due)
+        """Follow a person at a time that may be yet to come [s]."""
+        self._future.append(self._solved(self._placement(moment, due), due))
+
+    def _solved(self, targets: MomentTargets, due: float) -> Target:
+        """What the robot shall do for targets at a time [s], not before those of earlier calls."""
         self.shown.append((due, targets))
         elapsed = due - self._last if self._last is not None else PERIOD
         y = self._body.solve(targets, self._solution)
@@ -193,7 +213,12 @@ class Follower:
             self._velocity += share * ((y - self._solution) / elapsed - self._velocity)
         self._solution, self._last = y, due
         com = pin.centerOfMass(self.robot.model, self._body.data, pinocchio_state(y, y, y)[0])[:2].copy()
-        self._future.append(Target(due, y, self._velocity.copy(), com))
+        return Target(due, y, self._velocity.copy(), com)
+
+    @property
+    def _rest(self) -> Array:
+        """Coordinates (nv,) of the safe posture."""
+        return self.reference.rest
 
     def _make_knot(self, t: float) -> None:
         """Make the knot after a time [s]."""
@@ -203,7 +228,7 @@ class Follower:
             self.held_s += PERIOD
         step = PERIOD / EASE_IN_TIME if fresh else -PERIOD / EASE_OUT_TIME
         self._share = min(max(self._share + step, 0.0), 1.0)
-        share, rest = float(minimum_jerk(np.array(self._share))), self.reference.rest
+        share, rest = float(minimum_jerk(np.array(self._share))), self._rest
         if target is None:
             self.reference.advance(rest, np.zeros_like(rest))
             return

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from solvers.compiled import compiled
 from sot.acceleration_bounds import AccelerationBounds
 from sot.live.joint_preview import JointPreview
-from sot.live.planted_legs import PlantedLegs
+from sot.live.led_legs import LedLegs
 from sot.live.state import pinocchio_state
 from sot.motion.body.coordinates import rate_matrix, to_rotation
 from sot.motion.body.limits import Limits
@@ -58,14 +58,14 @@ class Governor:
     Args:
         robot: who moves.
         limits: of the coordinates y.
-        legs: of the robot, that stand.
+        legs: of the robot, led to where its feet are to be after the next period.
         start: coordinates to start from, at rest (nv,).
         period: between its steps [s].
         foresight: how much of the future will be known [s].
     """
 
     def __init__(
-        self, robot: Robot, limits: Limits, legs: PlantedLegs, start: Array, period: float, foresight: float = 0.0
+        self, robot: Robot, limits: Limits, legs: LedLegs, start: Array, period: float, foresight: float = 0.0
     ) -> None:
         self.y, self.dy, self.ddy = start.copy(), np.zeros_like(start), np.zeros_like(start)
         self._period, self._legs = period, legs
@@ -151,6 +151,8 @@ class Governor:
         base = curve[:6].copy()
         base[:2] = np.linalg.solve(C[:, :2], wanted - C[:, 2:] @ base[2:])
         legs = A @ base + b
+        if self._legs.are_led:
+            return np.clip(base, least, most)
         if (legs >= low).all() and (legs <= high).all() and (base >= least).all() and (base <= most).all():
             return base
         scale, width, count = self._scale, 1e-6, len(A)  # a box without any width has dependent constraints

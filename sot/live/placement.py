@@ -43,8 +43,6 @@ class Placement:
 
     def __init__(self, build: Build, person: Person) -> None:
         self._build, self._person = build, person
-        self._scale = build.leg / person.leg
-        self._chest_share = min(1.0, (person.breadth / person.arm) / (build.breadth / build.arm))
         self._heading, self._origin = 0.0, np.zeros(3)
         self._seen_at: float | None = None
 
@@ -69,21 +67,38 @@ class Placement:
         pelvis = moment.frames["pelvis"]
         twist = _wrapped(np.arctan2(pelvis[1, 0], pelvis[0, 0]) - self._heading)
         heading = self._heading + twist - float(np.clip(twist, -build.turn, build.turn))
-        turn = _turn_about_z(-heading)
-        placed = {name: build.ankles + self._scale * (turn @ (place - self._origin)) for name, place in points.items()}
-        frames = {body: turn @ rotation for body, rotation in moment.frames.items()}
-        chest = frames["chest"]
-        yaw = np.arctan2(chest[1, 0], chest[0, 0])
-        frames["chest"] = _turn_about_z((self._chest_share - 1.0) * yaw) @ chest
-        directions = {}
-        for segment in UPPER_BODY_SEGMENTS:
-            near, far = SEGMENTS[segment]
-            along = placed[far] - placed[near]
-            directions[segment] = along / max(float(np.linalg.norm(along)), 1e-9)
-        hips, most = placed["waist"].copy(), MAX_HIP_SHIFT_LEGS * build.leg
-        away = hips[:2] - build.ankles[:2]
-        hips[:2] = build.ankles[:2] + away * min(1.0, most / max(float(np.linalg.norm(away)), 1e-9))
-        return MomentTargets(hips, frames, directions, placed)
+        return person_placed(moment, build, self._person, turn_about_z(-heading), self._origin, build.ankles)
+
+
+def person_placed(
+    moment: Moment, build: Build, person: Person, turn: Array, origin: Array, over: Array
+) -> MomentTargets:
+    """Targets of a person in the robot's size, turned by a rotation (3, 3) and moved.
+
+    Args:
+        moment: the person.
+        build: the robot's sizes.
+        person: the person's.
+        turn: about the vertical.
+        origin: the place in the person's world (3,) that comes to lie
+        over: this one of the robot's (3,) [m].
+    """
+    scale = build.leg / person.leg
+    chest_share = min(1.0, (person.breadth / person.arm) / (build.breadth / build.arm))
+    placed = {name: over + scale * (turn @ (place - origin)) for name, place in moment.points.items()}
+    frames = {body: turn @ rotation for body, rotation in moment.frames.items()}
+    chest = frames["chest"]
+    yaw = np.arctan2(chest[1, 0], chest[0, 0])
+    frames["chest"] = turn_about_z((chest_share - 1.0) * yaw) @ chest
+    directions = {}
+    for segment in UPPER_BODY_SEGMENTS:
+        near, far = SEGMENTS[segment]
+        along = placed[far] - placed[near]
+        directions[segment] = along / max(float(np.linalg.norm(along)), 1e-9)
+    hips, most = placed["waist"].copy(), MAX_HIP_SHIFT_LEGS * build.leg
+    away = hips[:2] - over[:2]
+    hips[:2] = over[:2] + away * min(1.0, most / max(float(np.linalg.norm(away)), 1e-9))
+    return MomentTargets(hips, frames, directions, placed)
 
 
 def _wrapped(angle: float) -> float:
@@ -91,6 +106,6 @@ def _wrapped(angle: float) -> float:
     return float(np.arctan2(np.sin(angle), np.cos(angle)))
 
 
-def _turn_about_z(angle: float) -> Array:
+def turn_about_z(angle: float) -> Array:
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

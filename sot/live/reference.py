@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import inf
 from typing import NamedTuple
 
@@ -11,13 +12,13 @@ from numpy.typing import NDArray
 
 from sot.control.pose import Pose
 from sot.gravity import GRAVITY
-from sot.live.com_preview import KNOT_PERIOD, ComPreview
+from sot.live.com_preview import KNOT_PERIOD
+from sot.live.footing import Footing, PlantedFooting
 from sot.live.governor import Governor
-from sot.live.planted_legs import PlantedLegs
+from sot.live.led_legs import LedLegs
 from sot.live.state import pinocchio_state
 from sot.motion.body.coordinates import from_configuration, to_pinocchio
 from sot.motion.body.limits import Limits
-from sot.motion.feet.contacts import planted_phases, support_polygon
 from sot.motion.trajectory import Motion, MotionSample
 from sot.robots.robot import Robot
 
@@ -59,7 +60,7 @@ class FutureTarget(NamedTuple):
 
 
 class LiveReference:
-    """A robot motion on planted feet that follows targets as they come; a `sot.motion.trajectory.Reference`.
+    """A robot motion that follows targets as they come; a `sot.motion.trajectory.Reference`.
 
     Between two knots, PERIOD apart, accelerations are linear. Times before the last two knots are not answered, they
     get the older of the two.
@@ -68,23 +69,19 @@ class LiveReference:
         robot: who moves, from its rest posture.
         limits: of the coordinates.
         foresight: how much of the future will be known [s].
+        footing: what it stands on; feet that stay unless given.
     """
 
     duration = inf
 
-    def __init__(self, robot: Robot, limits: Limits, foresight: float = 0.0) -> None:
-        self.robot = robot
+    def __init__(self, robot: Robot, limits: Limits, foresight: float = 0.0, footing: Footing | None = None) -> None:
+        self.robot, self._footing = robot, footing or PlantedFooting(robot)
         self._data = robot.model.createData()
         self.rest = from_configuration(robot.rest[None])[0]
         self._points: dict[str, int] = {}
-        (self._phase,) = planted_phases(robot, inf)
-        com = pin.centerOfMass(robot.model, self._data, robot.rest).copy()
-        foot = robot.sole(robot.feet[0])
-        support = support_polygon(robot, self._phase)
-        self._preview = ComPreview(support, np.ptp(foot[:, :2], axis=0), com[:2], float(com[2]))
-        legs = PlantedLegs(robot, self._phase, self.rest)
-        self._governor = Governor(robot, limits, legs, self.rest, PERIOD, foresight)
-        self._com = com[:2].copy()
+        self._legs = LedLegs(robot, self._footing.start, self.rest)
+        self._governor = Governor(robot, limits, self._legs, self.rest, PERIOD, foresight)
+        self._com, self._com_height = np.zeros(2), 0.0
         self._knots: list[Knot] = []
         self._knots.append(self._knot())
         self._step(self.rest, np.zeros(robot.nv))
@@ -112,27 +109,27 @@ class LiveReference:
         self._step(target, velocity, future)
 
     def _step(self, target: Array, velocity: Array, future: Sequence[FutureTarget] = ()) -> None:
-        plan = self._preview
         if (len(self._knots) - 1) % KNOTS_PER_PLAN == 0:
-            shifts = [(one.later, one.com_shift) for one in future]
-            plan.plan(self._com + target[:2] - self._governor.y[:2], shifts)
             times = np.array([0.0, *(one.later for one in future)])
             self._governor.plan(times, np.array([target, *(one.y for one in future)]))
-        place, rate = plan.c, plan.dc
-        plan.advance(PERIOD)
-        self._governor.step(target, velocity, np.stack([place, rate, plan.ddc]))
+        t, wanted = self.horizon, self._com + target[:2] - self._governor.y[:2]
+        shifts = [(one.later, one.com_shift) for one in future]
+        com = self._footing.advance(t, PERIOD, wanted, shifts, self._com_height)
+        if poses := self._footing.poses(t + PERIOD):
+            self._legs.lead(poses)
+        self._governor.step(target, velocity, com)
         self._knots.append(self._knot())
 
     def _knot(self) -> Knot:
-        governor, model, data, plan = self._governor, self.robot.model, self._data, self._preview
+        governor, model, data = self._governor, self.robot.model, self._data
         y, dy, ddy = governor.y, governor.dy, governor.ddy
         q, v, a = pinocchio_state(y, dy, ddy)
         pin.computeCentroidalMomentumTimeVariation(model, data, q, v, a)
         momentum, turn = data.hg.angular.copy(), data.dhg.angular.copy()
         pin.centerOfMass(model, data, q, v, a)
         com, velocity, acceleration = data.com[0].copy(), data.vcom[0].copy(), data.acom[0].copy()
-        self._com = com[:2].copy()
-        com[:2], velocity[:2], acceleration[:2] = plan.c, plan.dc, plan.ddc
+        self._com, self._com_height = com[:2].copy(), float(com[2])
+        com[:2], velocity[:2], acceleration[:2] = self._footing.com
         lean = (com[2] * acceleration[:2] + np.array([turn[1], -turn[0]]) / self.robot.mass) / (
             GRAVITY + acceleration[2]
         )
@@ -183,8 +180,8 @@ class LiveReference:
 
     @property
     def feet(self) -> dict[str, Callable[[float], Array]]:
-        """Function of each foot that gives its foothold (3,) [m]: it stays."""
-        return {foot: _stays_at(pose.translation) for foot, pose in self._phase.feet.items()}
+        """Function of each foot that gives its foothold (3,) [m] at a time [s], the last one while it swings."""
+        return {foot: partial(self._footing.foothold, foot) for foot in self.robot.feet}
 
     def pose(self, point: str) -> Callable[[float], Pose]:
         """An operational point's pose, velocity and acceleration at a time [s].
@@ -231,12 +228,8 @@ class LiveReference:
         zmp, momentum = (
             values[k] + dt / PERIOD * (values[k + 1] - values[k]) for values in (column("zmp"), column("momentum"))
         )
-        phases = planted_phases(self.robot, times[-1])
+        phases = self._footing.phases(float(times[-1]))
         return Motion(self.robot, rate, q, v, a, com, com_velocity, com_acceleration, zmp, momentum, phases)
-
-
-def _stays_at(place: Array) -> Callable[[float], Array]:
-    return lambda t: place
 
 
 def _interpolated(x: Array, dx: Array, ddx: Array, following: Array, dt: float | Array) -> tuple[Array, Array, Array]:

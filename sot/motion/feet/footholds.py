@@ -270,7 +270,7 @@ def _body_shifts(
     for k, (pairs, step) in enumerate(zip(pairwise(standing_pairs(steps)), steps, strict=True)):
         for end, (left, right) in enumerate(pairs):
             stands = wanted["left_foot"][left], wanted["right_foot"][right]
-            axes = _axes(turned["left_foot"][left], turned["right_foot"][right])
+            axes = body_axes(turned["left_foot"][left], turned["right_foot"][right])
             there, here = ((stand.x, stand.y) for stand in (stands if step.foot == "left_foot" else stands[::-1]))
             off, between = axes @ (body[k, end] - here), axes @ np.subtract(there, here)
             most = np.array([0.5 * abs(between[0]), MAX_SHIFT * reach.leg_length])
@@ -278,7 +278,7 @@ def _body_shifts(
     return shifts
 
 
-def _axes(left: float, right: float) -> Array:
+def body_axes(left: float, right: float) -> Array:
     """The axes ahead and to the left (2, 2) of a body over two feet of some headings [rad]."""
     middle = 0.5 * (left + right)
     return np.array([[np.cos(middle), np.sin(middle)], [-np.sin(middle), np.cos(middle)]])
@@ -291,7 +291,7 @@ def _reach_rows(
     parts: list[tuple[int, int, Array, Array]] = []  # two footholds, ways from the second one, least along each
     for k, (left, right) in enumerate(standing_pairs(steps)):
         yaws = turned["left_foot"][left], turned["right_foot"][right]
-        axes = _axes(*yaws)
+        axes = body_axes(*yaws)
         across, ways = axes[1], normals() @ axes
         pair = index.number("left_foot", left), index.number("right_foot", right)
         apart = min_ankle_separation(yaws, reach, across)

@@ -62,11 +62,12 @@ def supports(robot: Robot, phases: Sequence[Phase]) -> tuple[Support, ...]:
         parts = [(start, end, 0.0)]
         if len(feet) > 1 and early < late:
             parts = [(start, early, 0.0), (early, late, MIN_LOAD_SHARE), (late, end, 0.0)]
-        found += [_support(robot, phase, first, share) for first, last, share in parts if last > first]
+        found += [support_over(robot, phase, first, share) for first, last, share in parts if last > first]
     return tuple(found)
 
 
-def _support(robot: Robot, phase: Phase, start: float, share: float) -> Support:
+def support_over(robot: Robot, phase: Phase, start: float, share: float) -> Support:
+    """The support over the feet of a phase from a time on [s], each of which carries at least a share of the weight."""
     polygon = loaded_polygon(robot.soles, phase, share)
     forward = np.sum([pose.rotation[:2, 0] for pose in phase.feet.values()], axis=0)
     inset = polygon.shrunk(*zmp_inset(robot, phase), heading=float(np.arctan2(forward[1], forward[0])))

@@ -79,7 +79,7 @@ def contact_phases(
     now = dict.fromkeys(stands, 0)
 
     def poses(*feet: str) -> dict[str, pin.SE3]:
-        return {foot: _foot_pose(stands[foot][now[foot]], rest[foot]) for foot in feet}
+        return {foot: foot_pose(stands[foot][now[foot]], rest[foot]) for foot in feet}
 
     phases, start = [], 0.0
     for step in steps:
@@ -226,5 +226,6 @@ def feet_at_rest(robot: Robot) -> dict[str, pin.SE3]:
     return feet
 
 
-def _foot_pose(stand: Foothold, rest: pin.SE3) -> pin.SE3:
+def foot_pose(stand: Foothold, rest: pin.SE3) -> pin.SE3:
+    """The pose of a foot's frame at a foothold; rest: its pose at rest, of `feet_at_rest`."""
     return pin.SE3(pin.utils.rotate("z", stand.heading), np.array([stand.x, stand.y, 0.0])) * rest

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sot.behaviours.stride import LANDING_DEPTH, Stride, lowered_pose, raised_pose
+from sot.behaviours.stride import BUMP_CURVATURE, LANDING_DEPTH, Stride, bump_curve, lowered_pose, raised_pose
 from sot.control.pose import Pose
 
 START, TO, OTHER = np.array([0.1, 0.2, 0.001]), np.array([0.4, 0.25]), np.array([0.3, 0.4])
@@ -74,3 +74,18 @@ def test_it_lands_as_high_as_the_ground_is():
     stride = Stride(START, np.eye(3), LIFT, LAND, HEIGHT, ground=0.3)
     assert stride(LAND).position[2] == pytest.approx(0.3 - LANDING_DEPTH)
     assert stride(LIFT).position[2] == pytest.approx(START[2])
+
+
+def test_a_foot_that_turns_turns_about_the_vertical_and_its_velocity_is_the_derivative():
+    stride = Stride(START, np.eye(3), LIFT, LAND, HEIGHT)
+    stride.redirect(LIFT, TO, turn=0.4)
+    end = stride(LAND).rotation
+    np.testing.assert_allclose(end[:2, 0], [np.cos(0.4), np.sin(0.4)], atol=1e-9)
+    for t in (0.6, 0.7):
+        before, after = (np.arctan2(*stride(t + d).rotation[1::-1, 0]) for d in (-STEP, STEP))
+        assert stride(t).velocity[5] == pytest.approx((after - before) / (2 * STEP), abs=1e-6)
+
+
+def test_the_greatest_curvature_of_the_bump_upward_is_what_is_said():
+    shares = np.linspace(0.0, 1.0, 1001)
+    assert np.max(bump_curve(shares)) == pytest.approx(BUMP_CURVATURE, rel=1e-3)

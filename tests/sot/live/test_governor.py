@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 
 from sot.live.governor import JERK_TIME, Governor
-from sot.live.planted_legs import PlantedLegs
+from sot.live.led_legs import LedLegs
 from sot.motion.body.coordinates import from_configuration, to_configuration
 from sot.motion.body.limits import Limits
 from sot.motion.feet.contacts import planted_phases
@@ -19,7 +19,7 @@ def made():
     robot = Robot.load("hrp2")
     (phase,) = planted_phases(robot, 1.0)
     rest = from_configuration(robot.rest[None])[0]
-    return robot, lambda: Governor(robot, Limits.of(robot), PlantedLegs(robot, phase, rest), rest, PERIOD), rest
+    return robot, lambda: Governor(robot, Limits.of(robot), LedLegs(robot, phase, rest), rest, PERIOD), rest
 
 
 def com_of(robot, q):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sot.errors import InputError
-from sot.live.seams import SEAM_TIME, joined, repeated
+from sot.live.streams.seams import SEAM_TIME, joined, repeated
 from sot.motion.human.capture import Capture
 from tests.sot.live.streams.clips import groove
 

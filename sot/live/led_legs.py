@@ -1,9 +1,12 @@
-"""Legs that go with the pelvis while the feet stay where they are."""
+"""Legs that go with the pelvis while the feet stay where they are, or go where they are led."""
+
+from collections.abc import Mapping
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from sot.control.pose import Pose
 from sot.live.bounded_move import bounded_move
 from sot.live.state import pinocchio_state
 from sot.motion.body.coordinates import rate_matrix, to_rotation
@@ -21,30 +24,44 @@ MAX_FOOT_ERROR = 0.01
 Where the pelvis goes too far, they end up at the ends of their ranges, and do not come back from there alone."""
 
 
-class PlantedLegs:
-    """Replaces the legs' part of a motion by what keeps the feet in place.
+class LedLegs:
+    """Replaces the legs' part of a motion by what has the feet where they are to be.
 
     A pelvis and legs that are governed each by itself contradict each other, and the angular momentum of that is
-    nobody's. With feet at rest, J v = 0 and J a + J̇ v = 0 give the legs' velocities and accelerations from the rest.
+    nobody's. With feet that move with v_f and a_f, J v = v_f and J a + J̇ v = a_f give the legs' velocities and
+    accelerations from the rest.
 
     Args:
         robot: who stands.
-        phase: where its feet are.
+        phase: where its feet are; they stay there until they are led elsewhere.
         start: coordinates (nv,) to start from.
 
     Attributes:
         columns: of the legs in the coordinates (k,).
+        are_led: whether the feet were ever led elsewhere.
     """
 
     def __init__(self, robot: Robot, phase: Phase, start: Array) -> None:
         self._model, self._data = robot.model, robot.model.createData()
+        self._frames = {foot: robot.point(foot) for foot in phase.feet}
         self._feet = [(robot.point(foot), pose) for foot, pose in phase.feet.items()]
+        self.are_led = False
+        self._foot_velocity, self._foot_acceleration = np.zeros(6 * len(self._feet)), np.zeros(6 * len(self._feet))
         self._joints = np.array(robot.groups["legs"], dtype=int)
         self.columns = 6 + self._joints
         self._lower, self._upper = robot.lower[self._joints], robot.upper[self._joints]
         self._velocity, self._acceleration = robot.velocity[self._joints], robot.acceleration[self._joints]
         self._start = start[self.columns]
         self._angles = self._start
+
+    def lead(self, poses: Mapping[str, Pose]) -> None:
+        """Say where the feet are to be at the next call, and how they move there."""
+        self.are_led = True
+        self._feet = [
+            (frame, pin.SE3(poses[foot].rotation, poses[foot].position)) for foot, frame in self._frames.items()
+        ]
+        self._foot_velocity = np.concatenate([poses[foot].velocity for foot in self._frames])
+        self._foot_acceleration = np.concatenate([poses[foot].acceleration for foot in self._frames])
 
     def accelerations(self, y: Array, dy: Array) -> tuple[Array, Array]:
         """A (k, 6) and b (k,): the legs' accelerations are A ÿ + b with the base's ÿ (6,), at coordinates (nv,)."""
@@ -54,7 +71,7 @@ class PlantedLegs:
         base, inverse = J[:, :6].copy(), self._inverse(J)
         base[:, :3] = base[:, :3] @ to_rotation(y[None, 3:6])[0].T
         base[:, 3:] = base[:, 3:] @ rate_matrix(y[None, 3:6])[0]
-        return -inverse @ base, -inverse @ self._feet_accelerations(q, v, a)
+        return -inverse @ base, -inverse @ (self._feet_accelerations(q, v, a) - self._foot_acceleration)
 
     def __call__(self, y: Array, dy: Array, ddy: Array) -> tuple[Array, Array, Array]:
         """Coordinates and derivatives (nv,) with such legs, whose angles follow from those of the last call."""
@@ -66,9 +83,10 @@ class PlantedLegs:
         v[legs], a[legs] = 0.0, 0.0
         J = self._jacobian(q)
         inverse = self._inverse(J)
-        v[legs] = np.clip(-inverse @ (J @ v), -self._velocity, self._velocity)
+        v[legs] = np.clip(-inverse @ (J @ v - self._foot_velocity), -self._velocity, self._velocity)
         # At the end of a range, or straight, a leg cannot follow: what it would have to do there is nobody's motion.
-        curve = np.clip(-inverse @ self._feet_accelerations(q, v, a), -self._acceleration, self._acceleration)
+        wanted = -inverse @ (self._feet_accelerations(q, v, a) - self._foot_acceleration)
+        curve = np.clip(wanted, -self._acceleration, self._acceleration)
         y[legs], dy[legs], ddy[legs] = self._angles, v[legs], curve
         return y, dy, ddy
 

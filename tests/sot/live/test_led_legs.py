@@ -4,8 +4,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from sot.live.planted_legs import PlantedLegs
+from sot.control.pose import Pose
+from sot.live.led_legs import LedLegs
 from sot.live.reference import LiveReference
+from sot.live.state import pinocchio_state
 from sot.motion.body.coordinates import from_configuration, to_configuration
 from sot.motion.body.limits import Limits
 from sot.motion.feet.contacts import planted_phases
@@ -30,7 +32,7 @@ def foot_error(robot, y):
 def test_legs_come_back_from_a_pelvis_out_of_reach(robot):
     (phase,) = planted_phases(robot, 1.0)
     rest = from_configuration(robot.rest[None])[0]
-    legs, still = PlantedLegs(robot, phase, rest), np.zeros(robot.nv)
+    legs, still = LedLegs(robot, phase, rest), np.zeros(robot.nv)
     for shift in (*np.linspace(0.0, 1.0, 40), *np.linspace(1.0, 0.0, 40)):
         y = rest.copy()
         y[:6] += shift * np.array([0.1, 0.05, 0.15, -0.2, 0.3, 0.9])
@@ -43,7 +45,7 @@ def test_legs_come_back_from_a_pelvis_out_of_reach(robot):
 def test_legs_accelerations_are_linear_in_those_of_the_base(robot):
     (phase,) = planted_phases(robot, 1.0)
     rest, chance = from_configuration(robot.rest[None])[0], np.random.default_rng(1)
-    legs = PlantedLegs(robot, phase, rest)
+    legs = LedLegs(robot, phase, rest)
     dy = np.zeros(robot.nv)
     dy[:6] = 0.3 * chance.normal(size=6)
     y, dy, _ = legs(rest, dy, np.zeros(robot.nv))
@@ -69,3 +71,28 @@ def test_a_target_out_of_reach_takes_the_pelvis_no_farther_than_the_legs(robot, 
         assert (np.abs(dy[legs - 6]) < robot.velocity[legs - 6]).all()
         assert foot_error(robot, reference.now) < 1e-3
     assert np.linalg.norm(reference.now[:6] - reference.rest[:6]) > 0.03
+
+
+def test_legs_that_are_led_have_their_feet_where_and_as_fast_as_they_are_led(robot):
+    (phase,) = planted_phases(robot, 1.0)
+    rest = from_configuration(robot.rest[None])[0]
+    legs, data = LedLegs(robot, phase, rest), robot.model.createData()
+    still = Pose(np.zeros(3), np.eye(3), np.zeros(6), np.zeros(6))
+    places = {foot: pose.translation.copy() for foot, pose in phase.feet.items()}
+    velocity, acceleration = np.array([0.3, 0.02, 0.2, 0.0, 0.0, 0.1]), np.array([1.0, 0.2, -0.5, 0.0, 0.0, 0.3])
+    for k in range(30):
+        led = {foot: still._replace(position=place) for foot, place in places.items()}
+        up = places["left_foot"] + 0.002 * k * np.array([1.0, 0.0, 1.0])
+        led["left_foot"] = Pose(up, np.eye(3), velocity, acceleration)
+        legs.lead(led)
+        y, dy, ddy = legs(rest, np.zeros(robot.nv), np.zeros(robot.nv))
+    q, v, a = pinocchio_state(y, dy, ddy)
+    pin.forwardKinematics(robot.model, data, q, v, a)
+    for foot, pose in led.items():
+        frame = robot.point(foot)
+        place = pin.updateFramePlacement(robot.model, data, frame)
+        moves = pin.getFrameVelocity(robot.model, data, frame, pin.LOCAL_WORLD_ALIGNED).vector
+        speeds_up = pin.getFrameClassicalAcceleration(robot.model, data, frame, pin.LOCAL_WORLD_ALIGNED).vector
+        np.testing.assert_allclose(place.translation, pose.position, atol=1e-3)
+        np.testing.assert_allclose(moves, pose.velocity, atol=1e-2)
+        np.testing.assert_allclose(speeds_up, pose.acceleration, atol=0.1)

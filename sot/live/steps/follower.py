@@ -1,0 +1,136 @@
+"""A live reference that walks with the person."""
+
+from collections import deque
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sot.live.follower import STALE_TIME, Follower, Target
+from sot.live.person import Moment, Person
+from sot.live.reference import LiveReference
+from sot.live.steps.footing import SteppingFooting
+from sot.live.steps.person_steps import PersonSteps
+from sot.live.steps.placement import SteppingPlacement
+from sot.motion.body.coordinates import to_rotation
+from sot.motion.body.limits import Limits
+from sot.robots.leg_range import MAX_EXTENSION
+from sot.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+EXTENSION_AT_REST = 0.95
+"""Distance from hip to ankle in the safe posture, in leg lengths: a nearly straight knee lifts nothing."""
+LOWERING_ACCELERATION = 1.0
+"""Vertical acceleration with which the hips are lowered before a leg would be stretched [m/s²]."""
+
+
+MAX_CAP_SINKING, MAX_CAP_RISE = 0.2, 0.02
+"""Speeds at which the hips sink before legs would be stretched, and rise again once they reach [m/s]: hips that went up
+and down with each step would take the load off the feet, and put it on again."""
+
+
+CALMING_TIME = 0.15
+"""Time constant with which the pelvis follows [s]: what it turns faster takes the zero-moment point out of one sole."""
+PELVIS = slice(2, 6)
+"""Its height and angles in the coordinates."""
+
+
+class SteppingFollower(Follower):
+    """A `Follower` whose robot steps where the person does.
+
+    A moment's feet are looked at when it arrives, its body is followed when it is due: by then the robot's own steps
+    are decided.
+
+    Attributes:
+        footing: the robot's feet.
+    """
+
+    footing: SteppingFooting
+
+    def _new_reference(self, robot: Robot, limits: Limits) -> LiveReference:
+        self.footing = SteppingFooting(robot)
+        self._cap = MAX_EXTENSION * self._build.leg + float(self._build.ankles[2])
+        self._calm, self._calm_rate, self._calm_at = np.zeros(4), np.zeros(4), -np.inf
+        self._moments: deque[tuple[float, Moment, float]] = deque()
+        self._foresight = 0.0  # targets are solved for when they are due
+        return LiveReference(robot, limits, footing=self.footing)
+
+    def _meet(self, person: Person) -> None:
+        self._steps = PersonSteps(person.leg)
+        self._over_feet: SteppingPlacement | None = None
+        self._moments.clear()
+        self.footing.meet(self._build.leg / person.leg)
+
+    def _start_anew(self) -> None:
+        assert self._person is not None
+        self._meet(self._person)
+
+    def _follow(self, moment: Moment, due: float) -> None:
+        self._steps(moment, due)
+        if self._over_feet is None:
+            assert self._person is not None
+            turn = self.footing.face(self._steps.stands)
+            self._over_feet = SteppingPlacement(self._build, self._person, turn)
+        while self._steps.asked:
+            self.footing.asked.append(self._steps.asked.popleft())
+        self._moments.append((due, moment, self._steps.sense.level))
+
+    def _take_due(self, t: float) -> None:
+        while self._moments and self._moments[0][0] <= t + 1e-9:
+            due, moment, level = self._moments.popleft()
+            feet = self.footing.poses(self.reference.horizon)
+            self._body.put_feet(feet)
+            assert self._over_feet is not None
+            targets = self._over_feet(moment, level, feet)
+            elapsed = due - (self._last or due)
+            lowered = max(self._highest_hips() - self._cap, -MAX_CAP_SINKING * elapsed)
+            self._cap += min(lowered, MAX_CAP_RISE * elapsed)
+            targets.hips[2] = min(targets.hips[2], self._cap)
+            self._future.append(self._calmed(self._solved(targets, due)))
+        super()._take_due(t)
+
+    def _calmed(self, target: Target) -> Target:
+        """A target whose pelvis, but for its place, follows as a critically damped oscillator does."""
+        y, velocity = target.y.copy(), target.velocity.copy()
+        elapsed = target.due - self._calm_at
+        self._calm_at = target.due
+        if not elapsed < STALE_TIME:
+            self._calm, self._calm_rate = self.reference.now[PELVIS].copy(), np.zeros(4)
+        else:
+            share, off = np.exp(-elapsed / CALMING_TIME), self._calm - y[PELVIS]
+            slope = self._calm_rate + off / CALMING_TIME
+            self._calm = y[PELVIS] + share * (off + elapsed * slope)
+            self._calm_rate = share * (self._calm_rate - elapsed * slope / CALMING_TIME)
+        y[PELVIS], velocity[PELVIS] = self._calm, self._calm_rate
+        return replace(target, y=y, velocity=velocity)
+
+    def _highest_hips(self, extension: float = MAX_EXTENSION) -> float:
+        """How high the hips may be now so that no leg has to be longer than it is while they are lowered [m]."""
+        y, hip_width = self.reference.now, self.footing.reach.hip_width
+        base = to_rotation(y[None, 3:6])[0]
+        middle = (y[:3] + base @ self._build.hips)[:2] - self.footing.com[0]
+        later, places = self.footing.com_ahead
+        leg, highest = extension * self._build.leg, np.inf
+        for sign, foot in zip((0.5, -0.5), self.robot.feet, strict=True):
+            hip = places + middle + sign * hip_width * base[:2, 1]
+            at, flies = self.footing.places_ahead(foot)
+            far = np.where(flies, 0.0, np.linalg.norm(hip - at, axis=1))
+            reached = self._build.ankles[2] + np.sqrt(np.maximum(leg**2 - far**2, 0.0))
+            highest = min(highest, float((reached + 0.5 * LOWERING_ACCELERATION * later**2).min()))
+        return highest
+
+    @property
+    def _rest(self) -> Array:
+        """Coordinates (nv,) of the safe posture over the feet as they stand, as high as both legs reach."""
+        rest, build = self.reference.rest.copy(), self._build
+        stands = list(self.footing.stands.values())
+        turned = self.footing.mean_heading(self.reference.now[5])
+        rest[5] += turned
+        rest[2] = min(rest[2], self._highest_hips(EXTENSION_AT_REST) - float(build.hips[2]))
+        offset = self.reference.rest[:2] - build.ankles[:2]
+        cosine, sine = np.cos(turned), np.sin(turned)
+        rest[:2] = (
+            np.mean([(at.x, at.y) for at in stands], axis=0) + np.array([[cosine, -sine], [sine, cosine]]) @ offset
+        )
+        return rest

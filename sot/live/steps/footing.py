@@ -1,0 +1,349 @@
+"""Feet that step as a person does who steps now: which step is made when and where, and the swing to it."""
+
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from sot.behaviours.stride import BUMP_CURVATURE, Stride, bump_curve
+from sot.control.pose import Pose
+from sot.gravity import GRAVITY
+from sot.live.steps.foot_sense import wrapped
+from sot.live.steps.leg_momentum import zmp_shift_of_swing
+from sot.live.steps.person_steps import AskedStep
+from sot.live.steps.preview import KNOT_PERIOD, StepPreview
+from sot.live.steps.reachable import reachable_foothold
+from sot.live.steps.step_plan import DecidedStep, Room, Rooms, rooms_at
+from sot.motion.feet.contacts import Phase, planted_phases
+from sot.motion.feet.footholds import LegReach
+from sot.motion.feet.footwork import MIN_STEP_LENGTH, MIN_STEP_TURN, Foothold
+from sot.motion.feet.support import FORCE_RAMP_TIME
+from sot.motion.feet.swing import SWING_HEIGHT_RANGE, feet_at_rest, foot_pose
+from sot.motion.feet.tempo import MAX_STEP_DELAY
+from sot.motion.feet.travel import OMISSIBLE_LENGTH_LEGS
+from sot.robots.robot import Robot
+from sot.smooth import minimum_jerk, minimum_jerk_curve
+
+Array = NDArray[np.float64]
+
+MIN_SWING_TIME, MAX_SWING_TIME, MIN_DOUBLE_SUPPORT_TIME = 1.39, 2.5, 0.55
+"""Least and greatest time of a step, and least time between two, in √(height of the centre of mass / g)."""
+COMMITMENT_TIME = 0.08
+"""Time before its lift from which on a step is made whatever comes [s]: its load is given away meanwhile."""
+FREEZE_TIME = 0.1
+"""Time before its landing from which on a foot goes where it goes [s]."""
+ACCEPTED_PLAN_EXCESS = 0.004
+"""Distance of the zero-moment point beyond its room with which a step may be decided [m]."""
+MAX_PLAN_EXCESS = 0.02
+"""The same with which a decided step, not yet begun, is put off [m]."""
+MAX_TRIALS = 8
+"""Times of a lift that are tried, KNOT_PERIOD apart, before the step waits for the next plan."""
+MAX_LIFT_ACCELERATION_G = 0.5
+"""Bound of a foot's acceleration upward in a step, unless it has to clear the floor, in g."""
+MIN_REDIRECTION = 0.002
+"""Change of a foothold that a swing is led elsewhere for [m, rad]."""
+
+
+class SteppingFooting:
+    """A `sot.live.footing.Footing` whose feet step.
+
+    Args:
+        robot: who steps.
+
+    Attributes:
+        asked: the person's steps that the robot has not decided on yet.
+        begun: called with foot, lift and landing time [s] of each step that is going to be made.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        (self.start,) = planted_phases(robot, np.inf)
+        self._robot, self._rest, self.reach = robot, feet_at_rest(robot), LegReach.of(robot)
+        com = pin.centerOfMass(robot.model, robot.model.createData(), robot.rest).copy()
+        self._zmp_shift = zmp_shift_of_swing(robot)
+        self._preview = StepPreview(com[:2], float(com[2]), self._zmp_shift.along)
+        self._rooms = Rooms(robot)
+        self._time = float(np.sqrt(com[2] / GRAVITY))
+        self.stands = {foot: _foothold(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
+        self.asked: deque[AskedStep] = deque()
+        self.begun: list[Callable[[str, float, float], object]] = []
+        self._scale, self._turn = 1.0, 0.0
+        self._steps: list[DecidedStep] = []
+        self._stride: Stride | None = None
+        self._strides: dict[str, Stride] = {}
+        self._last: DecidedStep | None = None
+        self._landed_at = dict.fromkeys(robot.feet, -np.inf)
+        self._phases = [self.start]
+        self._planned_at = -np.inf
+        self.excess = 0.0
+
+    def meet(self, scale: float) -> None:
+        """Get ready for a new person, of whose lengths the robot's are a share."""
+        self._scale = scale
+        self.asked.clear()
+
+    def face(self, stands: Mapping[str, Foothold]) -> float:
+        """Let the person face as the robot does now; the turn from the one to the other [rad]."""
+        headings = [np.mean([np.exp(1j * at.heading) for at in feet.values()]) for feet in (self.stands, stands)]
+        self._turn = float(np.angle(headings[0] / headings[1]))
+        return self._turn
+
+    def mean_heading(self, near: float) -> float:
+        """The mean heading of the feet, unwrapped to be near an angle [rad]."""
+        return near + wrapped(float(np.angle(np.sum([np.exp(1j * at.heading) for at in self.stands.values()]))) - near)
+
+    @property
+    def com(self) -> Array:
+        """See `Footing`."""
+        return np.stack([self._preview.c, self._preview.dc, self._preview.ddc])
+
+    @property
+    def com_ahead(self) -> tuple[Array, Array]:
+        """Times from the last plan on (n,) [s], and where the centre of mass will be then (n, 2) [m]."""
+        return self._preview.times, self._preview.places
+
+    def places_ahead(self, foot: str) -> tuple[Array, Array]:
+        """Where a foot is over the floor at the times of `com_ahead` (n, 2) [m], and whether it is in the air (n,)."""
+        times = self._planned_at + self._preview.times
+        at, flies = np.tile((self.stands[foot].x, self.stands[foot].y), (len(times), 1)), np.zeros(len(times), bool)
+        for step in self._steps:
+            if step.foot == foot:
+                way = np.array([step.place.x - step.start.x, step.place.y - step.start.y])
+                at += minimum_jerk((times - step.lift) / (step.land - step.lift))[:, None] * way
+                flies |= (times > step.lift + FORCE_RAMP_TIME) & (times < step.land - FORCE_RAMP_TIME)
+        return at, flies
+
+    def foothold(self, foot: str, t: float) -> Array:
+        """See `Footing`."""
+        return foot_pose(self.stands[foot], self._rest[foot]).translation
+
+    def phases(self, end: float) -> tuple[Phase, ...]:
+        """See `Footing`."""
+        starts = [phase.start for phase in self._phases]
+        return tuple(
+            Phase(phase.start, min(until, end), phase.feet)
+            for phase, until in zip(self._phases, [*starts[1:], end], strict=True)
+            if phase.start < end
+        )
+
+    def poses(self, t: float) -> Mapping[str, Pose]:
+        """See `Footing`."""
+        return {foot: self.path(foot)(t) for foot in self._robot.feet}
+
+    def path(self, foot: str) -> Callable[[float], Pose]:
+        """Where a foot is to be at a time [s]."""
+        return lambda t: self._pose(foot, t)
+
+    def _pose(self, foot: str, t: float) -> Pose:
+        place = foot_pose(self.stands[foot], self._rest[foot])
+        step = self._steps[0] if self._steps else None
+        if self._stride is not None and step is not None and step.foot == foot and t > step.lift:
+            pose = self._stride(t)
+            low = place.translation[2]
+            if pose.position[2] >= low:
+                return pose
+            up = np.array([1.0, 1.0, 0.0, 1.0, 1.0, 1.0])
+            return Pose(np.append(pose.position[:2], low), pose.rotation, up * pose.velocity, up * pose.acceleration)
+        return Pose(place.translation.copy(), place.rotation.copy(), np.zeros(6), np.zeros(6))
+
+    def swing_path(self, foot: str) -> Callable[[float], Pose]:
+        """Where a foot is to be at a time [s] while its contact is off: it looks for the floor where that is late."""
+
+        def at(t: float) -> Pose:
+            stride = self._strides.get(foot)
+            return stride(t) if stride is not None else self._pose(foot, t)
+
+        return at
+
+    def advance(
+        self, t: float, period: float, wanted: Array, future: Sequence[tuple[float, Array]], height: float
+    ) -> Array:
+        """See `Footing`."""
+        if t > self._planned_at + KNOT_PERIOD - 1e-6:
+            self._planned_at = t
+            self._plan(t, wanted, future)
+        preview = self._preview
+        place, rate = preview.c, preview.dc
+        preview.advance(period, t - self._planned_at)
+        return np.stack([place, rate, preview.ddc])
+
+    def _plan(self, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
+        self._land(t)
+        if self._steps and self._stride is not None:
+            self._redirect(t)
+        self._catch_up(t)
+        self._decide(t, wanted, future)
+        if len(self._steps) > (0 if self._stride is None else 1):
+            self._put_off_or_begin(t, wanted, future)
+        jerk, self.excess = self._solved(t, self._steps, wanted, future)
+        self._preview.follow(jerk)
+
+    def _solved(
+        self, t: float, steps: Sequence[DecidedStep], wanted: Array, future: Sequence[tuple[float, Array]]
+    ) -> tuple[Array, float]:
+        """The plan of the centre of mass with some steps."""
+        times = t + self._preview.times
+        rooms, last = rooms_at(times, self.stands, steps, self._rooms)
+        end = self._rooms(last)
+        shift = np.zeros((len(times), 2))
+        if future:
+            later = np.array([0.0, *(time for time, _ in future)])
+            way = np.vstack([np.zeros(2), *(way for _, way in future)])
+            shift = np.column_stack([np.interp(times - t, later, column) for column in way.T])
+        here = self._rooms(self.stands)
+        lean = wanted - here.centre
+        wish = np.array([self._wish(room, lean + more) for room, more in zip(rooms, shift, strict=True)])
+        swings = np.zeros((len(times), 2))
+        for step in steps:
+            span = step.land - step.lift
+            share = np.clip((times - step.lift) / span, 0.0, 1.0)
+            way = np.array([step.place.x - step.start.x, step.place.y - step.start.y])
+            ahead = np.array([np.cos(step.start.heading), np.sin(step.start.heading)])
+            swings += self._zmp_shift.along * minimum_jerk_curve(share)[:, None] * way / span**2
+            swings += self._zmp_shift.ahead * bump_curve(share)[:, None] * self._lift_height(step) * ahead / span**2
+        return self._preview.solve(rooms, wish, end, swings)
+
+    def _wish(self, room: Room, lean: Array) -> Array:
+        if room.is_single:
+            return room.inside.nearest_point(room.centre)
+        return room.inside.nearest_point(room.centre + lean)
+
+    def _land(self, t: float) -> None:
+        """Let a swing that is over be over."""
+        if self._stride is not None and t > self._steps[0].land - 1e-6:
+            step = self._steps.pop(0)
+            self.stands[step.foot] = step.place
+            self._last = step
+            self._landed_at[step.foot] = step.land
+            self._stride = None
+            self._phases.append(self._phase(step.land, dict(self.stands)))
+
+    def _phase(self, start: float, stands: Mapping[str, Foothold]) -> Phase:
+        return Phase(start, np.inf, {foot: foot_pose(at, self._rest[foot]) for foot, at in stands.items()})
+
+    def _catch_up(self, t: float) -> None:
+        """Ask for another step where a person's foot has landed elsewhere than was expected when the robot's did."""
+        last = self._last
+        if last is None or not last.asked.has_landed or self._steps or self.asked:
+            return
+        asked, aimed = last.asked, last.aimed
+        moved = float(np.hypot(asked.place.x - aimed.x, asked.place.y - aimed.y)) * self._scale
+        turned = abs(wrapped(asked.place.heading - aimed.heading))
+        if moved > MIN_STEP_LENGTH[1] * self.reach.leg_length or turned > MIN_STEP_TURN:
+            self.asked.append(replace(asked, lift=t, land=t, start=aimed, height=0.0))
+            self._last = None
+
+    def _redirect(self, t: float) -> None:
+        """Lead the foot in the air to where its step is expected to end by now."""
+        step = self._steps[0]
+        if t > step.land - FREEZE_TIME:
+            return
+        step.aimed = step.asked.place
+        place = self._place(step.asked, step.start, self._beside(step), step.land - step.lift)
+        moved = max(abs(place.x - step.place.x), abs(place.y - step.place.y), abs(place.heading - step.place.heading))
+        if moved > MIN_REDIRECTION:
+            step.place = place
+            self._lead(step, t)
+
+    def _lead(self, step: DecidedStep, t: float) -> None:
+        assert self._stride is not None
+        pose = foot_pose(step.place, self._rest[step.foot])
+        self._stride.redirect(t, pose.translation[:2], step.place.heading - step.start.heading)
+
+    def _beside(self, step: DecidedStep) -> Foothold:
+        """Where the other foot stands during a step."""
+        other = next(foot for foot in self.stands if foot != step.foot)
+        before = [one for one in self._steps if one.foot == other and one.lift < step.lift]
+        return before[-1].place if before else self.stands[other]
+
+    def _place(self, asked: AskedStep, start: Foothold, beside: Foothold, span: float) -> Foothold:
+        """The robot's foothold for a person's step, relative to the foot that stands."""
+        cosine, sine = np.cos(self._turn), np.sin(self._turn)
+        x, y = asked.place.x - asked.beside.x, asked.place.y - asked.beside.y
+        wanted = Foothold(
+            beside.x + self._scale * float(cosine * x - sine * y),
+            beside.y + self._scale * float(sine * x + cosine * y),
+            start.heading + wrapped(asked.place.heading + self._turn - start.heading),
+        )
+        return reachable_foothold(self.reach, asked.foot, wanted, start, beside, span)
+
+    def _decide(self, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
+        """Decide on the next step of the person, if there is time for it."""
+        if not self.asked or len(self._steps) > 1 or (self._steps and self._stride is None):
+            return
+        while self.asked and self._is_omissible(self.asked[0], t):
+            self.asked.popleft()
+        if not self.asked:
+            return
+        asked = self.asked[0]
+        if self._steps and self._steps[0].foot == asked.foot:
+            return
+        before = self._steps[0].land if self._steps else max(self._landed_at.values())
+        first = _on_grid(
+            max(asked.lift, t + COMMITMENT_TIME + KNOT_PERIOD, before + MIN_DOUBLE_SUPPORT_TIME * self._time)
+        )
+        for trial in range(MAX_TRIALS):
+            step = self._step(asked, first + trial * KNOT_PERIOD)
+            _, excess = self._solved(t, [*self._steps, step], wanted, future)
+            if excess < ACCEPTED_PLAN_EXCESS:
+                self.asked.popleft()
+                self._steps.append(step)
+                return
+
+    def _is_omissible(self, asked: AskedStep, t: float) -> bool:
+        """Whether a step that is late is small enough to be left out."""
+        way = self._scale * float(np.hypot(asked.place.x - asked.start.x, asked.place.y - asked.start.y))
+        small = way < OMISSIBLE_LENGTH_LEGS * self.reach.leg_length
+        turned = abs(wrapped(asked.place.heading - asked.start.heading))
+        return asked.has_landed and t > asked.lift + MAX_STEP_DELAY and small and turned < MIN_STEP_TURN
+
+    def _step(self, asked: AskedStep, lift: float) -> DecidedStep:
+        least, most = MIN_SWING_TIME * self._time, MAX_SWING_TIME * self._time
+        start = self.stands[asked.foot]
+        step = DecidedStep(asked.foot, lift, lift, start, start, asked, asked.place)
+        span = float(np.clip(asked.land - lift, least, most))
+        step.land = _on_grid(lift + span)
+        step.place = self._place(asked, start, self._beside(step), step.land - lift)
+        return step
+
+    def _put_off_or_begin(self, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
+        """Begin the step that comes next once it is time, or think it over if no balance leads through it any more."""
+        step = self._steps[-1]
+        if t > step.lift - COMMITMENT_TIME + 1e-6 and self._stride is None:
+            self._begin(step)
+            return
+        step.place = self._place(step.asked, step.start, self._beside(step), step.land - step.lift)
+        if self._solved(t, self._steps, wanted, future)[1] > MAX_PLAN_EXCESS:
+            self._steps.pop()
+            self.asked.appendleft(step.asked)
+
+    def _lift_height(self, step: DecidedStep) -> float:
+        """How high a foot gets in a step [m]."""
+        low, high = (share * self.reach.leg_length for share in SWING_HEIGHT_RANGE)
+        high = min(high, MAX_LIFT_ACCELERATION_G * GRAVITY / BUMP_CURVATURE * (step.land - step.lift) ** 2)
+        return max(min(self._scale * step.asked.height, high), low)
+
+    def _begin(self, step: DecidedStep) -> None:
+        height = self._lift_height(step)
+        pose = foot_pose(step.start, self._rest[step.foot])
+        self._stride = Stride(pose.translation, pose.rotation, step.lift, step.land, height)
+        self._strides[step.foot] = self._stride
+        self._lead(step, step.lift)
+        self._phases.append(self._phase(step.lift, {foot: at for foot, at in self.stands.items() if foot != step.foot}))
+        for tell in self.begun:
+            tell(step.foot, step.lift, step.land)
+
+
+def _on_grid(t: float) -> float:
+    """The first time of the plans' knots that is not before a time [s]."""
+    return KNOT_PERIOD * float(np.ceil(t / KNOT_PERIOD - 1e-6))
+
+
+def _foothold(pose: pin.SE3, rest: pin.SE3) -> Foothold:
+    """The foothold at which a foot's frame has a pose; rest: its pose at rest, of `feet_at_rest`."""
+    at = pose * rest.inverse()
+    return Foothold(
+        float(at.translation[0]), float(at.translation[1]), float(np.arctan2(at.rotation[1, 0], at.rotation[0, 0]))
+    )

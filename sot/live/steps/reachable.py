@@ -1,0 +1,57 @@
+"""The foothold that a leg reaches beside the foot that stands, nearest to a wanted one: one step of `footholds`."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sot.gravity import GRAVITY
+from sot.live.steps.foot_sense import wrapped
+from sot.motion.feet.footholds import LEAST_JERK_PEAK, LegReach, body_axes, min_ankle_separation
+from sot.motion.feet.footwork import Foothold
+from sot.polygon import Polygon
+from sot.robots.leg_range import DIRECTION_COUNT, directions, normals
+
+Array = NDArray[np.float64]
+
+MAX_SWING_ACCELERATION_G = 0.9
+"""Bound of a foot's acceleration in a step, in g: the zero-moment point goes with it."""
+USABLE_STRIDE_SHARE = 0.95
+"""Share of a stride's length that is used: the body is not always in the middle between the feet."""
+
+
+def reachable_foothold(
+    reach: LegReach, foot: str, wanted: Foothold, start: Foothold, beside: Foothold, span: float
+) -> Foothold:
+    """The foothold nearest to a wanted one.
+
+    Within a stride of the foot that stands, on its own side and clear of it, and no farther from its start than a foot
+    gets in the time [s]; turned no farther than both hips and that time allow.
+
+    Args:
+        reach: of the legs.
+        foot: which one steps.
+        wanted, start: where it is to land, and where it stood.
+        beside: where the other foot stands.
+        span: time in the air [s].
+    """
+    sign = 1.0 if foot == "left_foot" else -1.0
+    low, high = sorted((sign * reach.toe_out_range[0], sign * reach.toe_out_range[1]))
+    most = reach.turn_speed * span
+    turn = float(np.clip(wrapped(wanted.heading - start.heading), -most, most))
+    apart = float(np.clip(wrapped(start.heading + turn - beside.heading), low, high))
+    heading = start.heading + wrapped(beside.heading + apart - start.heading)
+    yaws = (heading, beside.heading) if sign > 0.0 else (beside.heading, heading)
+    axes = body_axes(*yaws)
+    across, ways = axes[1], normals() @ axes
+    least = min_ankle_separation(yaws, reach, across)
+    stride = reach.standing["left_foot"] + np.roll(reach.standing["right_foot"], DIRECTION_COUNT)
+    far = USABLE_STRIDE_SHARE * stride + reach.hip_width * ways @ across
+    far = np.maximum(far, least * ways @ across)
+    anchor, before = np.array([beside.x, beside.y]), np.array([start.x, start.y])
+    rows = np.vstack([-sign * across, sign * ways])
+    bounds = np.concatenate([[-least], far]) + rows @ anchor
+    swing = min(reach.swing_length(span), MAX_SWING_ACCELERATION_G * GRAVITY / LEAST_JERK_PEAK * span**2)
+    swung = Polygon(np.vstack([rows, directions()]), np.concatenate([bounds, swing + directions() @ before]))
+    place = swung.nearest_point(np.array([wanted.x, wanted.y]))
+    if swung.margin(place) < -1e-6:  # nothing is in reach of both: time is what gives way
+        place = Polygon(rows, bounds).nearest_point(np.array([wanted.x, wanted.y]))
+    return Foothold(float(place[0]), float(place[1]), heading)

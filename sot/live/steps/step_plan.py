@@ -1,0 +1,103 @@
+"""The steps that are decided for the robot, and what supports it meanwhile."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sot.live.steps.person_steps import AskedStep
+from sot.motion.feet.contacts import Phase
+from sot.motion.feet.footwork import Foothold
+from sot.motion.feet.support import FORCE_RAMP_TIME, support_over
+from sot.motion.feet.swing import feet_at_rest, foot_pose
+from sot.polygon import Polygon
+from sot.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-6
+"""Of times [s]."""
+
+
+@dataclass
+class DecidedStep:
+    """A step that the robot makes.
+
+    Attributes:
+        foot: which one.
+        lift, land: when it leaves the floor, and when it is back [s].
+        start, place: from where to where.
+        asked: the person's step that it follows.
+        aimed: where that was expected to end when the foot was led there last.
+    """
+
+    foot: str
+    lift: float
+    land: float
+    start: Foothold
+    place: Foothold
+    asked: AskedStep
+    aimed: Foothold
+
+
+@dataclass(frozen=True)
+class Room:
+    """Where the zero-moment point may be, and what it is nearest to by choice.
+
+    Attributes:
+        inside: room that a plan may use.
+        centre: (2,) of the soles that carry [m].
+        is_single: whether one foot carries alone.
+    """
+
+    inside: Polygon
+    centre: Array
+    is_single: bool
+
+
+class Rooms:
+    """The room of the zero-moment point over feet that stand, by where they stand: the last few are remembered.
+
+    Args:
+        robot: whose feet.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot, self._rest = robot, feet_at_rest(robot)
+        self._known: dict[tuple[tuple[str, Foothold], ...], Room] = {}
+
+    def __call__(self, stands: Mapping[str, Foothold]) -> Room:
+        """The room over some feet."""
+        key = tuple(stands.items())
+        if key not in self._known:
+            if len(self._known) > 50:
+                self._known.clear()
+            phase = Phase(0.0, 1.0, {foot: foot_pose(at, self._rest[foot]) for foot, at in stands.items()})
+            support = support_over(self._robot, phase, 0.0, 0.0)
+            soles = [pose.act(self._robot.sole(foot).mean(axis=0))[:2] for foot, pose in phase.feet.items()]
+            self._known[key] = Room(support.inset, np.mean(soles, axis=0), len(stands) == 1)
+        return self._known[key]
+
+
+def rooms_at(
+    times: Array, stands: Mapping[str, Foothold], steps: Sequence[DecidedStep], rooms: Rooms
+) -> tuple[list[Room], Mapping[str, Foothold]]:
+    """The room at each time (n,), and where the feet stand in the end.
+
+    A foot is not counted on to carry from FORCE_RAMP_TIME before it lifts to as long after it has landed.
+    """
+    found: list[Room] = []
+    now, pending = dict(stands), list(steps)
+    for t in times:
+        while pending and t > pending[0].land + FORCE_RAMP_TIME + TOLERANCE:
+            done = pending.pop(0)
+            now[done.foot] = done.place
+        step = pending[0] if pending else None
+        if step is not None and t > step.lift - FORCE_RAMP_TIME - TOLERANCE:
+            found.append(rooms({foot: at for foot, at in now.items() if foot != step.foot}))
+        else:
+            found.append(rooms(now))
+    for step in pending:
+        now[step.foot] = step.place
+    return found, now

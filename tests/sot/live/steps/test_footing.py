@@ -1,0 +1,123 @@
+"""Feet that step by what a person asks: in reach, one after the other, with a balance that leads through every step."""
+
+from itertools import pairwise
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from sot.live.reference import PERIOD
+from sot.live.steps.footing import SteppingFooting
+from sot.live.steps.person_steps import AskedStep
+from sot.live.steps.reachable import reachable_foothold
+from sot.motion.feet.contacts import support_polygon
+from sot.motion.feet.footholds import LegReach, min_ankle_separation
+from sot.motion.feet.footwork import Foothold
+from sot.motion.feet.support import supports
+from sot.robots.robot import Robot
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return Robot.load("hrp2")
+
+
+def asked(foot, lift, dx, dy=0.0, turn=0.0, **other):
+    """A step that brings a foot so far beside the other one, which stands at the origin."""
+    aside = 0.17 if foot == "left_foot" else -0.17
+    still = Foothold(0.0, 0.0, 0.0)
+    return AskedStep(foot, lift, lift + 0.5, still, Foothold(dx, aside + dy, turn), still, has_landed=True, **other)
+
+
+def play(footing, until, start=0.0, wanted=None):
+    """Centre of mass, zero-moment point and poses of the feet at the knots up to a time."""
+    height, out = 0.8, []
+    for k in range(round(start / PERIOD), round(until / PERIOD)):
+        t = k * PERIOD
+        middle = np.mean([(at.x, at.y) for at in footing.stands.values()], axis=0)
+        com = footing.advance(t, PERIOD, middle if wanted is None else wanted, (), height)
+        out.append((t, com, footing.poses(t), footing.excess))
+    return out
+
+
+def test_steps_are_made_one_after_the_other_and_the_plan_stays_inside_the_soles(robot):
+    footing, begun = SteppingFooting(robot), []
+    footing.begun.append(lambda *step: begun.append(step))
+    footing.asked += [asked("left_foot", 1.0, 0.2), asked("right_foot", 1.5, 0.2), asked("left_foot", 2.0, 0.0)]
+    knots = play(footing, 5.0)
+    assert [foot for foot, _, _ in begun] == ["left_foot", "right_foot", "left_foot"]
+    for (_, _, land), (_, lift, _) in pairwise(begun):
+        assert lift - land > 0.1
+    assert max(excess for *_, excess in knots) < 2e-3
+    c, dc, _ = knots[-1][1]
+    feet = support_polygon(robot, footing.phases(5.0)[-1])
+    assert feet.margin(c) > 0.03 and np.linalg.norm(dc) < 0.02
+    assert len(footing.phases(5.0)) == 7
+
+
+def test_the_zero_moment_point_of_the_pendulum_is_in_the_support_of_its_time(robot):
+    footing = SteppingFooting(robot)
+    footing.asked += [asked("left_foot", 1.0, 0.2), asked("right_foot", 1.5, 0.2)]
+    knots = play(footing, 4.0)
+    preview, stands = footing._preview, supports(robot, footing.phases(4.0))
+    for t, (c, _, ddc), _, _ in knots[::4]:
+        support = next(one for one in reversed(stands) if one.start <= t + 1e-9)
+        # What the swinging leg takes is in the plan; a third of a sole's breadth is more than that is sideways.
+        assert support.polygon.margin(c - ddc * preview._over) > -0.06
+
+
+def test_feet_go_from_foothold_to_foothold_without_a_jump(robot):
+    footing = SteppingFooting(robot)
+    footing.asked += [asked("left_foot", 1.0, 0.2, turn=0.3)]
+    knots = play(footing, 3.0)
+    places = np.array([poses["left_foot"].position for _, _, poses, _ in knots])
+    assert np.abs(np.diff(places, axis=0)).max() < 0.02
+    assert places[:, 2].max() > 0.03 and places[-1, 2] == pytest.approx(places[0, 2])
+    at = footing.stands["left_foot"]
+    assert at.x == pytest.approx(0.2, abs=0.01) and at.heading == pytest.approx(0.3, abs=1e-6)
+
+
+def test_a_foothold_that_changes_while_the_foot_is_in_the_air_is_followed(robot):
+    footing = SteppingFooting(robot)
+    step = asked("left_foot", 1.0, 0.2)
+    step.has_landed = False
+    footing.asked.append(step)
+    play(footing, 1.1)
+    step.place = Foothold(0.05, 0.2, 0.0)
+    play(footing, 3.0, start=1.1)
+    assert footing.stands["left_foot"].x == pytest.approx(0.05, abs=0.01)
+
+
+@pytest.mark.parametrize("foot", ["left_foot", "right_foot"])
+def test_footholds_are_in_reach_uncrossed_and_clear(robot, foot):
+    reach, random = LegReach.of(robot), np.random.default_rng(3)
+    sign = 1.0 if foot == "left_foot" else -1.0
+    for _ in range(50):
+        beside = Foothold(*random.uniform(-1.0, 1.0, 3))
+        across = np.array([-np.sin(beside.heading), np.cos(beside.heading)])
+        x, y = np.array([beside.x, beside.y]) + 0.2 * sign * across
+        start = Foothold(x, y, beside.heading)
+        wanted = Foothold(x + random.normal(0, 1), y + random.normal(0, 1), beside.heading + random.normal(0, 1))
+        found = reachable_foothold(reach, foot, wanted, start, beside, 0.5)
+        way = np.array([found.x - beside.x, found.y - beside.y])
+        middle = 0.5 * (found.heading + beside.heading)
+        aside = np.array([-np.sin(middle), np.cos(middle)])
+        yaws = (found.heading, beside.heading) if sign > 0.0 else (beside.heading, found.heading)
+        assert sign * way @ aside > min_ankle_separation(yaws, reach, aside) - 1e-6
+        assert np.linalg.norm(way) < reach.max_stride + reach.hip_width
+        assert reach.toe_out_range[0] - 1e-9 <= yaws[0] - yaws[1] <= reach.toe_out_range[1] + 1e-9
+
+
+def test_what_is_in_reach_is_kept(robot):
+    reach, beside = LegReach.of(robot), Foothold(0.0, 0.0, 0.0)
+    wanted = Foothold(0.1, 0.2, 0.2)
+    found = reachable_foothold(reach, "left_foot", wanted, Foothold(0.0, 0.17, 0.0), beside, 0.5)
+    assert (found.x, found.y, found.heading) == pytest.approx((wanted.x, wanted.y, wanted.heading))
+
+
+def test_nobody_asks_and_the_feet_stay(robot):
+    footing = SteppingFooting(robot)
+    knots = play(footing, 1.0)
+    com = pin.centerOfMass(robot.model, robot.model.createData(), robot.rest)[:2]
+    assert np.linalg.norm(knots[-1][1][0] - com) < 0.05
+    assert len(footing.phases(1.0)) == 1
