@@ -200,7 +200,7 @@ class Follower:
         elapsed = due - self._last if self._last is not None else PERIOD
         y = self._body.solve(targets, self._solution)
         # What the trunk will be late when the frame is due is head's and arms' to make up; with a future it is not.
-        start = y if self._foresight else self.reference.expected(y, due)
+        start = y if self.reference.foresight else self.reference.expected(y, due)
         head = self._body.head_columns
         y[head] = self._body.solve_head(targets, start)[head]
         data = self._body.place(start)

@@ -75,7 +75,7 @@ class LiveReference:
     duration = inf
 
     def __init__(self, robot: Robot, limits: Limits, foresight: float = 0.0, footing: Footing | None = None) -> None:
-        self.robot, self._footing = robot, footing or PlantedFooting(robot)
+        self.robot, self.foresight, self._footing = robot, foresight, footing or PlantedFooting(robot)
         self._data = robot.model.createData()
         self.rest = from_configuration(robot.rest[None])[0]
         self._points: dict[str, int] = {}

@@ -53,7 +53,6 @@ class SteppingFollower(Follower):
         self._cap = MAX_EXTENSION * self._build.leg + float(self._build.ankles[2])
         self._calm, self._calm_rate, self._calm_at = np.zeros(4), np.zeros(4), -np.inf
         self._moments: deque[tuple[float, Moment, float]] = deque()
-        self._foresight = 0.0  # targets are solved for when they are due
         return LiveReference(robot, limits, footing=self.footing)
 
     def _meet(self, person: Person) -> None:
