@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from sot.live.follower import REORDERING_TIME
 from sot.live.reference import PERIOD
 from sot.live.steps.follower import SteppingFollower
 from sot.motion.body.coordinates import to_configuration
@@ -60,3 +61,12 @@ def test_a_person_who_steps_lets_the_robot_step_as_far_in_its_size():
     assert lift > STEP_AT + 0.5 - 0.05 and land < STEP_AT + STEP_TIME + 0.5 + 0.4
     ahead = stands["left_foot"].x - stands["right_foot"].x
     assert ahead == pytest.approx(STEP[0] * follower.footing._scale, abs=0.06)
+
+
+def test_frames_are_known_as_long_before_they_are_due_as_the_delay_lets_them_be():
+    delay, known = 0.5, []
+    follower = SteppingFollower(Spoilt(lambda frame, now: [frame]), Robot.load("hrp2"), delay)
+    for t in PERIOD * np.arange(round(1.6 / PERIOD)):
+        follower.update(t)
+        known += [follower._moments[-1][0] - t] if follower._moments else []
+    assert min(known[-20:]) > delay - REORDERING_TIME - 0.05
