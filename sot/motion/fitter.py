@@ -76,6 +76,8 @@ class Fitter:
         moved = feet_middle(course.feet)[0] - feet_middle(standing_paths(planted_phases(self.robot, 1.0)[0], 1))[0]
         facing = feet_heading(course.feet)
         wanted = targets_of_human(course.human, self.robot, self.build, facing, (float(moved[0]), float(moved[1])))
+        if course.travel is None:  # legs as straight as the dancer's leave the load on a foot that slides no room
+            wanted = replace(wanted, extension={})
         if self.hip_height_error is None:
             return wanted
         return replace(

@@ -26,7 +26,8 @@ def test_imitates_with_two_joints_narrowed(tmp_path):
     assert 0.05 < found["given_up"]["height"] < 0.6 and found["given_up"]["attitude"] < 0.01
     assert max(found[f"beyond_{what}"] for what in ("rad", "velocity", "acceleration")) < 1e-6
     assert found["upper_body_rad"] < report["imitation"]["cascade"]["upper_body_rad"]
-    assert {path.name for path in tmp_path.iterdir()} == {"run.rrd", "report.json", "traces.npz", "imitation.svg"}
+    files = {"run.rrd", "report.json", "simulated.npz", "traces.npz", "imitation.svg"}
+    assert {path.name for path in tmp_path.iterdir()} == files
 
 
 def test_is_listed_and_meant_for_task_corrections(capsys):

@@ -10,7 +10,7 @@ import pytest
 
 from scenarios.inputs import clips
 from scenarios.live.session import LiveRequest, follow
-from scenarios.replay import RECORDING_FILE, REPORT_FILE, TRACES_FILE
+from scenarios.replay import RECORDING_FILE, REPORT_FILE, SIMULATED_FILE, TRACES_FILE
 from sim.reporting.traces import Traces
 from sot.motion import read
 from sot.robots.robot import Robot
@@ -46,7 +46,7 @@ def test_it_is_recorded_and_reported_as_ever(tmp_path):
     assert live["lag_ms"] <= 120.0
     assert live["frames"]["frames"] == 251 and live["frames"]["persons"] == 1
     assert set(live["latency_ms"]) == {"received", "filtered", "solved", "commanded", "measured"}
-    assert {path.name for path in tmp_path.iterdir()} == {RECORDING_FILE, REPORT_FILE, TRACES_FILE}
+    assert {path.name for path in tmp_path.iterdir()} == {RECORDING_FILE, REPORT_FILE, SIMULATED_FILE, TRACES_FILE}
 
 
 @pytest.mark.slow

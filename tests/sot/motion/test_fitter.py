@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sot.motion.body.limits import Limits
+from sot.motion.feet.course import standing_course
 from sot.motion.feet.stance import Build
 from sot.motion.fitter import MIN_LIFT_SHARE, Fitter, calmer_swings, followed_swings, kept_lifts
 from sot.robots.robot import Robot
@@ -73,3 +74,9 @@ def test_a_kept_lift_gets_no_calmer_than_half(course):
 
 def test_strain_without_a_swing_changes_none(course):
     assert not calmer_swings(course, np.array([0.0]))[1].any()
+
+
+def test_legs_are_as_straight_as_the_dancers_only_where_feet_step(fitter, course):
+    """A foot that slides is lightly loaded, and a standing leg that is nearly straight cannot keep it so."""
+    assert set(fitter.targets(course).extension) == set(fitter.robot.feet)
+    assert fitter.targets(standing_course(course.human, fitter.robot)).extension == {}
