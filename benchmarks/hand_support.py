@@ -14,12 +14,10 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from held_box import PERIOD, SWAY_M, SWAY_RATE, interleaved, show
+from held_box import PERIOD, SWAY_M, SWAY_RATE, Integrated, interleaved, show
 from rich.console import Console
 
-from solvers import Cascade
-from sot.control import Contact, Controller, Stack, Tick
-from sot.control.controller import Command
+from sot.control import Contact, Stack, Tick
 from sot.gravity import GRAVITY
 from sot.robots import Robot, System, Thing
 from sot.static_region import Patch, static_region
@@ -32,7 +30,7 @@ PALM_MOST = 250.0  # N
 REPEATS = 15
 
 
-class Stander:
+class Stander(Integrated):
     """A robot that sways in place, with or without its palm on a table, tick by tick.
 
     Args:
@@ -53,7 +51,6 @@ class Stander:
         hand = Contact(palm, table.surface("top"), axes="xyzRP", least=15.0, most=PALM_MOST, reserve=3.0)
         hand.mode = "fixed" if supports else "off"
         self.contacts.append(hand)
-        self._q, self._v, self._count = q, np.zeros(robot.nv), 0
         start = alone.com.copy()
 
         def sway(t: float) -> tuple[Array, Array, Array, Array]:
@@ -70,15 +67,7 @@ class Stander:
             "forces": [LeastForces()],
         }
         stack = Stack(self.contacts, [TorqueBounds(robot), JointBounds(robot), SelfCollision(system)], levels)
-        self._controller = Controller(system, stack, Cascade(), PERIOD)
-
-    def step(self) -> Command:
-        """One tick; the state follows the accelerations it commands."""
-        command = self._controller(PERIOD * self._count, self._q, self._v)
-        self._v = self._v + PERIOD * command.acceleration
-        self._q = pin.integrate(self.system.model, self._q, PERIOD * self._v)
-        self._count += 1
-        return command
+        super().__init__(system, stack, q)
 
     def patches(self) -> dict[str, Patch]:
         """The contacts as patches that carry, by the first surface's name."""

@@ -11,7 +11,7 @@ import argparse
 import json
 from collections.abc import Mapping
 from time import thread_time
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -42,7 +42,23 @@ BOX_SIDES = (0.25, 0.2)  # m, along x and z; the palms' distance is the third
 PHASES = ("model", "assemble", "solve")
 
 
-class Stander:
+class Integrated:
+    """A robot that does exactly what it is told, tick by tick."""
+
+    def __init__(self, system: System, stack: Stack, q: Array) -> None:
+        self._model, self._q, self._v, self._count = system.model, q, np.zeros(system.nv), 0
+        self._controller = Controller(system, stack, Cascade(), PERIOD)
+
+    def step(self) -> Command:
+        """One tick; the state follows the accelerations it commands."""
+        command = self._controller(PERIOD * self._count, self._q, self._v)
+        self._v = self._v + PERIOD * command.acceleration
+        self._q = pin.integrate(self._model, self._q, PERIOD * self._v)
+        self._count += 1
+        return command
+
+
+class Stander(Integrated):
     """A robot that sways in place, with or without a box between its palms, tick by tick.
 
     Args:
@@ -68,10 +84,10 @@ class Stander:
                 for side in ("left", "right")
             ]
         hard = [TorqueBounds(robot), JointBounds(robot), SelfCollision(system)]
-        tick, self._q, self._v = Tick(system, PERIOD), system.rest.copy(), np.zeros(system.nv)
-        self._q[: robot.nq] = q
+        tick, placed = Tick(system, PERIOD), system.rest.copy()
+        placed[: robot.nq] = q
         tick.carried = carried = ("box",) if holds else ()
-        start = tick.update(0.0, self._q, self._v).com.copy()
+        start = tick.update(0.0, placed, np.zeros(system.nv)).com.copy()
         led = ("waist", "box") if holds else ("waist", *robot.hands)
         frames = {point: tick.frame(point) for point in led}
         motion = [
@@ -89,25 +105,10 @@ class Stander:
         }
         stack = Stack(contacts, hard, levels)
         stack.carried = list(carried)
-        self._controller = Controller(system, stack, Cascade(), PERIOD)
-        self._count = 0
-
-    def step(self) -> Command:
-        """One tick; the state follows the accelerations it commands."""
-        command = self._controller(PERIOD * self._count, self._q, self._v)
-        self._v = self._v + PERIOD * command.acceleration
-        self._q = pin.integrate(self.system.model, self._q, PERIOD * self._v)
-        self._count += 1
-        return command
+        super().__init__(system, stack, placed)
 
 
-class Stepped(Protocol):
-    """What is timed: one control tick a step."""
-
-    def step(self) -> Command: ...
-
-
-def interleaved(standers: Mapping[str, Stepped], ticks: int) -> dict[str, Any]:
+def interleaved(standers: Mapping[str, Integrated], ticks: int) -> dict[str, Any]:
     """Medians of the phases of a tick of each stander, of their sums and of a step's own CPU time [µs].
 
     They take turns of a few ticks. CPU time does not count what else runs on a machine that is busy.

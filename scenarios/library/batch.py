@@ -13,7 +13,7 @@ from typing import Any
 from scenarios.inputs.dancer import check_format
 from scenarios.library.clip_list import CLIP_ENDINGS, find_clips, share_of_rank
 from scenarios.library.export import parse_formats
-from scenarios.library.job import Job, Row, read_row, with_part
+from scenarios.library.job import Job, Row, read_row
 from scenarios.library.table import append_line, write_table
 from scenarios.library.worker import DEFAULT_MEMORY_LIMIT_GB, Worker
 from scenarios.replay import Replay, check_writable, make_solver
@@ -91,7 +91,7 @@ def run_batch(batch: Batch, tell: Teller = lambda row, done, count: None) -> Sum
     jobs = [
         Job(
             clip.key,
-            with_part(batch.request, clip.clip, clip.start, clip.duration or batch.request.duration),
+            replace(batch.request, clip=clip.clip, start=clip.start, duration=clip.duration or batch.request.duration),
             batch.out,
             batch.formats,
             batch.time_limit,

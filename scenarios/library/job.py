@@ -6,7 +6,7 @@ import os
 import platform
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
@@ -176,8 +176,3 @@ class _Stages:
         if name:
             self._times[name] = self._times.get(name, 0.0) + now - self._since
         self._since = now
-
-
-def with_part(request: Replay, clip: str, start: float, duration: float | None) -> Replay:
-    """A request for a clip, or a part of one, given what holds for all."""
-    return replace(request, clip=clip, start=start, duration=duration)

@@ -16,6 +16,7 @@ from scenarios.otani2017.figures import object_report
 from scenarios.otani2017.otani import Handling, perform
 from scenarios.otani2017.scene import ObjectOptions
 from scenarios.replay import Replay
+from scenarios.terminal import run_app
 from sim.reporting.figures import SATURATION_RATIO
 from sot.errors import InputError
 
@@ -130,12 +131,7 @@ def noise(
 
 def main() -> int:
     """Run the command line; returns the exit code."""
-    try:
-        app(standalone_mode=False)
-    except InputError as error:
-        print(error, file=sys.stderr)
-        return 2
-    return 0
+    return run_app(app)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -29,20 +30,12 @@ WEIGHTS = {
     "airborne": 24.19,
 }
 """Points of 100 that LIMMT's filter takes off for a flaw in all frames; 0.28 for jerk, whose bound is not published."""
-PASS_SCORE = 90.0
 KEYS = (
     *("limmt_score", "foot_sliding", "joint_speed", "self_collision", "penetration", "airborne"),
     *("foot_speed_m_s", "penetration_max_m", "self_penetration_max_m", "jerk_rad_s3"),
 )
 LIMB_POINTS = ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
-KEY_BODIES = (
-    *("waist", "chest"),
-    *(
-        f"{side}_{point}"
-        for side in ("left", "right")
-        for point in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
-    ),
-)
+KEY_BODIES = ("waist", "chest", *(f"{side}_{point}" for side in SIDES for point in LIMB_POINTS))
 """The fourteen bodies that mjlab's trackers follow, by the points of this project that are on them."""
 
 

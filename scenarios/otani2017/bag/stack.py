@@ -1,6 +1,7 @@
 """The stack that fetches the bag: balance among feet and hand, then the led points, then the smallest forces."""
 
 from scenarios.otani2017.bag.scene import PALM_FRICTION, PALM_LEAST, PALM_MOST
+from scenarios.otani2017.handling_stack import MAX_LYING_LOAD, MIN_LYING_LOAD
 from sot.behaviours.manipulation.phases import PhasedSchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
@@ -21,10 +22,9 @@ PALM_RESERVE = 3.0
 """How much dearer the forces of the hand are than those of the feet."""
 HOOK_FRICTION = 0.6
 """Coefficient that is relied upon between the hook's rubber and the handle."""
-MIN_LYING_LOAD, MAX_LYING_LOAD = 0.1, 1.5
-"""Least and greatest normal force of the bag on the table, in weights of the bag."""
 MIN_HOOK_LOAD, MAX_HOOK_LOAD, WISHED_HOOK_LOAD = 0.1, 3.0, 0.5
-"""The same of the hook on the handle, and what is wished for while the bag lies."""
+"""Least and greatest normal force of the hook on the handle, and what is wished for while the bag lies, in weights of
+the bag."""
 
 
 def bag_contacts(system: System) -> dict[str, Contact]:

@@ -10,7 +10,7 @@ import typer
 
 from scenarios.otani2017.bag.bag import MASS_KG, BagTrial, perform, trial_figures
 from scenarios.replay import Replay
-from sot.errors import InputError
+from scenarios.terminal import run_app
 
 app = typer.Typer(add_completion=False)
 
@@ -50,12 +50,7 @@ def trials(
 
 def main() -> int:
     """Run the command line; returns the exit code."""
-    try:
-        app(standalone_mode=False)
-    except InputError as error:
-        print(error, file=sys.stderr)
-        return 2
-    return 0
+    return run_app(app)
 
 
 if __name__ == "__main__":
