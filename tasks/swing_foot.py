@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from solvers.rows import Rows
-from sot.behaviours.stride import lowered_pose, raised_pose
+from sot.behaviours.planned_swing import PlannedSwing
 from sot.control.pose import Pose, PoseReference
 from sot.control.tick import Tick
 from sot.motion.feet.footfalls import Footfalls
@@ -54,10 +54,8 @@ class SwingFoot(FreePoint):
     @reference.setter
     def reference(self, reference: PoseReference | Array | pin.SE3) -> None:
         self._planned_path = path = self._trajectory(reference)
+        self._swing = PlannedSwing(self._stances, path)
         self._reference = self._lowered_path
-        # Half a millimetre by which a fitted path ends above the floor makes a foot late by tens of milliseconds.
-        heights = [(stance.start, float(stance.pose.translation[2])) for stance in self._stances.stances]
-        self._landing_heights_missing = {start: height - float(path(start).position[2]) for start, height in heights}
 
     def rows(self, tick: Tick) -> Rows:
         """Acceleration rows in all axes while the foot swings, none while it stands."""
@@ -68,10 +66,4 @@ class SwingFoot(FreePoint):
         return super().rows(tick)
 
     def _lowered_path(self, t: float) -> Pose:
-        t = t if self._clock is None else self._clock(t)
-        pose = self._planned_path(t)
-        before, after = self._stances.stances_around(t)
-        if before is None or after is None:
-            return pose
-        late, span = t - after.start, after.start - before.end
-        return lowered_pose(raised_pose(pose, self._landing_heights_missing[after.start], span + late, span), late)
+        return self._swing(t if self._clock is None else self._clock(t))

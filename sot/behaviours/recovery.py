@@ -1,4 +1,4 @@
-"""Unplanned steps, made when a disturbance takes the divergent component out of the support of both feet."""
+"""Steps that catch a disturbed robot: unplanned ones, and planned ones that land elsewhere."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,11 +7,13 @@ import numpy as np
 import pinocchio as pin
 
 from sot.behaviours.displacement import Displacement
+from sot.behaviours.planned_swing import LedSwing, PlannedSwing
 from sot.behaviours.stepping import SteppingSchedule
 from sot.behaviours.stride import Stride
 from sot.behaviours.support_height import divergence_rate, support_height
 from sot.control.stack import Stack
 from sot.control.tick import Tick
+from sot.motion.feet.footfalls import Footfalls
 from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
@@ -41,6 +43,10 @@ MIN_MARGIN_GAIN = 0.01
 """Least gain of a step over none, in the distance of the divergent component from the support's edges [m]."""
 HOME_DISTANCE = 0.02
 """Distance from its planned place within which a foot stays where it is [m]."""
+HOMEWARD_LENGTH = 0.03
+"""Length by which a planned step leads back, of what the foot beside it is off its place [m]: less disturbs nobody."""
+MIN_REDIRECTION = 0.004
+"""Change of where a planned swing is to land for which it is led elsewhere [m]."""
 
 
 @dataclass(slots=True)
@@ -72,8 +78,14 @@ class RecoverySchedule(SteppingSchedule):
 
         ξ(T) = z + (ξ − z) exp(ω T),   z the nearest that the other foot can hold,
 
-    some room; while it swings the place follows ξ. A step that leads no farther in than none is not made. The feet
-    are meant to stand by the plan: it makes no such steps before the last of its own.
+    some room; while it swings the place follows ξ. A step that leads no farther in than none is not made, nor one for
+    which the plan leaves no time.
+
+    While a step of the plan swings, its foot lands off its place by what ξ will be off the plan by then,
+
+        δ(T) = δz + (δ − δz) exp(ω T),   δz the nearest to δ / (1 − exp(−ω T)) that the other foot can hold.
+
+    The plan then goes on from there, and comes back by a little with each further step.
 
     The stack needs `tasks.SwingFoot` for both feet.
 
@@ -95,6 +107,11 @@ class RecoverySchedule(SteppingSchedule):
         self._rest_until = np.inf  # until when no foot goes back to its place: for ever, unless one has left it
         self._checked_at = -np.inf
         self._free_feet: list[tuple[str, str]] = []  # feet that another one lets go, with that one
+        self._swings = {
+            foot: PlannedSwing(Footfalls(motion.phases, foot), motion.pose(foot)) for foot in self._planned_places
+        }
+        self._led: dict[str, LedSwing] = {}  # planned swings that land elsewhere
+        self._seen: set[str] = set()  # feet that swing by the plan since an earlier check
 
     def observe(self, tick: Tick) -> None:
         """Check whether a step is needed, or update the foothold of the running one."""
@@ -102,8 +119,9 @@ class RecoverySchedule(SteppingSchedule):
         if step is None or step.trajectory is None:
             if not 0.0 < tick.t - self._checked_at < CHECK_INTERVAL:
                 self._checked_at, self._step = tick.t, self._needed_step(tick) if self._all_feet_carry(tick) else None
+                self._lead_planned_swings(tick)
         elif tick.t < step.trajectory.land - FOOTHOLD_FREEZE_TIME:
-            xi, _ = self._dcm_and_error(tick)
+            xi, _ = self._dcm_and_deviation(tick)
             step.trajectory.redirect(
                 tick.t, self._foothold_and_margin(tick, xi, step.foot, step.beside, step.trajectory.land - tick.t)[0]
             )
@@ -122,20 +140,72 @@ class RecoverySchedule(SteppingSchedule):
         if not 0.0 < t - self._checked_at < CHECK_INTERVAL - 1e-9:
             pairs = self._robot.feet, self._robot.feet[::-1]
             self._free_feet = [pair for pair in pairs if self.others_carry(pair[0], stack, loads)]
+        for foot, swing in self._led.items():
+            stack.contact(foot).path = swing
         done = begun + super().apply(t, stack, loads)
+        for foot in [foot for foot in self._led if stack.contact(foot).mode == "fixed"]:
+            stack.contact(foot).path = None
+            del self._led[foot]
         if step is not None and self.stances_begun(step.foot) > step.stances_before:
             stack.contact(step.foot).path = self._step = None
             self._rest_until = t + MIN_TIME_BETWEEN_STEPS
         return done
 
     def _all_feet_carry(self, tick: Tick) -> bool:
-        """Whether all feet stand with all their load, for good by the plan."""
+        """Whether all feet stand with all their load, and by the plan for long enough for a step."""
         stand = all(contact.mode == "fixed" and contact.load >= 1.0 for contact in tick.contacts)
-        return stand and not any(self.stances_to_come(foot) for foot in self._robot.feet)
+        return stand and self.next_lift() > tick.t + self.ramp + RETURN_SWING_TIME + MIN_TIME_BETWEEN_STEPS
+
+    def _lead_planned_swings(self, tick: Tick) -> None:
+        """Lead the foot that swings by the plan, if the robot is disturbed or does not stand where it should."""
+        swinging = {contact.point for contact in tick.contacts if contact.mode == "off"}
+        swinging &= {foot for foot in self._robot.feet if self.stances_to_come(foot) and self.stances_begun(foot)}
+        for foot, beside in (self._robot.feet, self._robot.feet[::-1]):
+            if foot in swinging and beside not in swinging:
+                self._lead_planned_swing(tick, foot, beside)
+        self._seen = swinging
+
+    def _lead_planned_swing(self, tick: Tick, foot: str, beside: str) -> None:
+        land = self.next_landing(foot)
+        span = land - tick.t
+        if span < FOOTHOLD_FREEZE_TIME:
+            return
+        led, at = self._led.get(foot), tick.frame(foot).position[:2]
+        displaced = tick.frame(beside).position[:2] - self._planned_places[beside](tick.t)[:2]
+        home = displaced * max(0.0, 1.0 - HOMEWARD_LENGTH / max(float(np.linalg.norm(displaced)), HOMEWARD_LENGTH))
+        missing = self._missing_at_landing(tick, beside, span)
+        place = self._planned_landing(foot, land) + home + missing
+        off = self._reachable_place(tick, place, foot, beside) - self._planned_landing(foot, land)
+        if led is None:
+            start = np.zeros(2) if foot in self._seen else at - self._swings[foot](tick.t).position[:2]
+            if max(np.linalg.norm(start), np.linalg.norm(home), np.linalg.norm(missing)) < HOME_DISTANCE:
+                return
+            led = self._led[foot] = LedSwing(self._swings[foot], tick.t, land, start)
+        way = off - led.landing_off
+        length, most = float(np.linalg.norm(way)), self._reach.swing_speed * span
+        if length > MIN_REDIRECTION:
+            led.redirect(tick.t, led.landing_off + way * min(1.0, most / length))
+
+    def _missing_at_landing(self, tick: Tick, beside: str, span: float) -> Array:
+        """What ξ will be off the plan (2,) after a time [s], if one foot alone does what it can [m]; none if calm."""
+        _, off = self._dcm_and_deviation(tick)
+        if np.linalg.norm(off) < (DISTURBED_DCM_ERROR if not self._led else CALM_DCM_ERROR):
+            return np.zeros(2)
+        growth = float(np.exp(divergence_rate(tick) * (span + self.ramp)))
+        sole = self._sole_corners(tick, beside)
+        shift = tick.frame(beside).position[:2] - self._planned_places[beside](tick.t)[:2]
+        z = self._motion.balance(tick.t)[3] + shift
+        moved = Polygon.hull(sole).inset(ZMP_MARGIN).nearest_point(z + off / (1.0 - 1.0 / growth)) - z
+        return moved + (off - moved) * growth
+
+    def _planned_landing(self, foot: str, land: float) -> Array:
+        """Planned place (2,) at which a foot lands at a time [s]."""
+        return self._planned_places[foot](land + 1e-6)[:2]
 
     def _needed_step(self, tick: Tick) -> _Step | None:
         """The step that the robot needs now, or the way back that it may take; None in an undisturbed dance."""
-        xi, off = self._dcm_and_error(tick)
+        xi, deviation = self._dcm_and_deviation(tick)
+        off = float(np.linalg.norm(deviation))
         if off < DISTURBED_DCM_ERROR:
             return self._return_step(tick, xi) if off < CALM_DCM_ERROR and tick.t > self._rest_until else None
         support = Polygon.hull(np.vstack([self._sole_corners(tick, foot) for foot in self._robot.feet]))
@@ -172,8 +242,8 @@ class RecoverySchedule(SteppingSchedule):
         begun, ground = self.stances_begun(foot), support_height(tick)
         return _Step(foot, beside, frame.position.copy(), frame.rotation.copy(), place, span, begun, ground)
 
-    def _dcm_and_error(self, tick: Tick) -> tuple[Array, float]:
-        """ξ with angular momentum (2,) [m], and its distance from the plan as displaced by the feet [m]."""
+    def _dcm_and_deviation(self, tick: Tick) -> tuple[Array, Array]:
+        """ξ with angular momentum (2,) [m], and what it is off the plan as displaced by the feet (2,) [m]."""
         t, omega = tick.t, divergence_rate(tick)
         com, velocity, _, _ = self._motion.balance(t)
         xi = (
@@ -182,11 +252,13 @@ class RecoverySchedule(SteppingSchedule):
             + omega * tick.momentum_excess_per_weight(self._motion.angular_momentum(t))
         )
         moved = Displacement.of(
-            [(self._planned_places[foot](t)[:2], tick.frame(foot).position[:2], 1.0) for foot in self._robot.feet]
+            [
+                (self._planned_places[contact.point](t)[:2], tick.frame(contact.point).position[:2], contact.load)
+                for contact in tick.contacts
+                if contact.mode == "fixed" and contact.load > 0.0 and contact.point in self._robot.feet
+            ]
         )
-        return xi, float(
-            np.linalg.norm(xi - moved.displaced_place(com[:2]) - moved.displaced_rate(velocity[:2]) / omega)
-        )
+        return xi, xi - moved.displaced_place(com[:2]) - moved.displaced_rate(velocity[:2]) / omega
 
     def _planned_place(self, tick: Tick, foot: str, beside: str) -> Array:
         """Planned place (2,) of a foot relative to where the other one stands [m]."""
