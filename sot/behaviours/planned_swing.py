@@ -51,7 +51,7 @@ class LedSwing:
         off: What the foot is off its planned place by then (2,) [m].
     """
 
-    def __init__(self, planned: PlannedSwing, t: float, land: float, off: Array) -> None:
+    def __init__(self, planned: PoseReference, t: float, land: float, off: Array) -> None:
         self._planned, self.land = planned, land
         self._from, self._coefficients = t, np.zeros((6, 2))
         self._coefficients[0] = self.landing_off = off.copy()

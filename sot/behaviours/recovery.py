@@ -1,6 +1,6 @@
 """Steps that catch a disturbed robot: unplanned ones, and planned ones that land elsewhere."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,11 +11,13 @@ from sot.behaviours.planned_swing import LedSwing, PlannedSwing
 from sot.behaviours.stepping import SteppingSchedule
 from sot.behaviours.stride import Stride
 from sot.behaviours.support_height import divergence_rate, support_height
+from sot.control.pose import PoseReference
 from sot.control.stack import Stack
 from sot.control.tick import Tick
+from sot.motion.feet.contacts import Phase
 from sot.motion.feet.footfalls import Footfalls
 from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
-from sot.motion.trajectory import Motion
+from sot.motion.trajectory import Motion, Reference
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
 
@@ -91,13 +93,22 @@ class RecoverySchedule(SteppingSchedule):
 
     Args:
         robot: The robot.
-        motion: What it does.
+        reference: What it does.
+        phases: Which feet stand where meanwhile, as far as it is known.
+        swings: Foot -> its path from one foothold to the next, where its contact is off.
         ramp: As for `SteppingSchedule`.
     """
 
-    def __init__(self, robot: Robot, motion: Motion, ramp: float = 0.04) -> None:
-        super().__init__(robot, motion.phases, ramp)
-        self._robot, self._motion, self._planned_places = robot, motion, motion.feet
+    def __init__(
+        self,
+        robot: Robot,
+        reference: Reference,
+        phases: Sequence[Phase],
+        swings: Mapping[str, PoseReference],
+        ramp: float = 0.04,
+    ) -> None:
+        super().__init__(robot, phases, ramp)
+        self._robot, self._reference, self._planned_places, self._swings = robot, reference, reference.feet, swings
         self._reach = LegReach.of(robot)
         data = robot.model.createData()
         pin.framesForwardKinematics(robot.model, data, robot.rest)
@@ -107,11 +118,14 @@ class RecoverySchedule(SteppingSchedule):
         self._rest_until = np.inf  # until when no foot goes back to its place: for ever, unless one has left it
         self._checked_at = -np.inf
         self._free_feet: list[tuple[str, str]] = []  # feet that another one lets go, with that one
-        self._swings = {
-            foot: PlannedSwing(Footfalls(motion.phases, foot), motion.pose(foot)) for foot in self._planned_places
-        }
         self._led: dict[str, LedSwing] = {}  # planned swings that land elsewhere
         self._seen: set[str] = set()  # feet that swing by the plan since an earlier check
+
+    @classmethod
+    def of(cls, motion: Motion) -> "RecoverySchedule":
+        """The schedule of a motion."""
+        paths = {foot: PlannedSwing(Footfalls(motion.phases, foot), motion.pose(foot)) for foot in motion.robot.feet}
+        return cls(motion.robot, motion, motion.phases, paths)
 
     def observe(self, tick: Tick) -> None:
         """Check whether a step is needed, or update the foothold of the running one."""
@@ -174,8 +188,8 @@ class RecoverySchedule(SteppingSchedule):
         displaced = tick.frame(beside).position[:2] - self._planned_places[beside](tick.t)[:2]
         home = displaced * max(0.0, 1.0 - HOMEWARD_LENGTH / max(float(np.linalg.norm(displaced)), HOMEWARD_LENGTH))
         missing = self._missing_at_landing(tick, beside, span)
-        place = self._planned_landing(foot, land) + home + missing
-        off = self._reachable_place(tick, place, foot, beside) - self._planned_landing(foot, land)
+        planned = self._swings[foot](land).position[:2]
+        off = self._reachable_place(tick, planned + home + missing, foot, beside) - planned
         if led is None:
             start = np.zeros(2) if foot in self._seen else at - self._swings[foot](tick.t).position[:2]
             if max(np.linalg.norm(start), np.linalg.norm(home), np.linalg.norm(missing)) < HOME_DISTANCE:
@@ -194,13 +208,9 @@ class RecoverySchedule(SteppingSchedule):
         growth = float(np.exp(divergence_rate(tick) * (span + self.ramp)))
         sole = self._sole_corners(tick, beside)
         shift = tick.frame(beside).position[:2] - self._planned_places[beside](tick.t)[:2]
-        z = self._motion.balance(tick.t)[3] + shift
+        z = self._reference.balance(tick.t)[3] + shift
         moved = Polygon.hull(sole).inset(ZMP_MARGIN).nearest_point(z + off / (1.0 - 1.0 / growth)) - z
         return moved + (off - moved) * growth
-
-    def _planned_landing(self, foot: str, land: float) -> Array:
-        """Planned place (2,) at which a foot lands at a time [s]."""
-        return self._planned_places[foot](land + 1e-6)[:2]
 
     def _needed_step(self, tick: Tick) -> _Step | None:
         """The step that the robot needs now, or the way back that it may take; None in an undisturbed dance."""
@@ -245,11 +255,11 @@ class RecoverySchedule(SteppingSchedule):
     def _dcm_and_deviation(self, tick: Tick) -> tuple[Array, Array]:
         """ξ with angular momentum (2,) [m], and what it is off the plan as displaced by the feet (2,) [m]."""
         t, omega = tick.t, divergence_rate(tick)
-        com, velocity, _, _ = self._motion.balance(t)
+        com, velocity, _, _ = self._reference.balance(t)
         xi = (
             tick.com[:2]
             + tick.com_velocity[:2] / omega
-            + omega * tick.momentum_excess_per_weight(self._motion.angular_momentum(t))
+            + omega * tick.momentum_excess_per_weight(self._reference.angular_momentum(t))
         )
         moved = Displacement.of(
             [

@@ -43,7 +43,7 @@ def moving(robot, stack, velocity, t: float = 0.0) -> Tick:
 
 def reacts(robot, motion, velocity, left: float = 0.5) -> tuple[Stack, list[str]]:
     """What happens to a stack of a robot that moves, and stands with that share of its weight on its left foot."""
-    recovery, stack = RecoverySchedule(robot, motion), standing(robot)
+    recovery, stack = RecoverySchedule.of(motion), standing(robot)
     loads = dict(zip(robot.feet, robot.mass * GRAVITY * np.array([left, 1.0 - left]), strict=True))
     done = recovery.apply(0.0, stack, loads)
     recovery.observe(moving(robot, stack, velocity))
@@ -108,7 +108,7 @@ def test_legs_neither_cross_nor_reach_too_far(robot, motion):
 
 
 def test_the_place_follows_until_shortly_before_the_foot_lands(robot, motion):
-    recovery, stack = RecoverySchedule(robot, motion), standing(robot)
+    recovery, stack = RecoverySchedule.of(motion), standing(robot)
     loads = dict.fromkeys(robot.feet, 0.5 * robot.mass * GRAVITY)
     recovery.apply(0.0, stack, loads)
     recovery.observe(moving(robot, stack, (0.6, 0.0)))
@@ -128,7 +128,7 @@ def test_the_place_follows_until_shortly_before_the_foot_lands(robot, motion):
 def test_between_steps_of_the_plan_only_where_it_leaves_time(robot):
     motion = stepping_motion(robot, rate=200.0)
     for t, steps in ((0.0, 1), (FIRST - 0.5, 0)):
-        recovery, stack = RecoverySchedule(robot, motion), standing(robot)
+        recovery, stack = RecoverySchedule.of(motion), standing(robot)
         loads = dict.fromkeys(robot.feet, 0.5 * robot.mass * GRAVITY)
         recovery.apply(t, stack, loads)
         recovery.observe(moving(robot, stack, (0.65, 0.0), t))
@@ -138,7 +138,7 @@ def test_between_steps_of_the_plan_only_where_it_leaves_time(robot):
 
 def swinging(robot, motion, velocity, shift, times) -> tuple[Stack, RecoverySchedule]:
     """A robot that is where the motion has it at some times, but shifted (2,) [m], and faster by a velocity (2,)."""
-    recovery, stack = RecoverySchedule(robot, motion), standing(robot)
+    recovery, stack = RecoverySchedule.of(motion), standing(robot)
     weight = robot.mass * GRAVITY
     for t in times:
         swings = FIRST < t < FIRST + SWING
