@@ -30,7 +30,7 @@ def test_it_begins_where_the_foot_is_and_ends_where_it_was_led_last_at_rest(plan
     led.redirect(FIRST + 0.3, LAST_WAY)
     for t in (LAND, LAND + 0.1):
         there, plan = led(t), planned(t)
-        np.testing.assert_allclose(there.position, plan.position + [*LAST_WAY, 0.0], atol=1e-9)
+        np.testing.assert_allclose(there.position, plan.position + np.append(LAST_WAY, 0.0), atol=1e-9)
         np.testing.assert_allclose(there.velocity, plan.velocity, atol=1e-9)
 
 
