@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from sot.behaviours.displacement import Displacement
-from sot.behaviours.planned_swing import LedSwing, PlannedSwing
+from sot.behaviours.planned_swing import EarlyLanding, LedSwing, PlannedSwing
 from sot.behaviours.stepping import SteppingSchedule
 from sot.behaviours.stride import Stride
 from sot.behaviours.support_height import divergence_rate, support_height
@@ -37,6 +37,8 @@ ZMP_MARGIN = 0.01
 """Distance from the support's edges that the zero-moment point keeps in predictions [m]."""
 DCM_MARGIN_AFTER_STEP = 0.04
 """Distance from the support's edges that the divergent component should have after a step [m]."""
+MIN_LANDING_TIME, LANDINGS_TRIED = 0.15, 6
+"""Least time in which a foot in the air gets to the floor [s], and how many times up to the planned one are tried."""
 CHECK_INTERVAL = 0.01
 """Interval between two checks whether a step is needed [s]."""
 FOOTHOLD_ITERATIONS = 5
@@ -87,7 +89,8 @@ class RecoverySchedule(SteppingSchedule):
 
         δ(T) = δz + (δ − δz) exp(ω T),   δz the nearest to δ / (1 − exp(−ω T)) that the other foot can hold.
 
-    The plan then goes on from there, and comes back by a little with each further step.
+    The plan then goes on from there, and comes back by a little with each further step. Where no such place leaves ξ
+    in the support of both feet, the foot lands as early as brings it deepest into it.
 
     The stack needs `tasks.SwingFoot` for both feet.
 
@@ -118,7 +121,8 @@ class RecoverySchedule(SteppingSchedule):
         self._rest_until = np.inf  # until when no foot goes back to its place: for ever, unless one has left it
         self._checked_at = -np.inf
         self._free_feet: list[tuple[str, str]] = []  # feet that another one lets go, with that one
-        self._led: dict[str, LedSwing] = {}  # planned swings that land elsewhere
+        self._led: dict[str, LedSwing | EarlyLanding] = {}  # planned swings that land elsewhere
+        self._early: dict[str, Array] = {}  # feet that stand before the plan has them stand, and their places in it
         self._seen: set[str] = set()  # feet that swing by the plan since an earlier check
 
     @classmethod
@@ -149,6 +153,7 @@ class RecoverySchedule(SteppingSchedule):
                 step.start, step.rotation, lift, land, STEP_HEIGHT, step.ground
             )
             step.trajectory.redirect(lift, step.place)
+            stack.contact(step.foot).is_catching = True
             self.add_step(step.foot, lift, land)
             begun = [f"{step.foot} steps"]
         if not 0.0 < t - self._checked_at < CHECK_INTERVAL - 1e-9:
@@ -157,11 +162,18 @@ class RecoverySchedule(SteppingSchedule):
         for foot, swing in self._led.items():
             stack.contact(foot).path = swing
         done = begun + super().apply(t, stack, loads)
-        for foot in [foot for foot in self._led if stack.contact(foot).mode == "fixed"]:
-            stack.contact(foot).path = None
-            del self._led[foot]
+        for foot in self._robot.feet:
+            contact = stack.contact(foot)
+            if contact.mode == "fixed" and foot in self._led:
+                led, contact.path = self._led.pop(foot), None
+                if isinstance(led, EarlyLanding):
+                    self._early[foot] = contact.foothold = led.planned
+            elif contact.mode == "off" and foot in self._early:
+                del self._early[foot]
+                contact.foothold = None
         if step is not None and self.stances_begun(step.foot) > step.stances_before:
             stack.contact(step.foot).path = self._step = None
+            stack.contact(step.foot).is_catching = False
             self._rest_until = t + MIN_TIME_BETWEEN_STEPS
         return done
 
@@ -184,33 +196,72 @@ class RecoverySchedule(SteppingSchedule):
         span = land - tick.t
         if span < FOOTHOLD_FREEZE_TIME:
             return
-        led, at = self._led.get(foot), tick.frame(foot).position[:2]
-        displaced = tick.frame(beside).position[:2] - self._planned_places[beside](tick.t)[:2]
+        led, path = self._led.get(foot), self._swings[foot]
+        planned = led.planned if led else path(land).position
+        displaced = self._displacement(tick, beside)
         home = displaced * max(0.0, 1.0 - HOMEWARD_LENGTH / max(float(np.linalg.norm(displaced)), HOMEWARD_LENGTH))
-        missing = self._missing_at_landing(tick, beside, span)
-        planned = self._swings[foot](land).position[:2]
-        off = self._reachable_place(tick, planned + home + missing, foot, beside) - planned
+        xi, missing = self._dcm_at_landing(tick, beside, span)
+        place = self._reachable_place(tick, planned[:2] + home + missing, foot, beside)
         if led is None:
-            start = np.zeros(2) if foot in self._seen else at - self._swings[foot](tick.t).position[:2]
+            at = tick.frame(foot).position[:2]
+            start = np.zeros(2) if foot in self._seen else at - path(tick.t).position[:2]
             if max(np.linalg.norm(start), np.linalg.norm(home), np.linalg.norm(missing)) < HOME_DISTANCE:
                 return
-            led = self._led[foot] = LedSwing(self._swings[foot], tick.t, land, start)
-        way = off - led.landing_off
-        length, most = float(np.linalg.norm(way)), self._reach.swing_speed * span
+            led = self._led[foot] = LedSwing(path, tick.t, land, start)
+        if isinstance(led, LedSwing) and missing.any() and self._margin(tick, xi, foot, beside, place) < 0.0:
+            early, place = self._best_landing(tick, foot, beside, led, home, (span, place))
+            if early < span:
+                self.move_landing(foot, tick.t + early)
+                off = place - planned[:2]
+                self._led[foot] = EarlyLanding(tick.t, led(tick.t), tick.t + early, path(land), off)
+                return
+        way = place - planned[:2] - led.landing_off
+        length, most = float(np.linalg.norm(way)), self._reach.light_swing_length(span)
         if length > MIN_REDIRECTION:
             led.redirect(tick.t, led.landing_off + way * min(1.0, most / length))
 
-    def _missing_at_landing(self, tick: Tick, beside: str, span: float) -> Array:
-        """What ξ will be off the plan (2,) after a time [s], if one foot alone does what it can [m]; none if calm."""
+    def _best_landing(
+        self, tick: Tick, foot: str, beside: str, led: LedSwing, home: Array, best: tuple[float, Array]
+    ) -> tuple[float, Array]:
+        """Time [s] and place (2,) of the landing that has ξ deepest in the support of both feet, or the best so far."""
+        at, (span, place) = led(tick.t).position, best
+        deepest = self._margin(tick, self._dcm_at_landing(tick, beside, span)[0], foot, beside, place) + MIN_MARGIN_GAIN
+        for early in np.linspace(MIN_LANDING_TIME, span, LANDINGS_TRIED, endpoint=False):
+            xi, missing = self._dcm_at_landing(tick, beside, early)
+            place = self._reachable_place(tick, led.planned[:2] + home + missing, foot, beside)
+            way = float(np.linalg.norm(np.append(place, led.planned[2]) - at))
+            depth = self._margin(tick, xi, foot, beside, place)
+            if depth > deepest and way <= self._reach.light_swing_length(early):
+                deepest, best = depth, (float(early), place)
+        return best
+
+    def _dcm_at_landing(self, tick: Tick, beside: str, span: float) -> tuple[Array, Array]:
+        """ξ (2,) after a time [s] if one foot does what it can, and what that is off its plan, if not calm (2,) [m]."""
         _, off = self._dcm_and_deviation(tick)
-        if np.linalg.norm(off) < (DISTURBED_DCM_ERROR if not self._led else CALM_DCM_ERROR):
-            return np.zeros(2)
-        growth = float(np.exp(divergence_rate(tick) * (span + self.ramp)))
-        sole = self._sole_corners(tick, beside)
-        shift = tick.frame(beside).position[:2] - self._planned_places[beside](tick.t)[:2]
+        shift, omega = self._displacement(tick, beside), divergence_rate(tick)
+        com, velocity, _, _ = self._reference.balance(tick.t + span)
+        planned = com[:2] + velocity[:2] / omega + shift
+        if np.linalg.norm(off) < (CALM_DCM_ERROR if self._led else DISTURBED_DCM_ERROR):
+            return planned, np.zeros(2)
+        growth = float(np.exp(omega * (span + self.ramp)))
         z = self._reference.balance(tick.t)[3] + shift
-        moved = Polygon.hull(sole).inset(ZMP_MARGIN).nearest_point(z + off / (1.0 - 1.0 / growth)) - z
-        return moved + (off - moved) * growth
+        sole = Polygon.hull(self._sole_corners(tick, beside)).inset(ZMP_MARGIN)
+        moved = sole.nearest_point(z + off / (1.0 - 1.0 / growth)) - z
+        missing = moved + (off - moved) * growth
+        return planned + missing, missing
+
+    def _displacement(self, tick: Tick, foot: str) -> Array:
+        """What a foot that stands is off its planned place (2,) [m]."""
+        return tick.frame(foot).position[:2] - self._home(foot, tick.t)
+
+    def _home(self, foot: str, t: float) -> Array:
+        """Planned place (2,) of a foot that stands at a time [s], or stood or will stand [m]."""
+        return (self._early[foot] if foot in self._early else self._planned_places[foot](t))[:2]
+
+    def _margin(self, tick: Tick, xi: Array, foot: str, beside: str, place: Array) -> float:
+        """Distance of ξ from the edges of the support of a foot that stands and one that has landed at a place [m]."""
+        landed = self._sole_corners(tick, foot) - tick.frame(foot).position[:2] + place
+        return float(Polygon.hull(np.vstack([self._sole_corners(tick, beside), landed])).margin(xi))
 
     def _needed_step(self, tick: Tick) -> _Step | None:
         """The step that the robot needs now, or the way back that it may take; None in an undisturbed dance."""
@@ -263,7 +314,7 @@ class RecoverySchedule(SteppingSchedule):
         )
         moved = Displacement.of(
             [
-                (self._planned_places[contact.point](t)[:2], tick.frame(contact.point).position[:2], contact.load)
+                (self._home(contact.point, t), tick.frame(contact.point).position[:2], contact.load)
                 for contact in tick.contacts
                 if contact.mode == "fixed" and contact.load > 0.0 and contact.point in self._robot.feet
             ]
@@ -272,10 +323,7 @@ class RecoverySchedule(SteppingSchedule):
 
     def _planned_place(self, tick: Tick, foot: str, beside: str) -> Array:
         """Planned place (2,) of a foot relative to where the other one stands [m]."""
-        return (
-            tick.frame(beside).position[:2]
-            + (self._planned_places[foot](tick.t) - self._planned_places[beside](tick.t))[:2]
-        )
+        return tick.frame(beside).position[:2] + self._home(foot, tick.t) - self._home(beside, tick.t)
 
     def _foothold_and_margin(self, tick: Tick, xi: Array, foot: str, beside: str, span: float) -> tuple[Array, float]:
         """Foothold (2,) after a time [s], and the distance of ξ from the new support's edges once it carries [m]."""
@@ -290,7 +338,7 @@ class RecoverySchedule(SteppingSchedule):
             if not missing.any():
                 break
             place = self._reachable_place(tick, place + missing, foot, beside)
-        return place, float(Polygon.hull(np.vstack([stands, place + sole])).margin(xi))
+        return place, self._margin(tick, xi, foot, beside, place)
 
     def _reachable_place(self, tick: Tick, place: Array, foot: str, beside: str) -> Array:
         """The nearest place (2,) that a leg reaches without coming near the foot that stands [m]."""

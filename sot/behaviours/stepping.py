@@ -107,6 +107,11 @@ class SteppingSchedule(Schedule):
         own = self._foot(foot)
         own.stances = own.stances.with_step(lift, land, own.stances[own.next_stance - 1].pose)
 
+    def move_landing(self, foot: str, t: float) -> None:
+        """Let the next stance of a foot begin at another time [s]."""
+        own = self._foot(foot)
+        own.stances = own.stances.with_landing(own.next_stance, t)
+
     def _foot(self, name: str) -> _Foot:
         return next(foot for foot in self._feet if foot.name == name)
 
