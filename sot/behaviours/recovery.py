@@ -4,19 +4,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 
-from sot.behaviours.displacement import Displacement
+from sot.behaviours.capture import Capture, predicted_dcm
 from sot.behaviours.planned_swing import EarlyLanding, LedSwing, PlannedSwing
 from sot.behaviours.stepping import SteppingSchedule
 from sot.behaviours.stride import Stride
-from sot.behaviours.support_height import divergence_rate, support_height
+from sot.behaviours.support_height import support_height
 from sot.control.pose import PoseReference
 from sot.control.stack import Stack
 from sot.control.tick import Tick
 from sot.motion.feet.contacts import Phase
 from sot.motion.feet.footfalls import Footfalls
-from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
 from sot.motion.trajectory import Motion, Reference
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
@@ -33,8 +31,6 @@ FOOTHOLD_FREEZE_TIME = 0.08
 """Time before touchdown from which on the foothold stays [s]."""
 STEP_HEIGHT = 0.05
 """Height of an unplanned step [m]."""
-ZMP_MARGIN = 0.01
-"""Distance from the support's edges that the zero-moment point keeps in predictions [m]."""
 DCM_MARGIN_AFTER_STEP = 0.04
 """Distance from the support's edges that the divergent component should have after a step [m]."""
 MIN_LANDING_TIME, LANDINGS_TRIED = 0.15, 6
@@ -111,18 +107,12 @@ class RecoverySchedule(SteppingSchedule):
         ramp: float = 0.04,
     ) -> None:
         super().__init__(robot, phases, ramp)
-        self._robot, self._reference, self._planned_places, self._swings = robot, reference, reference.feet, swings
-        self._reach = LegReach.of(robot)
-        data = robot.model.createData()
-        pin.framesForwardKinematics(robot.model, data, robot.rest)
-        # What points to the robot's left, seen from its feet.
-        self._left = {foot: data.oMf[robot.point(foot)].rotation.T @ (0.0, 1.0, 0.0) for foot in robot.feet}
+        self._robot, self._swings, self._capture = robot, swings, Capture(robot, reference)
         self._step: _Step | None = None
         self._rest_until = np.inf  # until when no foot goes back to its place: for ever, unless one has left it
         self._checked_at = -np.inf
         self._free_feet: list[tuple[str, str]] = []  # feet that another one lets go, with that one
         self._led: dict[str, LedSwing | EarlyLanding] = {}  # planned swings that land elsewhere
-        self._early: dict[str, Array] = {}  # feet that stand before the plan has them stand, and their places in it
         self._seen: set[str] = set()  # feet that swing by the plan since an earlier check
 
     @classmethod
@@ -139,7 +129,7 @@ class RecoverySchedule(SteppingSchedule):
                 self._checked_at, self._step = tick.t, self._needed_step(tick) if self._all_feet_carry(tick) else None
                 self._lead_planned_swings(tick)
         elif tick.t < step.trajectory.land - FOOTHOLD_FREEZE_TIME:
-            xi, _ = self._dcm_and_deviation(tick)
+            xi, _ = self._capture.dcm_and_deviation(tick)
             step.trajectory.redirect(
                 tick.t, self._foothold_and_margin(tick, xi, step.foot, step.beside, step.trajectory.land - tick.t)[0]
             )
@@ -167,9 +157,9 @@ class RecoverySchedule(SteppingSchedule):
             if contact.mode == "fixed" and foot in self._led:
                 led, contact.path = self._led.pop(foot), None
                 if isinstance(led, EarlyLanding):
-                    self._early[foot] = contact.foothold = led.planned
-            elif contact.mode == "off" and foot in self._early:
-                del self._early[foot]
+                    self._capture.early[foot] = contact.foothold = led.planned
+            elif contact.mode == "off" and foot in self._capture.early:
+                del self._capture.early[foot]
                 contact.foothold = None
         if step is not None and self.stances_begun(step.foot) > step.stances_before:
             stack.contact(step.foot).path = self._step = None
@@ -198,89 +188,63 @@ class RecoverySchedule(SteppingSchedule):
             return
         led, path = self._led.get(foot), self._swings[foot]
         planned = led.planned if led else path(land).position
-        displaced = self._displacement(tick, beside)
+        displaced = self._capture.displacement(tick, beside)
         home = displaced * max(0.0, 1.0 - HOMEWARD_LENGTH / max(float(np.linalg.norm(displaced)), HOMEWARD_LENGTH))
-        xi, missing = self._dcm_at_landing(tick, beside, span)
-        place = self._reachable_place(tick, planned[:2] + home + missing, foot, beside)
+        calm = CALM_DCM_ERROR if led else DISTURBED_DCM_ERROR
+        xi, missing = self._capture.dcm_at_landing(tick, beside, span + self.ramp, calm)
+        place = self._capture.reachable_place(tick, planned[:2] + home + missing, foot, beside)
         if led is None:
             at = tick.frame(foot).position[:2]
             start = np.zeros(2) if foot in self._seen else at - path(tick.t).position[:2]
             if max(np.linalg.norm(start), np.linalg.norm(home), np.linalg.norm(missing)) < HOME_DISTANCE:
                 return
             led = self._led[foot] = LedSwing(path, tick.t, land, start)
-        if isinstance(led, LedSwing) and missing.any() and self._margin(tick, xi, foot, beside, place) < 0.0:
-            early, place = self._best_landing(tick, foot, beside, led, home, (span, place))
-            if early < span:
-                self.move_landing(foot, tick.t + early)
-                off = place - planned[:2]
-                self._led[foot] = EarlyLanding(tick.t, led(tick.t), tick.t + early, path(land), off)
+        if isinstance(led, LedSwing) and missing.any():
+            depth = self._capture.margin(tick, xi, foot, beside, place)
+            if depth < 0.0 and (best := self._deeper_landing(tick, foot, beside, home, depth)):
+                early, place = best
+                self.move_landing(foot, early)
+                self._led[foot] = EarlyLanding(tick.t, led(tick.t), early, path(land), place - planned[:2])
                 return
         way = place - planned[:2] - led.landing_off
-        length, most = float(np.linalg.norm(way)), self._reach.light_swing_length(span)
+        length, most = float(np.linalg.norm(way)), self._capture.reach.light_swing_length(span)
         if length > MIN_REDIRECTION:
             led.redirect(tick.t, led.landing_off + way * min(1.0, most / length))
 
-    def _best_landing(
-        self, tick: Tick, foot: str, beside: str, led: LedSwing, home: Array, best: tuple[float, Array]
-    ) -> tuple[float, Array]:
-        """Time [s] and place (2,) of the landing that has ξ deepest in the support of both feet, or the best so far."""
-        at, (span, place) = led(tick.t).position, best
-        deepest = self._margin(tick, self._dcm_at_landing(tick, beside, span)[0], foot, beside, place) + MIN_MARGIN_GAIN
-        for early in np.linspace(MIN_LANDING_TIME, span, LANDINGS_TRIED, endpoint=False):
-            xi, missing = self._dcm_at_landing(tick, beside, early)
-            place = self._reachable_place(tick, led.planned[:2] + home + missing, foot, beside)
+    def _deeper_landing(
+        self, tick: Tick, foot: str, beside: str, home: Array, depth: float
+    ) -> tuple[float, Array] | None:
+        """Time [s] and place (2,) of an earlier landing that has ξ deepest in the support of both feet, if any has."""
+        led, best, land = self._led[foot], None, self.next_landing(foot)
+        at, deepest = led(tick.t).position, depth + MIN_MARGIN_GAIN
+        for early in np.linspace(tick.t + MIN_LANDING_TIME, land, LANDINGS_TRIED, endpoint=False):
+            span = float(early - tick.t)
+            xi, missing = self._capture.dcm_at_landing(tick, beside, span + self.ramp, 0.0)
+            place = self._capture.reachable_place(tick, led.planned[:2] + home + missing, foot, beside)
             way = float(np.linalg.norm(np.append(place, led.planned[2]) - at))
-            depth = self._margin(tick, xi, foot, beside, place)
-            if depth > deepest and way <= self._reach.light_swing_length(early):
+            depth = self._capture.margin(tick, xi, foot, beside, place)
+            if depth > deepest and way <= self._capture.reach.light_swing_length(span):
                 deepest, best = depth, (float(early), place)
         return best
 
-    def _dcm_at_landing(self, tick: Tick, beside: str, span: float) -> tuple[Array, Array]:
-        """ξ (2,) after a time [s] if one foot does what it can, and what that is off its plan, if not calm (2,) [m]."""
-        _, off = self._dcm_and_deviation(tick)
-        shift, omega = self._displacement(tick, beside), divergence_rate(tick)
-        com, velocity, _, _ = self._reference.balance(tick.t + span)
-        planned = com[:2] + velocity[:2] / omega + shift
-        if np.linalg.norm(off) < (CALM_DCM_ERROR if self._led else DISTURBED_DCM_ERROR):
-            return planned, np.zeros(2)
-        growth = float(np.exp(omega * (span + self.ramp)))
-        z = self._reference.balance(tick.t)[3] + shift
-        sole = Polygon.hull(self._sole_corners(tick, beside)).inset(ZMP_MARGIN)
-        moved = sole.nearest_point(z + off / (1.0 - 1.0 / growth)) - z
-        missing = moved + (off - moved) * growth
-        return planned + missing, missing
-
-    def _displacement(self, tick: Tick, foot: str) -> Array:
-        """What a foot that stands is off its planned place (2,) [m]."""
-        return tick.frame(foot).position[:2] - self._home(foot, tick.t)
-
-    def _home(self, foot: str, t: float) -> Array:
-        """Planned place (2,) of a foot that stands at a time [s], or stood or will stand [m]."""
-        return (self._early[foot] if foot in self._early else self._planned_places[foot](t))[:2]
-
-    def _margin(self, tick: Tick, xi: Array, foot: str, beside: str, place: Array) -> float:
-        """Distance of ξ from the edges of the support of a foot that stands and one that has landed at a place [m]."""
-        landed = self._sole_corners(tick, foot) - tick.frame(foot).position[:2] + place
-        return float(Polygon.hull(np.vstack([self._sole_corners(tick, beside), landed])).margin(xi))
-
     def _needed_step(self, tick: Tick) -> _Step | None:
         """The step that the robot needs now, or the way back that it may take; None in an undisturbed dance."""
-        xi, deviation = self._dcm_and_deviation(tick)
+        xi, deviation = self._capture.dcm_and_deviation(tick)
         off = float(np.linalg.norm(deviation))
         if off < DISTURBED_DCM_ERROR:
             return self._return_step(tick, xi) if off < CALM_DCM_ERROR and tick.t > self._rest_until else None
-        support = Polygon.hull(np.vstack([self._sole_corners(tick, foot) for foot in self._robot.feet]))
+        support = self._capture.support(tick, self._robot.feet)
         if support.margin(xi) >= 0.0:
             return None
         best, step = (
-            MIN_MARGIN_GAIN
-            + float(support.margin(_predicted_dcm(tick, xi, support, MIN_SWING_TIME + 2.0 * self.ramp))),
+            MIN_MARGIN_GAIN + float(support.margin(predicted_dcm(tick, xi, support, MIN_SWING_TIME + 2.0 * self.ramp))),
             None,
         )
         for foot, beside in self._free_feet:
             place, depth = self._foothold_and_margin(tick, xi, foot, beside, self.ramp + MIN_SWING_TIME)
             span = max(
-                MIN_SWING_TIME, float(np.linalg.norm(place - tick.frame(foot).position[:2])) / self._reach.swing_speed
+                MIN_SWING_TIME,
+                float(np.linalg.norm(place - tick.frame(foot).position[:2])) / self._capture.reach.swing_speed,
             )
             if span > MIN_SWING_TIME:
                 place, depth = self._foothold_and_margin(tick, xi, foot, beside, self.ramp + span)
@@ -291,7 +255,7 @@ class RecoverySchedule(SteppingSchedule):
     def _return_step(self, tick: Tick, xi: Array) -> _Step | None:
         """A step that brings a foot back to its planned place, if ξ allows it."""
         for foot, beside in self._free_feet:
-            home = self._planned_place(tick, foot, beside)
+            home = self._capture.planned_place(tick, foot, beside)
             if np.linalg.norm(home - tick.frame(foot).position[:2]) > HOME_DISTANCE:
                 place, _ = self._foothold_and_margin(tick, xi, foot, beside, self.ramp + RETURN_SWING_TIME)
                 if np.array_equal(place, home):
@@ -303,33 +267,14 @@ class RecoverySchedule(SteppingSchedule):
         begun, ground = self.stances_begun(foot), support_height(tick)
         return _Step(foot, beside, frame.position.copy(), frame.rotation.copy(), place, span, begun, ground)
 
-    def _dcm_and_deviation(self, tick: Tick) -> tuple[Array, Array]:
-        """ξ with angular momentum (2,) [m], and what it is off the plan as displaced by the feet (2,) [m]."""
-        t, omega = tick.t, divergence_rate(tick)
-        com, velocity, _, _ = self._reference.balance(t)
-        xi = (
-            tick.com[:2]
-            + tick.com_velocity[:2] / omega
-            + omega * tick.momentum_excess_per_weight(self._reference.angular_momentum(t))
-        )
-        moved = Displacement.of(
-            [
-                (self._home(contact.point, t), tick.frame(contact.point).position[:2], contact.load)
-                for contact in tick.contacts
-                if contact.mode == "fixed" and contact.load > 0.0 and contact.point in self._robot.feet
-            ]
-        )
-        return xi, xi - moved.displaced_place(com[:2]) - moved.displaced_rate(velocity[:2]) / omega
-
-    def _planned_place(self, tick: Tick, foot: str, beside: str) -> Array:
-        """Planned place (2,) of a foot relative to where the other one stands [m]."""
-        return tick.frame(beside).position[:2] + self._home(foot, tick.t) - self._home(beside, tick.t)
-
     def _foothold_and_margin(self, tick: Tick, xi: Array, foot: str, beside: str, span: float) -> tuple[Array, float]:
         """Foothold (2,) after a time [s], and the distance of ξ from the new support's edges once it carries [m]."""
-        stands, sole = self._sole_corners(tick, beside), self._sole_corners(tick, foot) - tick.frame(foot).position[:2]
-        xi = _predicted_dcm(tick, xi, Polygon.hull(stands), span + self.ramp)
-        place = self._planned_place(tick, foot, beside)
+        stands, sole = (
+            self._capture.sole_corners(tick, beside),
+            self._capture.sole_corners(tick, foot) - tick.frame(foot).position[:2],
+        )
+        xi = predicted_dcm(tick, xi, Polygon.hull(stands), span + self.ramp)
+        place = self._capture.planned_place(tick, foot, beside)
         for _ in range(FOOTHOLD_ITERATIONS):
             # The support's edge between both feet moves by a part of what one of them does.
             missing = xi - Polygon.hull(np.vstack([stands, place + sole])).inset(DCM_MARGIN_AFTER_STEP).nearest_point(
@@ -337,30 +282,5 @@ class RecoverySchedule(SteppingSchedule):
             )
             if not missing.any():
                 break
-            place = self._reachable_place(tick, place + missing, foot, beside)
-        return place, self._margin(tick, xi, foot, beside, place)
-
-    def _reachable_place(self, tick: Tick, place: Array, foot: str, beside: str) -> Array:
-        """The nearest place (2,) that a leg reaches without coming near the foot that stands [m]."""
-        frame, swings = tick.frame(beside), tick.frame(foot)
-        outward = (frame.rotation @ self._left[beside])[:2] * (1.0 if foot == self._robot.feet[0] else -1.0)
-        inner = max((self._sole_corners(tick, beside) - frame.position[:2]) @ outward)
-        inner -= min((self._sole_corners(tick, foot) - swings.position[:2]) @ outward)
-        reach, least, off = (
-            self._reach.max_stride,
-            inner + SOLE_CLEARANCE * self._reach.leg_length,
-            place - frame.position[:2],
-        )
-        off = off + max(0.0, least - off @ outward) * outward
-        hip = max(least, self._reach.hip_width) * outward
-        return frame.position[:2] + hip + (off - hip) * (reach / max(reach, float(np.linalg.norm(off - hip))))
-
-    def _sole_corners(self, tick: Tick, foot: str) -> Array:
-        """Corners of a foot's sole (nc, 2)."""
-        return tick.frame(foot).floor_projection(self._robot.sole(foot))
-
-
-def _predicted_dcm(tick: Tick, xi: Array, support: Polygon, span: float) -> Array:
-    """ξ (2,) after a time [s], if the zero-moment point in the support does what it can [m]."""
-    z = support.inset(ZMP_MARGIN).nearest_point(xi)
-    return z + (xi - z) * np.exp(divergence_rate(tick) * span)
+            place = self._capture.reachable_place(tick, place + missing, foot, beside)
+        return place, self._capture.margin(tick, xi, foot, beside, place)

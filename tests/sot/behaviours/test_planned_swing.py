@@ -1,9 +1,12 @@
 """A planned swing led elsewhere: as smooth as the plan, from where the foot is to where it shall be."""
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
-from sot.behaviours.planned_swing import LedSwing, PlannedSwing
+from sot.behaviours.planned_swing import EarlyLanding, LedSwing, PlannedSwing
+from sot.behaviours.stride import LANDING_DEPTH
+from sot.control.pose import Pose
 from sot.motion.feet.footfalls import Footfalls
 from sot.robots.robot import Robot
 from tests.sot.behaviours.stepping import FIRST, SWING, stepping_motion
@@ -58,3 +61,38 @@ def test_nothing_jumps_when_it_is_led_elsewhere(led):
 
 def test_a_late_foot_is_lowered_beside_its_place_as_at_it(planned, led):
     assert led(LAND + 0.1).position[2] == planned(LAND + 0.1).position[2] < planned(LAND).position[2] - 0.005
+
+
+@pytest.fixture
+def early():
+    axis = np.array([0.1, 0.2, 0.9])
+    start = Pose(np.array([0.1, -0.1, 0.12]), pin.exp3(-axis), np.append([0.3, 0.1, 0.2], 0.5 * axis), np.ones(6))
+    there = Pose(np.array([0.2, -0.1, 0.01]), np.eye(3), np.zeros(6), np.zeros(6))
+    return EarlyLanding(1.0, start, 1.3, there, FIRST_WAY), start, there
+
+
+def test_an_early_landing_goes_on_from_where_the_foot_is_and_ends_flat_at_rest_on_the_floor(early):
+    path, start, there = early
+    now = path(1.0)
+    np.testing.assert_allclose(now.position, start.position, atol=1e-12)
+    np.testing.assert_allclose(now.rotation, start.rotation, atol=1e-12)
+    np.testing.assert_allclose(now.velocity, start.velocity, atol=1e-12)
+    end = path(1.3)
+    np.testing.assert_allclose(end.position, there.position + np.append(FIRST_WAY, -LANDING_DEPTH), atol=1e-9)
+    np.testing.assert_allclose(end.rotation, there.rotation, atol=1e-9)
+    np.testing.assert_allclose(end.velocity, 0.0, atol=1e-9)
+    assert path(1.4).position[2] < end.position[2]
+
+
+def test_its_velocity_and_acceleration_are_the_derivatives_and_it_may_be_led_elsewhere(early):
+    path, h = early[0], 1e-5
+    before = path(1.1)
+    path.redirect(1.1, LAST_WAY)
+    for one, other in zip(before, path(1.1), strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-9)
+    for t in (1.15, 1.25):
+        last, now, following = path(t - h), path(t), path(t + h)
+        np.testing.assert_allclose((following.position - last.position) / (2 * h), now.velocity[:3], atol=1e-6)
+        turned = pin.log3(following.rotation @ last.rotation.T)
+        np.testing.assert_allclose(turned / (2 * h), now.velocity[3:], atol=1e-6)
+        np.testing.assert_allclose((following.velocity - last.velocity) / (2 * h), now.acceleration, atol=1e-4)

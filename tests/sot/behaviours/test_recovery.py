@@ -4,6 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from sot.behaviours.planned_swing import EarlyLanding
 from sot.behaviours.recovery import HOMEWARD_LENGTH, RecoverySchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
@@ -168,9 +169,22 @@ def test_a_planned_swing_lands_off_its_place_by_what_will_be_off_the_plan(robot,
     stack, _ = swinging(robot, motion, velocity, (0.0, 0.0), UP_TO)
     ((foot, way),) = ways(stack).items()
     assert foot == STEPS_FIRST
-    off = way(way.land).position[:2] - motion.pose(foot)(way.land).position[:2]
+    off = way(way.land).position[:2] - way.planned[:2]
     np.testing.assert_allclose(off, way.landing_off, atol=1e-9)
     assert off @ velocity > 0.02 * np.linalg.norm(velocity)
+
+
+def test_where_it_cannot_wait_the_foot_lands_early_and_stands_for_its_planned_place(robot):
+    motion = stepping_motion(robot, rate=200.0)
+    land, weight = FIRST + SWING, robot.mass * GRAVITY
+    stack, recovery = swinging(robot, motion, (0.0, -0.35), (0.0, 0.0), UP_TO)
+    way = stack.contact(STEPS_FIRST).path
+    assert isinstance(way, EarlyLanding) and UP_TO[-1] < way.land < land - 0.05
+    for t in np.arange(UP_TO[-1] + PERIOD, way.land + 0.01, PERIOD):
+        recovery.apply(t, stack, {foot: weight * (foot != STEPS_FIRST or t > way.land) for foot in robot.feet})
+    contact = stack.contact(STEPS_FIRST)
+    assert contact.mode == "fixed" and contact.path is None
+    np.testing.assert_allclose(contact.foothold, motion.pose(STEPS_FIRST)(land).position, atol=2e-3)
 
 
 def test_feet_that_stand_elsewhere_come_home_by_a_little_with_each_step(robot):
