@@ -8,7 +8,8 @@ import numpy as np
 
 from scenarios.inputs.clips import find_clip
 from scenarios.inputs.stack_file import Composition
-from scenarios.otani2017.carrying.clip import ClipCarry, carry_after, clip_figures
+from scenarios.otani2017.carrying.clip import ClipCarry, carry_after
+from scenarios.otani2017.carrying.clip_figures import clip_figures
 from scenarios.otani2017.carrying.scene import BOX, carry_demonstration, carry_things
 from scenarios.otani2017.carrying.stack import carry_stack
 from scenarios.otani2017.figures import manipulation_figures, object_report, tick_medians
