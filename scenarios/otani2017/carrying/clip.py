@@ -63,6 +63,15 @@ class ClipCarry:
     plan: Plan
     way: Array
 
+    @property
+    def remarks(self) -> list[str]:
+        """What the robot does otherwise than the human, a sentence each."""
+        return [
+            *self.plan.remarks,
+            f"The robot is {PACE:g} times as fast as the human.",
+            "While palms lie flat on the box's sides, arms are not the human's, and chest and box turn together.",
+        ]
+
 
 @dataclass(frozen=True)
 class ClipBox:
