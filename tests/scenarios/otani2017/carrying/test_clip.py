@@ -6,9 +6,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from scenarios.inputs.clips import cache_folder
 from scenarios.otani2017.carrying import clip as study
+from scenarios.otani2017.carrying.carry import Carrying, carry_figures, perform
 from scenarios.otani2017.carrying.clip import ClipBox, carry_after
 from scenarios.otani2017.carrying.clip_figures import points_from_waist
+from scenarios.replay import Replay
 from sot.errors import InputError
 from sot.motion.plan import PLAN_RATE
 from sot.robots.robot import Robot
@@ -56,3 +59,17 @@ def test_points_are_seen_from_the_waist(robot: Robot) -> None:
     near, far = points_from_waist(robot, q, ("head", "left_wrist"))
     np.testing.assert_allclose(near, far, atol=1e-12)
     assert near[0, 2] > 0.3
+
+
+@pytest.mark.slow
+def test_a_recorded_box_is_carried() -> None:
+    name = "omomo_sub3_largebox_003"
+    if not (cache_folder() / f"{name}.pt").is_file():
+        pytest.skip(f"{name} has not been fetched; `sot run otani carry --clip {name}` does that")
+    done = perform(Replay(name, "hrp2", rate=500.0), Carrying(), lambda what, share: None)
+    figures = carry_figures(done)
+    assert done.danced.run.fell_at_s is None and not done.schedule.failure
+    assert figures["carrying"]["carried_m"] > 1.3
+    assert figures["carrying"]["off_clip_max_m"] < 0.1
+    assert figures["carrying"]["upper_body_mpjpe_mm"] < 30.0
+    assert figures["objects"]["box"]["end_error_m"] < 0.01
