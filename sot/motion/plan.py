@@ -125,6 +125,7 @@ def plan(
     contacts: Sequence[Step] | None = None,
     slide: SlideWay | None = None,
     height: float | None = None,
+    as_danced: bool = False,
 ) -> Plan:
     """The motion with which a robot dances like a human.
 
@@ -140,6 +141,8 @@ def plan(
             have to be planted.
         height: error of the hips' height that is accepted for a smoother motion of a robot whose feet are planted [m]:
             the smaller, the more of what the dancer's knees swing is kept, but for while a foot slides.
+        as_danced: whether the dancer's time and way are kept, with nothing slowed down or shortened; physics has to
+            judge what becomes of it.
 
     Raises:
         InputError: another kind of `feet`, contacts for planted ones, or a slide for others or in too short a clip; or
@@ -147,7 +150,7 @@ def plan(
     """
     try:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            once = partial(_plan, human, robot, feet, rate, contacts, slide, height)
+            once = partial(_plan, human, robot, feet, rate, contacts, slide, height, as_danced)
             planned = _with_lifts_kept(once) if feet == "dancer" else once(keep_lifts=False)
         if np.isfinite(planned.motion.q).all() and np.isfinite(planned.motion.a).all():
             return planned
@@ -197,6 +200,7 @@ def _plan(
     contacts: Sequence[Step] | None,
     slide: SlideWay | None,
     height: float | None,
+    as_danced: bool,
     keep_lifts: bool,
 ) -> Plan:
     if feet not in FEET_MODES:
@@ -207,7 +211,7 @@ def _plan(
         raise InputError("only planted feet slide, and let the hips bounce: choose them, or leave slide and height out")
     supports(robot, planted_phases(robot, 1.0))  # compiles what it needs, once an installation: that is no planning
     begun = time.perf_counter()
-    fit = Fitter(robot, Build.of(robot), Limits.of(robot, MAX_LEG_EXTENSION_STEPPING), height)
+    fit = Fitter(robot, Build.of(robot), Limits.of(robot, MAX_LEG_EXTENSION_STEPPING), height, as_danced)
     smooth = human.low_passed(CAPTURE_NOISE_HZ)
     course = None if feet == "planted" else fit.stepping_course(smooth, contacts, keep_lifts)
     if course is None or (feet in ("auto", "dancer") and contacts is None and len(course.phases) == 1):
