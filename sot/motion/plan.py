@@ -130,6 +130,7 @@ def plan(
     slide: SlideWay | None = None,
     height: float | None = None,
     limbs: LimbFit | None = None,
+    as_danced: bool = False,
 ) -> Plan:
     """The motion with which a robot dances like a human.
 
@@ -146,6 +147,8 @@ def plan(
         height: error of the hips' height that is accepted for a smoother motion of a robot whose feet are planted [m]:
             the smaller, the more of what the dancer's knees swing is kept, but for while a foot slides.
         limbs: fits limbs that do something else than the human's, before the body is balanced with them and after.
+        as_danced: whether the dancer's time and way are kept, with nothing slowed down or shortened; physics has to
+            judge what becomes of it.
 
     Raises:
         InputError: another kind of `feet`, contacts for planted ones, or a slide for others or in too short a clip; or
@@ -153,7 +156,7 @@ def plan(
     """
     try:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            once = partial(_plan, human, robot, feet, rate, contacts, slide, height, limbs)
+            once = partial(_plan, human, robot, feet, rate, contacts, slide, height, limbs, as_danced)
             planned = _with_lifts_kept(once) if feet == "dancer" else once(keep_lifts=False)
         if np.isfinite(planned.motion.q).all() and np.isfinite(planned.motion.a).all():
             return planned
@@ -204,6 +207,7 @@ def _plan(
     slide: SlideWay | None,
     height: float | None,
     limbs: LimbFit | None,
+    as_danced: bool,
     keep_lifts: bool,
 ) -> Plan:
     if feet not in FEET_MODES:
@@ -214,7 +218,7 @@ def _plan(
         raise InputError("only planted feet slide, and let the hips bounce: choose them, or leave slide and height out")
     supports(robot, planted_phases(robot, 1.0))  # compiles what it needs, once an installation: that is no planning
     begun = time.perf_counter()
-    fit = Fitter(robot, Build.of(robot), Limits.of(robot, MAX_LEG_EXTENSION_STEPPING), height)
+    fit = Fitter(robot, Build.of(robot), Limits.of(robot, MAX_LEG_EXTENSION_STEPPING), height, as_danced)
     smooth = human.low_passed(CAPTURE_NOISE_HZ)
     course = None if feet == "planted" else fit.stepping_course(smooth, contacts, keep_lifts)
     if course is None or (feet in ("auto", "dancer") and contacts is None and len(course.phases) == 1):

@@ -203,6 +203,7 @@ def reachable_footholds(
     carried: Mapping[str, Array],
     stiffness: Array,
     body: Array,
+    min_scale: float = MIN_PATH_SCALE,
 ) -> tuple[dict[str, list[Foothold]], Array]:
     """The footholds that the legs reach from one another, without crossing or touching, nearest to the wanted ones
     along a path that is scaled by as little as that needs.
@@ -225,9 +226,10 @@ def reachable_footholds(
         carried: foot -> (n, 2, K), C [m].
         stiffness: (K, K) of the scales [m²].
         body: (steps, 2, 2) its place when each foot lifts and when it lands [m].
+        min_scale: least that a piece of the path is scaled to.
 
     Returns:
-        The footholds, and the scales (K,), MIN_PATH_SCALE to 1.
+        The footholds, and the scales (K,), `min_scale` to 1.
     """
     index = _FootholdIndex(wanted)
     shifts = _body_shifts(body, wanted, turned, steps, reach)
@@ -239,7 +241,7 @@ def reachable_footholds(
     along = rows @ C
     along[np.abs(along) < ROUNDING_ERROR] = 0.0
     limits = sp.block_array([[rows, sp.csr_array(along)], [None, sp.eye_array(count)]], format="csr")
-    lower = np.concatenate([least - rows @ target, np.full(count, MIN_PATH_SCALE - 1.0)])
+    lower = np.concatenate([least - rows @ target, np.full(count, min_scale - 1.0)])
     upper = np.concatenate([np.full(len(least), np.inf), np.full(count, ROUNDING_ERROR)])
     value = np.ones(index.count)
     while True:
@@ -257,7 +259,7 @@ def reachable_footholds(
     return {
         foot: [Foothold(float(x), float(y), float(yaw)) for (x, y), yaw in zip(found[foot], turned[foot], strict=True)]
         for foot in wanted
-    }, np.clip(1.0 + scale, MIN_PATH_SCALE, 1.0)
+    }, np.clip(1.0 + scale, min_scale, 1.0)
 
 
 def _body_shifts(
