@@ -24,7 +24,7 @@ from sot.motion.body.spline import Spline
 from sot.motion.body.targets import Targets, key_points
 from sot.motion.body.whole_body import fit_limbs
 from sot.motion.feet.contacts import Phase, planted_phases
-from sot.motion.feet.course import standing_course
+from sot.motion.feet.course import Course, standing_course
 from sot.motion.feet.flight import Flight, find_flights, flight_remark
 from sot.motion.feet.footwork import Step
 from sot.motion.feet.slides import SlideWay
@@ -230,16 +230,15 @@ def _plan(
         wanted, imitation = fit.unbalanced_body(course)
     retargeted = time.perf_counter()
     course, body_motion, relieved = fit.balanced(course, wanted, imitation, MAX_SLOWDOWNS, fresh=True, relieved=False)
+    plain, plain_motion = course, body_motion
     if feet in ("auto", "dancer"):
         course, body_motion = fit.with_swings_followed(course, fit.targets(course), body_motion, relieved)
-    body_motion = fit_limbs(
-        robot, fit.targets(course), fit.limits, body_motion, LIMB_REFIT_STEPS
-    )  # the chest has moved
-    if limbs is not None:
-        body_motion = limbs(_shown(course.clock), fit.targets(course), fit.limits, body_motion)
-    course, body_motion, _ = fit.balanced(
-        course, fit.targets(course), body_motion, MAX_FINAL_SLOWDOWNS, fresh=False, relieved=relieved
-    )
+    tries = course is not plain
+    course, body_motion = _finished(fit, course, body_motion, relieved, limbs)
+    if tries and course.clock[-1] > plain.clock[-1]:  # the dancer's swings are worth no time
+        plain, plain_motion = _finished(fit, plain, plain_motion, relieved, limbs)
+        if plain.clock[-1] < course.clock[-1]:
+            course, body_motion = plain, plain_motion
     wanted = fit.targets(course)
     if limbs is not None:
         body_motion = limbs(_shown(course.clock), wanted, fit.limits, body_motion)
@@ -281,6 +280,20 @@ def _plan(
 def _shown(clock: Array) -> Array:
     """Of the motion's time at all frames (T,), the part at those of the clip, without lead-in and tail [s]."""
     return clock[round(LEAD_IN_TIME * PLAN_RATE) : len(clock) - round(TAIL_TIME * PLAN_RATE)]
+
+
+def _finished(
+    fit: Fitter, course: Course, body_motion: Spline, relieved: bool, limbs: LimbFit | None
+) -> tuple[Course, Spline]:
+    """The course and the motion of a body whose limbs are fitted to its chest as it has moved, balanced once more."""
+    wanted = fit.targets(course)
+    body_motion = fit_limbs(fit.robot, wanted, fit.limits, body_motion, LIMB_REFIT_STEPS)
+    if limbs is not None:
+        body_motion = limbs(_shown(course.clock), wanted, fit.limits, body_motion)
+    course, body_motion, _ = fit.balanced(
+        course, wanted, body_motion, MAX_FINAL_SLOWDOWNS, fresh=False, relieved=relieved
+    )
+    return course, body_motion
 
 
 def _clip_time(clock: Array, t: float) -> float:
