@@ -58,13 +58,12 @@ format: $(READY)  ## format the code and mend what the linter can
 	$(BIN)/ruff format
 	$(BIN)/ruff check --fix
 
-LOCK := build/lock/bin/uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes \
+LOCK := $(BIN)/uv pip compile pyproject.toml --universal --python-version 3.11 --upgrade --generate-hashes \
     --no-emit-index-url --no-annotate --no-header --quiet
 
-lock:  ## resolve the dependencies anew into requirements.lock and requirements-docs.lock
-	@test -x build/lock/bin/uv || { $(PYTHON) -m venv build/lock && build/lock/bin/pip install --quiet uv; }
-	$(LOCK) --upgrade --extra test --output-file requirements.lock
-	$(LOCK) --upgrade --extra docs --constraint requirements.lock --output-file requirements-docs.lock
+lock: $(READY)  ## resolve the dependencies anew into requirements.lock and requirements-docs.lock
+	$(LOCK) --extra test --output-file requirements.lock
+	$(LOCK) --extra docs --constraint requirements.lock --output-file requirements-docs.lock
 
 clean:  ## remove what was installed and built (runs/ stays)
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache

@@ -37,7 +37,7 @@ copybutton_prompt_is_regexp = True
 # Notebooks are run while the site is built: the repository has no output of theirs, and what the page shows is true.
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
-nb_execution_timeout = 120
+nb_execution_timeout = 600  # s a cell, on a busy machine
 
 # The reference is made from the docstrings, which are plain text with `code` in single quotes.
 default_role = "code"

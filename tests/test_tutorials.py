@@ -1,4 +1,4 @@
-"""The tutorials and the page to start with run as they stand, command by command, and print what they show."""
+"""The pages for beginners run as they stand, command by command, and print what they show."""
 
 import os
 import re
@@ -8,7 +8,7 @@ import pytest
 
 from tests.pages import ROOT, TUTORIALS, commands
 
-PAGES = [ROOT / "docs" / "start.md", *TUTORIALS]
+PAGES = [ROOT / "docs" / "start.md", ROOT / "docs" / "figures.md", *TUTORIALS]
 NOT_HERE = re.compile(r"make |source |sot view\b")
 """Commands that other tests run, that set up a shell, or that open a window."""
 MARK = "=== command "
