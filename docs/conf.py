@@ -17,7 +17,7 @@ except metadata.PackageNotFoundError:
     release = ""
 
 extensions = [
-    "flowchart",
+    "mermaid",
     "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
@@ -30,7 +30,7 @@ extensions = [
 myst_enable_extensions = ["attrs_inline", "colon_fence", "dollarmath"]
 myst_fence_as_directive = ["mermaid"]
 myst_heading_anchors = 3
-suppress_warnings = ["myst.header"]
+suppress_warnings = ["toc.empty_glob"]
 copybutton_prompt_text = r"^(?:\$|>>>) "
 copybutton_prompt_is_regexp = True
 

@@ -8,10 +8,6 @@ import re
 from collections.abc import Sequence
 from html import escape
 from itertools import pairwise
-from typing import Any
-
-from docutils import nodes
-from sphinx.util.docutils import SphinxDirective
 
 BOX_HEIGHT, ROW_GAP, COLUMN_GAP, CHARACTER, PADDING = 52.0, 44.0, 18.0, 6.6, 14.0  # px
 SWEEPS = 12
@@ -139,21 +135,3 @@ def drawing(text: str) -> str:
         f'markerWidth="7" markerHeight="7" orient="auto"><path d="M0,0 L8,4 L0,8 z"/></marker></defs>'
         f"{''.join(parts)}</svg></div>"
     )
-
-
-class Mermaid(SphinxDirective):
-    """The directive that a fenced block `mermaid` is."""
-
-    has_content = True
-
-    def run(self) -> list[nodes.Node]:
-        try:
-            return [nodes.raw("", drawing("\n".join(self.content)), format="html")]
-        except ValueError as error:
-            raise self.error(f"flowchart: {error}") from error
-
-
-def setup(app: Any) -> dict[str, bool]:
-    """Called by Sphinx."""
-    app.add_directive("mermaid", Mermaid)
-    return {"parallel_read_safe": True, "parallel_write_safe": True}
