@@ -1,5 +1,6 @@
 """`sot run otani carry`: a box taken from a stand, carried on the robot's own steps, and set down on another one."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar
@@ -20,12 +21,13 @@ from sim.recording.things import HandledThings
 from sim.reporting import report
 from sot.behaviours.manipulation.walking import WalkingManipulation
 from sot.errors import InputError
-from sot.motion.carrying.carry import carry
+from sot.motion.carrying.carry import CarryPlan, carry
 from sot.motion.feet.footwork import Foothold
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
 from sot.robots.system import System
+from sot.robots.things.thing import Thing
 
 BOX_LEGS = (1.0 / 3.0, 0.57, 1.0 / 3.0)
 """Size of the box: forward, to the side and up, as it is held [leg lengths]."""
@@ -115,6 +117,28 @@ def perform(request: Replay, carrying: Carrying, tell: ProgressCallback) -> Carr
         depth, width, height = (leg * length for length in BOX_LEGS)
         plan = carry(robot, (depth, width, height), believed.mass, stops, request.rate)
     system = System(robot, carry_things(plan, believed, stands=after is None))
+    things = carry_things(plan, carrying.actual, offset, stands=after is None)
+    return carry_out(replace(request, clip=request.clip or "carry"), plan, system, things, tell, after)
+
+
+def carry_out(
+    request: Replay,
+    plan: CarryPlan,
+    system: System,
+    things: Sequence[Thing],
+    tell: ProgressCallback,
+    after: ClipCarry | None = None,
+) -> Carried:
+    """Run a planned carrying; nothing is written.
+
+    Args:
+        request: Solver and rate, and what the run is called.
+        plan: What is to be done.
+        system: The robot and the things as the controller knows them.
+        things: As they are in physics.
+        tell: Told of the progress.
+        after: The clip's carrying, if it is one.
+    """
     demonstration = carry_demonstration(plan, system)
     contacts = contacts_of(demonstration)
     schedule = WalkingManipulation(demonstration, contacts)
@@ -122,9 +146,7 @@ def perform(request: Replay, carrying: Carrying, tell: ProgressCallback) -> Carr
     def compose(robot: Robot, motion: Motion) -> Composition:
         return Composition(carry_stack(demonstration, contacts, schedule), schedule)
 
-    things = carry_things(plan, carrying.actual, offset, stands=after is None)
-    named = replace(request, clip=request.clip or "carry")
-    danced = run_motion(named, compose, demonstration.motion, None, tell, system=system, things=things)
+    danced = run_motion(request, compose, demonstration.motion, None, tell, system=system, things=things)
     played = schedule.played()
     danced.run.log.zmp_planned[: len(played.zmp)] = played.zmp  # the run knew the motion only as it is without waits
     assert danced.system is not None

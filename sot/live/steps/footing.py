@@ -116,8 +116,10 @@ class SteppingFooting:
         return at, flies
 
     def foothold(self, foot: str, t: float) -> Array:
-        """See `Footing`."""
-        return foot_pose(self.stands[foot], self._rest[foot]).translation
+        """See `Footing`; during a swing, the nearest in time."""
+        step = self._steps[0] if self._stride is not None else None
+        lands = step is not None and step.foot == foot and 2.0 * t > step.lift + step.land
+        return foot_pose(step.place if step and lands else self.stands[foot], self._rest[foot]).translation
 
     def phases(self, end: float) -> tuple[Phase, ...]:
         """See `Footing`."""
