@@ -56,6 +56,7 @@ class SteppingFollower(Follower):
         self.footing = SteppingFooting(robot)
         self._cap = MAX_EXTENSION * self._build.leg + float(self._build.ankles[2])
         self._calm, self._calm_rate, self._calm_at = np.zeros(4), np.zeros(4), -np.inf
+        self._hips_at, self._hips = -np.inf, dict[float, float]()
         self.asked, self.way = [], []
         self._moments: deque[tuple[float, Moment, float]] = deque()
         return LiveReference(robot, limits, footing=self.footing)
@@ -112,7 +113,15 @@ class SteppingFollower(Follower):
         return replace(target, y=y, velocity=velocity)
 
     def _highest_hips(self, extension: float = MAX_EXTENSION) -> float:
-        """How high the hips may be now so that no leg has to be longer than it is while they are lowered [m]."""
+        """How high the hips may be so that no leg has to be longer than it is while they are lowered [m]: by the last
+        plan of the centre of mass, and as the pelvis was then."""
+        if self._hips_at != self.footing.planned_at:
+            self._hips_at, self._hips = self.footing.planned_at, {}
+        if extension not in self._hips:
+            self._hips[extension] = self._hips_within(extension)
+        return self._hips[extension]
+
+    def _hips_within(self, extension: float) -> float:
         y, hip_width = self.reference.now, self.footing.reach.hip_width
         base = to_rotation(y[None, 3:6])[0]
         middle = (y[:3] + base @ self._build.hips)[:2] - self.footing.com[0]

@@ -55,6 +55,7 @@ class SteppingFooting:
 
     Attributes:
         asked: the person's steps that the robot has not decided on yet.
+        planned_at: when the centre of mass was planned last [s].
         made: the steps that are over.
         scale: lengths of the robot over the person's.
         begun: called with foot, lift and landing time [s] of each step that is going to be made.
@@ -79,7 +80,7 @@ class SteppingFooting:
         self._last: DecidedStep | None = None
         self._landed_at = dict.fromkeys(robot.feet, -np.inf)
         self._phases = [self.start]
-        self._planned_at = -np.inf
+        self.planned_at = -np.inf
         self.excess = 0.0
 
     def meet(self, scale: float) -> None:
@@ -109,7 +110,7 @@ class SteppingFooting:
 
     def places_ahead(self, foot: str) -> tuple[Array, Array]:
         """Where a foot is over the floor at the times of `com_ahead` (n, 2) [m], and whether it is in the air (n,)."""
-        times = self._planned_at + self._preview.times
+        times = self.planned_at + self._preview.times
         at, flies = np.tile((self.stands[foot].x, self.stands[foot].y), (len(times), 1)), np.zeros(len(times), bool)
         for step in self._steps:
             if step.foot == foot:
@@ -166,12 +167,12 @@ class SteppingFooting:
         self, t: float, period: float, wanted: Array, future: Sequence[tuple[float, Array]], height: float
     ) -> Array:
         """See `Footing`."""
-        if t > self._planned_at + KNOT_PERIOD - 1e-6:
-            self._planned_at = t
+        if t > self.planned_at + KNOT_PERIOD - 1e-6:
+            self.planned_at = t
             self._plan(t, wanted, future)
         preview = self._preview
         place, rate = preview.c, preview.dc
-        preview.advance(period, t - self._planned_at)
+        preview.advance(period, t - self.planned_at)
         return np.stack([place, rate, preview.ddc])
 
     def _plan(self, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
@@ -211,9 +212,7 @@ class SteppingFooting:
         return self._preview.solve(rooms, wish, end, swings)
 
     def _wish(self, room: Room, lean: Array) -> Array:
-        if room.is_single:
-            return room.inside.nearest_point(room.centre)
-        return room.inside.nearest_point(room.centre + lean)
+        return room.middle if room.is_single else room.inside.nearest_point(room.centre + lean)
 
     def _land(self, t: float) -> None:
         """Let a swing that is over be over."""

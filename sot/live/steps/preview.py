@@ -101,18 +101,14 @@ class StepPreview:
         final = self._free[-1] @ state + self._time * rate
         pull = self._zmp.T @ (wish - free) / ACCEPTED_ZMP_ERROR**2
         pull -= np.outer(self._rate[-1], rate) / ACCEPTED_END_SPEED**2
-        size = len(self._rate[-1])
-        rows, bounds = [], []
-        for k, room in enumerate(rooms):
-            normals = room.inside.normals
-            rows.append(np.hstack([normals[:, :1] * self._zmp[k], normals[:, 1:] * self._zmp[k]]))
-            bounds.append(room.inside.offsets - normals @ free[k])
-        normals = end.inside.normals
-        rows.append(np.hstack([normals[:, :1] * self._end, normals[:, 1:] * self._end]))
-        bounds.append(end.inside.offsets - normals @ final)
-        A = np.vstack(rows)
-        A = np.vstack([np.hstack([A, -np.ones((len(A), 1))]), np.append(np.zeros(2 * size), -1.0)])
-        b = np.append(np.concatenate(bounds), 0.0)
+        size, regions = len(self._rate[-1]), [*(room.inside for room in rooms), end.inside]
+        knots = np.repeat(np.arange(len(regions)), [len(region.offsets) for region in regions])
+        normals, offsets = (np.concatenate([getattr(one, name) for one in regions]) for name in ("normals", "offsets"))
+        moves, unmoved = np.vstack([self._zmp, self._end]), np.vstack([free, final])
+        A = np.zeros((len(knots) + 1, 2 * size + 1))
+        A[:-1, :size], A[:-1, size:-1] = normals[:, :1] * moves[knots], normals[:, 1:] * moves[knots]
+        A[:, -1] = -1.0
+        b = np.append(offsets - np.einsum("ij,ij->i", normals, unmoved[knots]), 0.0)
         x = quadprog.solve_qp(self._H, np.append(pull.T.ravel(), 0.0), -A.T, -b)[0]
         return x[:-1].reshape(2, -1), float(x[-1])
 

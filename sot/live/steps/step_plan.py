@@ -48,11 +48,13 @@ class Room:
     Attributes:
         inside: room that a plan may use.
         centre: (2,) of the soles that carry [m].
+        middle: (2,) place inside that is nearest to it [m].
         is_single: whether one foot carries alone.
     """
 
     inside: Polygon
     centre: Array
+    middle: Array
     is_single: bool
 
 
@@ -76,7 +78,9 @@ class Rooms:
             phase = Phase(0.0, 1.0, {foot: foot_pose(at, self._rest[foot]) for foot, at in stands.items()})
             support = support_over(self._robot, phase, 0.0, 0.0)
             soles = [pose.act(self._robot.sole(foot).mean(axis=0))[:2] for foot, pose in phase.feet.items()]
-            self._known[key] = Room(support.inset, np.mean(soles, axis=0), len(stands) == 1)
+            centre = np.mean(soles, axis=0)
+            middle = support.inset.nearest_point(centre)
+            self._known[key] = Room(support.inset, centre, middle, len(stands) == 1)
         return self._known[key]
 
 
@@ -88,16 +92,17 @@ def rooms_at(
     A foot is not counted on to carry from FORCE_RAMP_TIME before it lifts to as long after it has landed.
     """
     found: list[Room] = []
-    now, pending = dict(stands), list(steps)
+    now, pending, known = dict(stands), list(steps), dict[tuple[int, bool], Room]()
     for t in times:
         while pending and t > pending[0].land + FORCE_RAMP_TIME + TOLERANCE:
             done = pending.pop(0)
             now[done.foot] = done.place
         step = pending[0] if pending else None
-        if step is not None and t > step.lift - FORCE_RAMP_TIME - TOLERANCE:
-            found.append(rooms({foot: at for foot, at in now.items() if foot != step.foot}))
-        else:
-            found.append(rooms(now))
+        lifted = step.foot if step is not None and t > step.lift - FORCE_RAMP_TIME - TOLERANCE else None
+        when = len(pending), lifted is not None
+        if when not in known:
+            known[when] = rooms({foot: at for foot, at in now.items() if foot != lifted})
+        found.append(known[when])
     for step in pending:
         now[step.foot] = step.place
     return found, now
