@@ -17,6 +17,7 @@ except metadata.PackageNotFoundError:
     release = ""
 
 extensions = [
+    "mathml",
     "mermaid",
     "myst_nb",
     "sphinx.ext.autodoc",
@@ -30,7 +31,6 @@ extensions = [
 myst_enable_extensions = ["attrs_inline", "colon_fence", "dollarmath"]
 myst_fence_as_directive = ["mermaid"]
 myst_heading_anchors = 3
-suppress_warnings = ["toc.empty_glob"]
 copybutton_prompt_text = r"^(?:\$|>>>) "
 copybutton_prompt_is_regexp = True
 
@@ -57,6 +57,7 @@ napoleon_use_ivar = True
 
 # Looks
 html_theme = "furo"
+html_math_renderer = "mathml"
 html_title = f"humanoid-sot {release}"
 html_static_path = ["static"]
 html_css_files = ["site.css"]

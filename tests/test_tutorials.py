@@ -12,7 +12,7 @@ PAGES = [ROOT / "docs" / "start.md", ROOT / "docs" / "figures.md", *TUTORIALS]
 NOT_HERE = re.compile(r"make |source |sot view\b")
 """Commands that other tests run, that set up a shell, or that open a window."""
 MARK = "=== command "
-TIMEOUT_S = 900.0
+TIMEOUT_S = 1800.0
 
 
 def words(line: str) -> str:
