@@ -20,6 +20,8 @@ TYPICAL_MULTIPLIER = 100.0  # of a limit, for half the distance between its boun
 VIOLATION_TOLERANCE = 1e-5  # largest violation of a limit, relative to half the distance between its bounds
 GRADIENT_TOLERANCE = 1e-9  # gradient left, relative to its largest part
 CURVATURE_ROUNDING = 1e-13  # rounding of the gradient, relative to the largest entry of the Hessian
+BLOCKED_BAND = 65  # subdiagonals from which on LAPACK factorises in blocks
+MIN_WIDENED_BAND = 48  # subdiagonals from which on its blocks are worth the zeros of a wider band
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,8 @@ class BandedQP:
         self._G.sum_duplicates()  # and sorts the columns of each row
         self._h = np.concatenate([upper[above], -lower[below]]) / self._row_units
         self._Gt = self._G.T.tocsr()
-        self._normal_cells, self._weights_to_normal = _normal_matrix_map(self._G, band)
+        self._factor_band = BLOCKED_BAND if MIN_WIDENED_BAND <= band < BLOCKED_BAND else band
+        self._normal_cells, self._weights_to_normal = _normal_matrix_map(self._G, band, self._factor_band)
 
     def solve(
         self,
@@ -88,13 +91,15 @@ class BandedQP:
         G, Gt, normal_cells = self._G, self._Gt, self._normal_cells
         origin = np.zeros(self.n) if expansion_point is None else expansion_point
         h = self._h - G @ origin
-        x = _cholesky_solve(_banded_cholesky(H.copy()), -g)
+        widened = np.zeros((self.n, self._factor_band + 1))
+        widened[:, : self.band + 1] = H
+        x = _cholesky_solve(_banded_cholesky(widened.copy()), -g)
         slack = h - G @ x
         if slack.size == 0 or slack.min() >= 0.0:
             return BandedSolution(origin + x, True, 0, 0.0)
         curvature_rounding = CURVATURE_ROUNDING * _max_abs(H)
         s, z = np.maximum(slack, 1.0), np.full(slack.size, first_multiplier)
-        solved, iteration, normal = False, 0, np.empty_like(H)
+        solved, iteration, normal = False, 0, np.empty_like(widened)
         while iteration < max_iterations:
             curvature = dsbmv(self.band, 1.0, H.T, x, lower=1)
             dual = curvature + g + Gt @ z
@@ -105,7 +110,7 @@ class BandedQP:
             if solved:
                 break
             iteration += 1
-            np.copyto(normal, H)
+            np.copyto(normal, widened)
             normal.ravel()[normal_cells] += self._weights_to_normal @ (z / s)
             factor = _banded_cholesky(normal)
 
@@ -156,9 +161,9 @@ def sparse_qp(H: sp.sparray, A: sp.sparray, lower: Array, upper: Array, toleranc
     return replace(solution, x=solution.x[place])
 
 
-def _normal_matrix_map(G: sp.csr_array, band: int) -> tuple[NDArray[np.int64], sp.csr_array]:
-    """Cells where the lower diagonals of GᵀWG are not zero, flattened as `H` is, and the linear map from row
-    weights w to the values of these cells."""
+def _normal_matrix_map(G: sp.csr_array, band: int, stored: int) -> tuple[NDArray[np.int64], sp.csr_array]:
+    """Cells where the lower diagonals of GᵀWG are not zero, of a flattened matrix of `stored` subdiagonals, and the
+    linear map from row weights w to the values of these cells."""
     products, cells, rows = [], [], []
     counts = np.diff(G.indptr)
     for count in np.unique(counts[counts > 0]):
@@ -171,12 +176,12 @@ def _normal_matrix_map(G: sp.csr_array, band: int) -> tuple[NDArray[np.int64], s
                 if offset.max() > band:
                     raise ValueError(f"a limit couples variables {offset.max()} apart, the band is {band}")
                 products.append(value[:, a] * value[:, b])
-                cells.append(column[:, b].astype(np.int64) * (band + 1) + offset)
+                cells.append(column[:, b].astype(np.int64) * (stored + 1) + offset)
                 rows.append(row)
     if not products:
         return np.zeros(0, np.int64), sp.csr_array((0, G.shape[0]))
     cell = np.concatenate(cells)
-    used = np.zeros(G.shape[1] * (band + 1), bool)
+    used = np.zeros(G.shape[1] * (stored + 1), bool)
     used[cell] = True
     entries = np.concatenate(products), ((np.cumsum(used) - 1)[cell], np.concatenate(rows))
     return np.flatnonzero(used), sp.csr_array(entries, shape=(int(used.sum()), G.shape[0]))

@@ -49,12 +49,13 @@ BOUNCE_HZ = 0.5  # slower motion of the hips is no bounce
 
 @dataclass(frozen=True)
 class Fitter:
-    """The fit of a robot's body to a course of human and feet."""
+    """The fit of a robot's body to a course of human and feet; one that is as danced is nowhere slowed down."""
 
     robot: Robot
     build: Build
     limits: Limits
     hip_height_error: float | None
+    as_danced: bool = False
 
     def stepping_course(self, human: Human, contacts: Sequence[Step] | None, keep_lifts: bool) -> Course:
         """A course that steps.
@@ -62,15 +63,18 @@ class Fitter:
         contacts: the steps to make, on the clip's time, instead of those found.
         keep_lifts: whether high lifts are the dancer's, and take as long.
         """
-        course = stepping_course(human_on_time_line(human, PLAN_RATE), self.robot, self.build, contacts, keep_lifts)
+        on_time_line = human_on_time_line(human, PLAN_RATE)
+        course = stepping_course(on_time_line, self.robot, self.build, contacts, keep_lifts, self.as_danced)
         return self.with_dancers_swings(course, tuple(map(float, kept_lifts(course))))
 
     def with_dancers_swings(self, course: Course, shares: tuple[float, ...]) -> Course:
         """The course with feet that swing as the dancer's do; shares: for each step by how much, 0 to 1."""
         if not shares:
             return course
-        swings = DancersFeet(self.robot, self.build, self.limits, course, self.targets(course))
-        return replace(course, feet=swings.paths(shares), swing_shares=shares)
+        paths = course.swing_paths
+        if paths is None:
+            paths = DancersFeet(self.robot, self.build, self.limits, course, self.targets(course)).paths
+        return replace(course, feet=paths(shares), swing_shares=shares, swing_paths=paths)
 
     def targets(self, course: Course) -> Targets:
         moved = feet_middle(course.feet)[0] - feet_middle(standing_paths(planted_phases(self.robot, 1.0)[0], 1))[0]
@@ -127,6 +131,8 @@ class Fitter:
                 calmings -= 1
                 course, changed, moved = self.with_dancers_swings(course, calmer), about, True
                 continue
+            if self.as_danced:
+                break
             clock = clock_from_slowness(slowness_about(course, slower), period)
             course = self.with_dancers_swings(with_clock(course, self.robot, clock), course.swing_shares)
             body_motion = body_at_clock(body_motion, clock)
@@ -136,29 +142,18 @@ class Fitter:
     def with_swings_followed(
         self, course: Course, wanted: Targets, body_motion: Spline, relieved: bool
     ) -> tuple[Course, Spline]:
-        """The course with swings that are the dancer's wherever a balanced body follows them as it is, and the motion
-        of that body: they take no time. Both are as they were where too few swings can be."""
+        """The course with swings that are the dancer's wherever the robot has time for them, and a motion of the body
+        near them, not yet balanced. Both are as they were where too few swings can be the dancer's."""
         shares, already = followed_swings(course), course.swing_shares or itertools.repeat(0.0)
         changed = [k for k, (share, before) in enumerate(zip(shares, already, strict=False)) if share != before]
         if len(changed) < MIN_FOLLOWED_SWINGS * len(shares) or not changed:
             return course, body_motion
-        plain, about = (course, body_motion), swing_knots(course, changed)
-        overloaded_before = np.logical_or(*self.overloaded(course, body_motion))
-        for _ in range(1 + MAX_CALMINGS):
-            course = self.with_dancers_swings(course, shares)
-            rounds = BalanceRounds(
-                self.robot, self.build, wanted, course.feet, course.phases, self.limits, body_motion, relieved
-            )
-            strained_times = rounds.balance_about(about, rough=True)
-            body_motion = rounds.body_motion
-            over = np.logical_or(*self.overloaded(course, body_motion)) & ~overloaded_before
-            strained_times = np.union1d(strained_times, np.flatnonzero(over) / PLAN_RATE)
-            if not len(strained_times):
-                return course, body_motion
-            shares, about = calmer_swings(course, strained_times)
-            if not about.any():
-                break
-        return plain
+        course = self.with_dancers_swings(course, shares)
+        rounds = BalanceRounds(
+            self.robot, self.build, wanted, course.feet, course.phases, self.limits, body_motion, relieved
+        )
+        rounds.approach(swing_knots(course, changed))
+        return course, rounds.body_motion
 
     def overloaded(self, course: Course, body_motion: Spline) -> tuple[Flags, Flags]:
         """Flags of the knots (T,) at which motors give more than they can, but would not if the body moved slower; and

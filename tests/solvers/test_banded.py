@@ -29,6 +29,19 @@ def test_agrees_with_a_dense_solver(seed):
     np.testing.assert_allclose(solution.x, expected, atol=1e-5)
 
 
+@pytest.mark.parametrize("band", [47, 48, 64, 65])
+def test_a_matrix_of_any_band_gives_the_same_answer(band):
+    _, H, g, A = random_problem(np.random.default_rng(3), n=120)
+    bound = np.concatenate([np.full(120, 0.4), np.full(119, 0.15)])
+    wide = np.zeros((120, band + 1))
+    wide[:, :4] = H
+    narrow, padded = (
+        BandedQP(A, -bound, bound, band=own.shape[1] - 1).solve(own, g, tolerance=1e-10) for own in (H, wide)
+    )
+    assert padded.solved and padded.iterations == narrow.iterations
+    np.testing.assert_allclose(padded.x, narrow.x, atol=1e-9)
+
+
 def test_the_price_that_is_expected_changes_the_way_not_the_answer():
     _, H, g, A = random_problem(np.random.default_rng(0))
     qp = BandedQP(A, np.full(59, -0.15), np.full(59, 0.15), band=3)

@@ -109,6 +109,12 @@ class BalanceRounds:
         left, _ = self._improve(self._everything, np.ones(self._human.length, bool), count)
         return self.balance_about(left)
 
+    def approach(self, changed: Flags) -> None:
+        """Brings the motion near what its feet are to do about the knots (T,) at which they do something else now."""
+        self._fit_each_knot(np.flatnonzero(changed))
+        for part in self._windows_about(changed):
+            self._improve(part, changed[part], WINDOW_ITERATIONS)
+
     def balance_about(self, changed: Flags, rough: bool = False) -> Array:
         """Balances the motion about the knots (T,) at which it is not what has been balanced before.
 
@@ -121,7 +127,7 @@ class BalanceRounds:
             self._fit_each_knot(np.flatnonzero(changed))
         left = changed.copy()
         for attempt in range(WINDOW_ATTEMPTS):
-            for part in _windows(left, round(WINDOW_OVERLAP_S / self.body_motion.period)):
+            for part in self._windows_about(left):
                 before = self._count_strained(part)
                 left[part], worse = self._improve(part, left[part], WINDOW_ITERATIONS)
                 if worse or (attempt and self._count_strained(part) > MAX_STRAINED_SHARE_LEFT * before):
@@ -131,6 +137,9 @@ class BalanceRounds:
     @property
     def _everything(self) -> slice:
         return slice(0, self._human.length)
+
+    def _windows_about(self, flags: Flags) -> list[slice]:
+        return _windows(flags, round(WINDOW_OVERLAP_S / self.body_motion.period))
 
     def _count_strained(self, part: slice) -> int:
         return int(self._steps and (self._strain[part] > 0.0).sum())

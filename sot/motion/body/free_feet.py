@@ -64,6 +64,7 @@ class DancersFeet:
             leg,
         )
         self._legs: dict[str, tuple[Array, Array, Array]] = {}  # places of hip and ankle, rotation of the foot
+        self._found: dict[tuple[int, float], tuple[Array, Array] | None] = {}  # by swing and share
         if course.travel is not None and course.travel.steps:
             self._fit_legs(course.travel, _bodies_at(robot, build, wanted), limits)
 
@@ -73,13 +74,14 @@ class DancersFeet:
         if travel is None:
             return dict(self._course.feet)
         paths = foot_paths(self._robot, travel.stands, travel.steps, travel.lifts, self._reach, times)
-        for swing, share in zip(
-            swings_between(travel.stands, travel.steps, travel.lifts, self._reach), shares, strict=True
-        ):
+        swings = swings_between(travel.stands, travel.steps, travel.lifts, self._reach)
+        for number, (swing, share) in enumerate(zip(swings, shares, strict=True)):
             path, knots = paths[swing.step.foot], np.flatnonzero(swing.knots(times))
             if share > 0.0 and len(knots) >= MIN_KNOTS:
                 free = share * freedom(swing.step, times[knots], self._reach.leg_length)
-                found = self._swing(swing, knots, share, free)
+                if (number, share) not in self._found:
+                    self._found[number, share] = self._swing(swing, knots, share, free)
+                found = self._found[number, share]
                 if found is not None:
                     path.position[knots], path.rotation[knots] = found
                     path.free[knots] = path.yielding[knots] = free

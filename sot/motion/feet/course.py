@@ -1,6 +1,6 @@
 """The course of a dance: the human to look like and the paths of the feet, over time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,6 +30,7 @@ class Course:
         clock: (n,) the motion's time at the dancer's frames, lead-in and tail included [s].
         travel: of feet that step.
         swing_shares: of each step, how much of its swing is the dancer's, 0 to 1; none where all are plain ones.
+        swing_paths: the paths of the feet for such shares, once some are known.
         keeps_lifts: whether high lifts keep the dancer's time in the air, and half of their way before time is added.
     """
 
@@ -39,6 +40,7 @@ class Course:
     clock: Array
     travel: Travel | None = None
     swing_shares: tuple[float, ...] = ()
+    swing_paths: Callable[[Sequence[float]], Mapping[str, FootPath]] | None = None
     keeps_lifts: bool = False
 
 
@@ -55,14 +57,21 @@ def with_slides(course: Course, robot: Robot, slides: Sequence[Slide]) -> Course
 
 
 def stepping_course(
-    human: Human, robot: Robot, build: Build, contacts: Sequence[Step] | None, keep_lifts: bool = False
+    human: Human,
+    robot: Robot,
+    build: Build,
+    contacts: Sequence[Step] | None,
+    keep_lifts: bool = False,
+    as_danced: bool = False,
 ) -> Course:
     """The course of feet that step where and when the human's do.
 
     contacts: the steps to make, in the clip's time, instead of those found.
     keep_lifts: whether high lifts keep the dancer's time in the air.
+    as_danced: whether the dancer's time and way are kept.
     """
-    course = _course_along(plan_travel(human, build, LegReach.of(robot), contacts, keep_lifts), robot)
+    travel = plan_travel(human, build, LegReach.of(robot), contacts, keep_lifts, as_danced)
+    course = _course_along(travel, robot)
     return replace(course, keeps_lifts=keep_lifts)
 
 
