@@ -50,6 +50,8 @@ UNLATCHED_RAD, OPENED_RAD = 0.35, 1.2
 """Angle at which the bolt is within the frame, and to which the door is opened [rad]."""
 LEVER_REACHED_RAD, HINGE_REACHED_RAD, PAST_REACHED_M = 0.75, 1.0, 0.2
 """What has to be reached: angles of lever and hinge, and the waist's way past the frame."""
+AXES_WEIGHT = 0.5
+"""Weight of a hand's axes beside 10 of its place, which arms at the ends of their ranges are to follow first."""
 NOISE_M = 0.003
 """Standard deviation of where the door stands, with a seed, in each direction [m]: the benchmark's stands still."""
 
@@ -113,7 +115,9 @@ def door_stack(system: System, plan: DoorPlan) -> Stack:
     for touch in touches:
         touch.mode, touch.load = "off", 0.0
     hands = [
-        OperationalPoint(system, point, path, kp=150.0, kd=24.0, weight=10.0) for point, path in plan.hands.items()
+        OperationalPoint(system, point, path, axes=axes, kp=150.0, kd=24.0, weight=weight)
+        for point, path in plan.hands.items()
+        for axes, weight in (("xyz", 10.0), ("RPY", AXES_WEIGHT))
     ]
     return Stack(
         contacts=[*(Contact(robot.surface(foot)) for foot in robot.feet), *touches],
