@@ -1,6 +1,6 @@
 """`sot run humanoidbench door`: a door with a lever is unlatched, pushed open and walked through."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -50,6 +50,8 @@ UNLATCHED_RAD, OPENED_RAD = 0.35, 1.2
 """Angle at which the bolt is within the frame, and to which the door is opened [rad]."""
 LEVER_REACHED_RAD, HINGE_REACHED_RAD, PAST_REACHED_M = 0.75, 1.0, 0.2
 """What has to be reached: angles of lever and hinge, and the waist's way past the frame."""
+AXES_WEIGHT = 0.5
+"""Weight of a hand's axes beside 10 of its place, which arms at the ends of their ranges are to follow first."""
 NOISE_M = 0.003
 """Standard deviation of where the door stands, with a seed, in each direction [m]: the benchmark's stands still."""
 
@@ -76,16 +78,23 @@ class DoorScene:
         x, y = self.offset if offset else np.zeros(2)
         return Thing.load("latched_door", DOOR, (self.scale * AHEAD_M + x, y, 0.0), size=[self.scale] * 3)
 
+    def told(self) -> Thing:
+        """The door as the controller knows it, without its springs: what they do is told as forces on the hands.
+
+        No contact is made with it: with springs it would seem to fly against the hands.
+        """
+        return replace(self.thing(offset=False), stiffness=np.zeros(2))
+
     def layout(self) -> DoorLayout:
         """The door as the robot is told of it."""
-        scale, told = self.scale, self.thing(offset=False)
+        scale, door = self.scale, self.thing(offset=False)
         x, y = HINGE_M
         return DoorLayout(
             hinge=scale * np.array([AHEAD_M + x, y]),
             face=scale * FACE_M,
             bar=scale * np.add(BAR_M, [AHEAD_M, 0.0, 0.0]),
             grip=scale * GRIP_M,
-            stiffness=float(told.stiffness[0]),
+            stiffness=float(door.stiffness[0]),
             press_force=PRESS_N,
             press=scale * PRESS_M,
             unlatched=UNLATCHED_RAD,
@@ -106,7 +115,9 @@ def door_stack(system: System, plan: DoorPlan) -> Stack:
     for touch in touches:
         touch.mode, touch.load = "off", 0.0
     hands = [
-        OperationalPoint(system, point, path, kp=150.0, kd=24.0, weight=10.0) for point, path in plan.hands.items()
+        OperationalPoint(system, point, path, axes=axes, kp=150.0, kd=24.0, weight=weight)
+        for point, path in plan.hands.items()
+        for axes, weight in (("xyz", 10.0), ("RPY", AXES_WEIGHT))
     ]
     return Stack(
         contacts=[*(Contact(robot.surface(foot)) for foot in robot.feet), *touches],
@@ -144,7 +155,7 @@ def perform(request: Replay, seed: int, tell: ProgressCallback) -> tuple[Dance, 
     tell("planning", None)
     scene = DoorScene.of(robot, seed)
     plan = pass_door(robot, scene.layout(), request.rate)
-    system = System(robot, [scene.thing(offset=False)])
+    system = System(robot, [scene.told()])
 
     def compose(robot: Robot, motion: Motion) -> Composition:
         return Composition(door_stack(system, plan), SteppingSchedule(robot, motion.phases))

@@ -5,10 +5,12 @@ from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import convolve1d
 from scipy.spatial.transform import Rotation, Slerp
 
+from sot.errors import InputError
 from sot.gravity import GRAVITY
 from sot.motion.balance.feet_led import feet_led
 from sot.motion.balance.held_load import HeldLoad
@@ -30,8 +32,9 @@ KNOT_PERIOD = 0.02  # s, between knots
 # In leg lengths.
 FIST_HEIGHT = 1.25  # of the hands' ends on the leaf
 PARKED = (0.40, 0.42, 1.25)  # of the other hand's end from the body, ahead, aside and up, while the robot walks
-RAISED = (0.42, -0.55, 1.8)  # of the pressing hand's end from the body, before it goes above the lever
+RAISED = (0.33, -0.46, 1.72)  # of the pressing hand's end from the body, before it goes above the lever
 BACK = 0.33  # of the pressing hand from above the lever, before it goes down to the leaf
+ABOVE = 0.24  # of the palm from the lever before it presses, and when it has
 STANDOFF = 0.16  # of a hand from what it touches
 HELPING_ASIDE = 0.335  # of the other hand's end from the body's middle, while it pushes until the bolt is past
 # Where the pushing hand's end is from the body, by the angle of the door: first the body keeps clear of the frame.
@@ -149,7 +152,8 @@ def pass_door(robot: Robot, door: DoorLayout, rate: float = 1000.0) -> DoorPlan:
     }
     tracks = _hand_tracks(robot, door, leg, times, knots, body, angle, down)
     forces = _forces(door, leg, before, times, knots, angle, down)
-    posture, tracks = _postures(robot, tracks, tips, body, knots)
+    touching = ((knots > times.near) & (knots < times.off_bar)) | (knots > times.before_leaf)
+    posture, tracks = _postures(robot, tracks, tips, body, knots, touching)
     kept = np.setdiff1d(np.arange(robot.na), robot.joint_numbers("legs"))
     upper = np.tile(robot.rest[7 + kept], (len(knots), 1))
     upper[:, np.searchsorted(kept, robot.joint_numbers("arms"))] = posture
@@ -243,7 +247,7 @@ def _hand_tracks(
         for leaf, share in zip(leaves, down.tolist(), strict=True)
     ]
     pressed = [pin.SE3(turn, p.translation) for p in pressing]
-    above = [shifted(place, 0.0, 0.0, STANDOFF + door.press / leg) for place in pressed]
+    above = [shifted(place, 0.0, 0.0, ABOVE + door.press / leg) for place in pressed]
     away = [shifted(place, -BACK, 0.0, 0.0) for place in above]
     pushing = fist("right", door.on_face(door.grip, FIST_HEIGHT * leg))
     helped = before.y + HELPING_ASIDE * leg
@@ -254,7 +258,7 @@ def _hand_tracks(
     right = [
         (times.begin, with_body(rest["right_hand"])),
         (times.raised, with_body(raised)),
-        (times.near, fixed(shifted(on_bar, 0.0, 0.0, STANDOFF))),
+        (times.near, fixed(shifted(on_bar, 0.0, 0.0, ABOVE))),
         (times.touched, pressing),
         (times.opened, pressing),
         (times.off_bar, above),
@@ -299,27 +303,46 @@ def _forces(
 
 
 def _postures(
-    robot: Robot, tracks: dict[str, tuple[Array, Array]], tips: dict[str, Array], body: Array, knots: Array
+    robot: Robot,
+    tracks: dict[str, tuple[Array, Array]],
+    tips: dict[str, Array],
+    body: Array,
+    knots: Array,
+    touching: NDArray[np.bool_],
 ) -> tuple[Array, dict[str, tuple[Array, Array]]]:
-    """Angles of the arms (T, k), and the tracks of hands whose axes the arms can turn to."""
+    """Angles of the arms (T, k), and the tracks of the hands as far as the arms can follow.
+
+    Axes give way where arms cannot turn that far. On their way through the air arms that do not reach stay as they are.
+
+    Raises:
+        InputError: hands that touch (T,) do not reach.
+    """
     solver, arms = StoopedArms(robot), robot.joint_numbers("arms")
     data, every = robot.model.createData(), max(round(POSTURE_PERIOD / KNOT_PERIOD), 1)
     rows = np.unique([*range(0, len(knots), every), len(knots) - 1])
-    found, q, turns = [], robot.rest, {hand: list[Array]() for hand in tracks}
+    found, q = [], robot.rest
+    turns, shifts = ({hand: list[Array]() for hand in tracks} for _ in range(2))
     for k in rows:
         x, y, heading = body[k]
         world = pin.SE3(pin.utils.rotate("z", float(heading)), np.array([x, y, 0.0]))
         goals = {hand: world.actInv(pin.SE3(turn[k], place[k])) for hand, (place, turn) in tracks.items()}
-        q = solver.reaching(goals, Stoop(), q, tips)
+        try:
+            q = solver.reaching(goals, Stoop(), q, tips)
+        except InputError:
+            if touching[k]:
+                raise
         found.append(q[7 + arms])
         pin.framesForwardKinematics(robot.model, data, q)
-        for hand, own in turns.items():
-            own.append(world.rotation @ data.oMf[robot.point(hand)].rotation)
+        for hand, goal in goals.items():
+            own = data.oMf[robot.point(hand)]
+            turns[hand].append(world.rotation @ own.rotation)
+            shifts[hand].append(world.rotation @ (own.act(tips[hand]) - goal.act(tips[hand])))
     angles: Array = PchipInterpolator(knots[rows], np.array(found))(knots)
     reached = {}
     for hand, (place, turn) in tracks.items():
         turned = Slerp(knots[rows], Rotation.from_matrix(np.array(turns[hand])))(knots).as_matrix()
-        reached[hand] = place + (turn - turned) @ tips[hand], turned
+        shift = PchipInterpolator(knots[rows], np.array(shifts[hand]))(knots)
+        reached[hand] = place + shift + (turn - turned) @ tips[hand], turned
     return angles, reached
 
 
