@@ -89,7 +89,7 @@ def laid_at(reference: Array, start: Array) -> Array:
     return laid
 
 
-def board_figures(robot: Robot, reference: Array, done: Array, power: Array) -> dict[str, float | None]:
+def board_figures(robot: Robot, reference: Array, done: Array, power: Array, loaded: Flags) -> dict[str, float | None]:
     """The board's columns of a run.
 
     Args:
@@ -97,12 +97,14 @@ def board_figures(robot: Robot, reference: Array, done: Array, power: Array) -> 
         reference: (T, nq) configurations, a step each, where the run starts.
         done: (n, nq) those of the robot at the first n ≤ T steps, fewer than T if it fell.
         power: (n,) mechanical, Σ|τ q̇| [W].
+        loaded: (n, 2) whether the floor carries a foot.
 
     Returns:
         "completion" and "mjlab_completion", share of the steps before either rule ends the run; over the steps before
         the board's does: "local_mpjpe_mm", mean distance of the links from their reference, in the root's frame;
         "joint_mae_rad"; "root_drift_mm", mean distance of the roots; "slip_m_s", mean speed along the floor of soles
-        lower than 5 cm; "power_w"; and "steps", their number. None where there are no steps.
+        lower than 5 cm, those that swing low among them; "loaded_slip_m_s", of loaded ones; "power_w"; and "steps",
+        their number. None where there are no steps.
     """
     count = min(len(done), len(reference))
     ours, theirs = Bodies.of(robot, done[:count]), Bodies.of(robot, reference[:count])
@@ -112,7 +114,7 @@ def board_figures(robot: Robot, reference: Array, done: Array, power: Array) -> 
         "mjlab_completion": _steps_before(_ended_for_mjlab(ours, theirs)) / len(reference),
         "steps": float(steps),
     }
-    names = ("local_mpjpe_mm", "joint_mae_rad", "root_drift_mm", "slip_m_s", "power_w")
+    names = ("local_mpjpe_mm", "joint_mae_rad", "root_drift_mm", "slip_m_s", "loaded_slip_m_s", "power_w")
     if steps < 2:
         return figures | dict.fromkeys(names)
     local = np.linalg.norm(ours.in_root() - theirs.in_root(), axis=2)[:steps]
@@ -120,8 +122,9 @@ def board_figures(robot: Robot, reference: Array, done: Array, power: Array) -> 
     angles = np.abs(done[:steps, 7:] - reference[:steps, 7:])
     speed = RATE_HZ * np.linalg.norm(np.diff(ours.soles[:steps, :, :2], axis=0), axis=2)
     low = ours.soles[: steps - 1, :, 2] < LOW_FOOT_HEIGHT_M
-    values = 1e3 * local.mean(), angles.mean(), 1e3 * drift.mean(), speed[low].mean() if low.any() else 0.0
-    return figures | {name: float(value) for name, value in zip(names, (*values, power[:steps].mean()), strict=True)}
+    slips = (speed[feet].mean() if feet.any() else 0.0 for feet in (low, loaded[: steps - 1]))
+    values = 1e3 * local.mean(), angles.mean(), 1e3 * drift.mean(), *slips, power[:steps].mean()
+    return figures | {name: float(value) for name, value in zip(names, values, strict=True)}
 
 
 def _ended(ours: Bodies, theirs: Bodies) -> Flags:

@@ -13,6 +13,8 @@ from scenarios.inputs.dancer import robot_motion
 from scenarios.replay import Dance, Replay
 from scenarios.suite import Columns, Piece, SuccessRule, Suite, folder_pieces
 from sim.log import RunLog, nearest_frames
+from sim.reporting.simulated import MIN_LOAD_SHARE
+from sot.gravity import GRAVITY
 from sot.motion.body.coordinates import to_pinocchio
 from sot.motion.plan import Plan
 from sot.robots.robot import Robot
@@ -20,7 +22,7 @@ from sot.robots.robot import Robot
 Array = NDArray[np.float64]
 
 ROBOT = "g1"
-SECONDS = (MAX_STEPS - 1) / RATE_HZ
+SECONDS = MAX_STEPS / RATE_HZ
 NAMED = ("lafan1_dance1_subject2", "lafan1_aiming", "cmu_01_01")
 MOTIONS_FORMAT, MOTIONS = "holosoma-npz", ("sub3_largebox_003_mj", "motion_crawl_slope")
 MOTIONS_FOLDER = "motions/g1_29dof/whole_body_tracking"  # in the package that brings the robot
@@ -31,6 +33,7 @@ COLUMNS: Columns = (
     ("board.joint_mae_rad", "joints rad", 1.0, 3),
     ("board.root_drift_mm", "drift mm", 1.0, 0),
     ("board.slip_m_s", "slip m/s", 1.0, 3),
+    ("board.loaded_slip_m_s", "loaded m/s", 1.0, 4),
     ("board.power_w", "power W", 1.0, 0),
     ("board.planned_s", "added s", 1.0, 2),
 )
@@ -64,7 +67,8 @@ def board_row(request: Replay, danced: Dance, report: Mapping[str, Any]) -> dict
         return {place: 0.0 if place in SHARES else None for place, *_ in COLUMNS} | {"board.steps": 0.0}
     rows = nearest_frames(times, 1.0 / log.period, log.ticks)
     done = log.q[rows]
-    figures = board_figures(robot, laid_at(reference, done[0]), done, _power(log, rows))
+    loaded = log.foot_wrench[rows, :, 2] > MIN_LOAD_SHARE * robot.mass * GRAVITY
+    figures = board_figures(robot, laid_at(reference, done[0]), done, _power(log, rows), loaded)
     return {f"board.{name}": value for name, value in figures.items()} | {"board.planned_s": planned.added_time}
 
 

@@ -20,8 +20,8 @@ def still(robot) -> np.ndarray:
     return np.tile(robot.rest, (STEPS, 1))
 
 
-def figures(robot, reference, done, power=12.0):
-    return board_figures(robot, reference, done, np.full(len(done), power))
+def figures(robot, reference, done, power=12.0, loaded=True):
+    return board_figures(robot, reference, done, np.full(len(done), power), np.full((len(done), 2), loaded))
 
 
 def test_a_perfect_run_is_done_to_the_end_without_errors(robot, still):
@@ -37,7 +37,8 @@ def test_a_robot_that_creeps_drifts_and_slips_but_is_locally_right(robot, still)
     told = figures(robot, still, done)
     assert told["completion"] == 1.0 and told["local_mpjpe_mm"] == pytest.approx(0.0, abs=1e-9)
     assert told["root_drift_mm"] == pytest.approx(100.0 * 0.5 * (STEPS - 1) / RATE_HZ)
-    assert told["slip_m_s"] == pytest.approx(0.1)
+    assert told["slip_m_s"] == pytest.approx(0.1) == told["loaded_slip_m_s"]
+    assert figures(robot, still, done, loaded=False)["loaded_slip_m_s"] == 0.0
 
 
 def test_feet_in_the_air_do_not_slip(robot, still):

@@ -1,4 +1,4 @@
-"""A library of real dances is the same table whether it was made at one go, killed and resumed, or by two ranks."""
+"""A library of real dances is the same table whether made at one go, killed and resumed, by ranks, or by Dask."""
 
 import os
 import random
@@ -28,10 +28,10 @@ def table(out: Path) -> pa.Table:
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
-def test_real_dances_killed_and_resumed_or_shared_by_ranks_make_the_same_table(tmp_path):
+def test_real_dances_killed_and_resumed_or_shared_make_the_same_table(tmp_path):
     clips = tmp_path / "clips.txt"
     clips.write_text("".join(f"groove\t{start}\t{DURATION}\n" for start in STARTS) + "nothing.bvh\n")
-    whole, killed, shared = (tmp_path / name for name in ("whole", "killed", "shared"))
+    whole, killed, shared, clustered = (tmp_path / name for name in ("whole", "killed", "shared", "clustered"))
 
     run_batch(Batch(str(clips), whole, REQUEST, workers=2))
     expected = table(whole)
@@ -54,3 +54,8 @@ def test_real_dances_killed_and_resumed_or_shared_by_ranks_make_the_same_table(t
     for rank in range(2):
         run_batch(Batch(str(clips), shared, REQUEST, rank=rank, ranks=2))
     assert table(shared) == expected
+
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None) as local:
+        run_batch(Batch(str(clips), clustered, REQUEST, cluster=local.scheduler_address))
+    assert table(clustered) == expected
