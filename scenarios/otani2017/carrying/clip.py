@@ -37,9 +37,9 @@ HANDS_PITCH = 1.1
 """Angle by which the fingers point down: between a box on the floor and one before the chest [rad]."""
 GRIP_BELOW_TOP = 0.07
 """Distance of the palms' middle from the top of the box [leg lengths]: lower, arms do not reach a box on the floor."""
-REACHING_TIME, EASING_TIME, HOLDING_TIME, LOWERING_TIME = 4.0, 1.6, 0.4, 2.0
-"""Times [√(leg / g)] of arms from the human's to beside the box, of a box from where it lies to its way, of a grip, and
-of lowering the box."""
+REACHING_TIME, EASING_TIME, LOWERING_TIME, HOLDING_TIME = 4.0, 1.6, 2.0, 0.4
+"""Times [√(leg / g)] of arms from the human's to beside the box, of a box from where it lies to its way, of lowering
+it, and for which it is held when it is placed."""
 PACE = 0.6
 """Speed of the robot's motion over the human's: its steps are as long as its legs admit, and it carries something."""
 FACING_SHARE = 0.8
@@ -140,14 +140,14 @@ class ClipBox:
         left, ahead = turned[:, :2, 1], low_passed((way - chest)[:, :2], PLAN_RATE, cutoff)
         faced, seen = np.unwrap(np.arctan2(-left[:, 0], left[:, 1])), np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
         turn = low_passed(faced + FACING_SHARE * (seen - faced), PLAN_RATE, cutoff)
-        gripped, released = (lifted - HOLDING_TIME * self.unit, placed + HOLDING_TIME * self.unit)
         closing, reaching = CLOSING_TIME * self.unit, REACHING_TIME * self.unit
+        gripped, released = lifted - closing, placed + HOLDING_TIME * self.unit
 
         def share(start: float, duration: float) -> Array:
             return np.asarray(minimum_jerk(np.asarray((knots - start) / duration, dtype=float)))
 
-        away = 1.0 - share(gripped - closing, closing) + share(released, closing)
-        for_box = share(gripped - closing - reaching, reaching) - share(released + closing, reaching)
+        away = 1.0 - share(gripped, closing) + share(released, closing)
+        for_box = share(gripped - reaching, reaching) - share(released + closing, reaching)
         box = HeldBox(way, turn, self.hands, STANDOFF * Build.of(self.robot).leg * away, for_box)
         return with_box_held(self.robot, wanted, limits, body_motion, box)
 
@@ -175,7 +175,7 @@ def carry_after(clip: Path, robot: Robot, mass: float, rate: float) -> ClipCarry
     y = from_configuration(np.array([motion.sample(t).q for t in knots.tolist()]))
     easing = EASING_TIME * box.unit
     held = _resting(held_places(robot, y, box.hands), knots, (lifted, placed), easing, 0.5 * box.size[2])
-    gripped, released = lifted - HOLDING_TIME * box.unit, placed + HOLDING_TIME * box.unit
+    gripped, released = lifted - CLOSING_TIME * box.unit, placed + HOLDING_TIME * box.unit
     times = gripped, lifted, max(placed - LOWERING_TIME * box.unit, lifted), placed, released
     return ClipCarry(
         CarryPlan(motion, held, knots, *times, box.hands, box.size), planned, box.way(knots, planned.clock)
