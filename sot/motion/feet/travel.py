@@ -102,6 +102,7 @@ def plan_travel(
         {foot: way.carry_at(frames) for foot, frames in asked_at.items()},
         way.stiffness,
         human.points["waist"][ends, :2],
+        way.carry[ends[:, 1]] - way.carry[ends[:, 0]],
     )
     scaled = _human_shifted(human, way.shift(scales))
     own = footholds(_foot_tracks(scaled), moves, human.rate)
