@@ -12,6 +12,7 @@ from rich.table import Table
 
 from scenarios import viewer
 from scenarios.bench_command import bench_command
+from scenarios.humanoidbench import options as bench_cli
 from scenarios.inputs import plant_options
 from scenarios.inputs.clip_options import (
     Clip,
@@ -178,9 +179,11 @@ def run_command(
     pendulum = case, damping_ratio, form, identified, seeds
     swaying = damping_cli.damping_options(scenario, study, *pendulum)
     climbing = stairs_cli.stairs_options(scenario, rise, depth, treads, seed)
-    if seed is not None and handling is None and climbing is None:
-        raise InputError(f"{scenario} takes no --seed: only {options.NAME} and {stairs_cli.NAME} do")
-    if study is not None and handling is None and swaying is None:
+    benched = bench_cli.bench_options(scenario, study, seed)
+    if seed is not None and handling is None and climbing is None and benched is None:
+        known = f"{options.NAME}, {stairs_cli.NAME} and {bench_cli.NAME}"
+        raise InputError(f"{scenario} takes no --seed: only {known} do")
+    if study is not None and handling is None and swaying is None and benched is None:
         raise InputError(f"{scenario} takes no {study}: it has no studies to choose from")
     pushes, changed = tuple(parse_push(text) for text in push or ()), parse_mismatch(mismatch)
     chosen = solver or default_solver(scenario)
@@ -202,9 +205,11 @@ def run_command(
     )
     folder = out or Path("runs") / Path(scenario).stem
     with progress() as tell:
-        report, show_own = run_scenario(scenario, clip, request, folder, tell, handling or swaying or climbing)
+        report, show_own = run_scenario(
+            scenario, clip, request, folder, tell, handling or swaying or climbing or benched
+        )
     status = FELL if report.get("fell") else DONE
-    if handling is not None or climbing is not None or scenario in MOTION_SCENARIOS or is_file(scenario):
+    if (handling or climbing or benched) is not None or scenario in MOTION_SCENARIOS or is_file(scenario):
         status = show_report(report, folder)
     if show_own:
         show_own(report, output)

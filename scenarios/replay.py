@@ -79,6 +79,7 @@ class Replay:
         from_format: of a robot's motion that becomes the clip, one of `sot.exchange.registry.FORMATS`; a human's clip
             unless given.
         fps: frame rate of that motion [Hz], where its file does not say.
+        as_danced: whether the clip's time and way are kept, as `sot.motion.plan.plan` does.
     """
 
     clip: str
@@ -104,6 +105,7 @@ class Replay:
     sensors: str = "ideal"
     from_format: str | None = None
     fps: float | None = None
+    as_danced: bool = False
 
     def hardware(self, robot: Robot) -> Hardware:
         """What is asked for beside links and motors of a robot.
@@ -394,4 +396,4 @@ def _plan_of_clip(request: Replay, robot: Robot, tell: ProgressCallback) -> Plan
     human = requested_human(request, robot)
     tell("planning", None)
     contacts = contact_file.read(request.contacts) if request.contacts else None
-    return plan(human, robot, request.feet, request.rate, contacts)
+    return plan(human, robot, request.feet, request.rate, contacts, as_danced=request.as_danced)

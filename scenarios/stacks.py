@@ -59,7 +59,7 @@ def stepping_stack(robot: Robot, motion: Motion, on: Mapping[str, Surface] | Non
 
 def stepping_schedule(robot: Robot, motion: Motion) -> RecoverySchedule:
     """Schedule of `stepping_stack`: the motion's contact phases, the measured loads, and steps that a push needs."""
-    return RecoverySchedule(robot, motion)
+    return RecoverySchedule.of(motion)
 
 
 def sliding_stack(robot: Robot, motion: Motion) -> Stack:

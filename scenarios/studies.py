@@ -11,6 +11,8 @@ from rich.console import Console
 from scenarios.dariush2009 import dariush
 from scenarios.hammam2015 import hammam
 from scenarios.hammam2015.key_point_reference import ClipPart
+from scenarios.humanoidbench import humanoidbench
+from scenarios.humanoidbench.humanoidbench import BenchTrial
 from scenarios.inputs.scenario_file import load_scenario
 from scenarios.inputs.stack_file import Composition
 from scenarios.kimoh2013 import imitation, planar3r, printed_bounds
@@ -51,7 +53,12 @@ One whose `TAKES_RATE` is false has nothing under physics, and is given no rate.
 CLIP_SCENARIOS: dict[str, ModuleType] = {"ramos": ramos}
 """Scenarios that dance a clip, their `CLIP` unless another is named: `run(request, out, tell)` returns the report,
 `show(report, console)` prints it."""
-OPTION_SCENARIOS: dict[str, ModuleType] = {"otani": otani, "damping": damping, "stairs": stairs}
+OPTION_SCENARIOS: dict[str, ModuleType] = {
+    "otani": otani,
+    "damping": damping,
+    "stairs": stairs,
+    "humanoidbench": humanoidbench,
+}
 """Scenarios with options of their own: `run(request, options, out, tell)` returns the report, `show(report, console)`
 prints it."""
 SCENARIOS = {**MOTION_SCENARIOS, **CLIP_SCENARIOS, **OPTION_SCENARIOS, **STUDIES, **CLIP_STUDIES}
@@ -75,7 +82,7 @@ def run_scenario(
     request: Replay,
     out: Path,
     tell: ProgressCallback,
-    options: Handling | BagTrial | Carrying | Pushing | DampingOptions | Stairs | None = None,
+    options: Handling | BagTrial | Carrying | Pushing | DampingOptions | Stairs | BenchTrial | None = None,
 ) -> tuple[dict[str, Any], Show | None]:
     """Run a scenario, record and report; the files appear in the folder `out`.
 

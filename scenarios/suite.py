@@ -14,13 +14,13 @@ from scenarios.inputs import clips
 from scenarios.replay import Dance, ProgressCallback, Replay, dance, write_outputs
 from sim.reporting.report import figure_at
 from sot.errors import InputError
+from sot.exchange.registry import readable_format
 from sot.motion.plan import Plan
 
 MAX_SUCCESS_MPJPE_MM = 100.0  # a dance whose key bodies are farther off, on average, is no success
 MAX_SUCCESS_SEGMENT_DEG = 20.0  # a dance whose segments are farther off the human's, on average, is no success
 PIECE_DURATION_S = 20.0  # length of the pieces that a long named clip is danced in
 LONG_CLIP, LEAPING_CLIP = "lafan1_dance1_subject2", "cmu_01_01"
-SUITES = ("dance",)
 UPRIGHT = "upright"
 
 Columns = tuple[tuple[str, str, float, int], ...]
@@ -63,25 +63,47 @@ class Piece:
     duration: float | None = None
     robot: str | None = None
     feet: str | None = None
+    from_format: str | None = None
 
     def request(self, common: Replay) -> Replay:
         """What is to be danced, given what holds for all pieces."""
-        robot, feet = self.robot or common.robot, self.feet or common.feet
-        return replace(common, clip=self.clip, start=self.start, duration=self.duration, robot=robot, feet=feet)
+        return replace(
+            common,
+            clip=self.clip,
+            start=self.start,
+            duration=self.duration,
+            robot=self.robot or common.robot,
+            feet=self.feet or common.feet,
+            from_format=self.from_format,
+            fps=common.fps if self.from_format else None,
+        )
+
+    def part(self, start: float, duration: float) -> "Piece":
+        """A part of it, from a time on and no longer than that [s]."""
+        return replace(self, start=start, duration=duration)
 
 
-def suite_pieces(mocap: Path | None) -> list[Piece]:
-    """What the suite "dance" is made of: the clips (.bvh, .amc) of a folder, the long named dance in pieces, and leaps,
-    which no robot here can do and a planner has to make something of.
+def folder_pieces(folder: Path, from_format: str | None = None) -> list[Piece]:
+    """The clips of a folder by name: humans' (.bvh, .amc), or a robot's motions in a format.
 
     Raises:
-        InputError: no such folder, or no clip in it.
+        InputError: no such folder or format, or no clip in it.
     """
-    found: list[Piece] = []
-    if mocap is not None:
-        found = [Piece(path.stem, str(path)) for path in sorted([*mocap.glob("*.bvh"), *mocap.glob("*.amc")])]
-        if not found:
-            raise InputError(f"{mocap}: no clips (.bvh, .amc) there")
+    endings = (".bvh", ".amc") if from_format is None else (readable_format(from_format).ending,)
+    paths = sorted(path for path in folder.glob("*") if path.suffix.lower() in endings)
+    if not paths:
+        raise InputError(f"{folder}: no clips ({', '.join(endings)}) there")
+    return [Piece(path.stem, str(path), from_format=from_format) for path in paths]
+
+
+def suite_pieces(mocap: Path | None, from_format: str | None = None) -> list[Piece]:
+    """What the suite "dance" is made of: the clips of a folder, the long named dance in pieces, and leaps, which no
+    robot here can do and a planner has to make something of.
+
+    Raises:
+        InputError: no such folder or format, or no clip in it.
+    """
+    found = [] if mocap is None else folder_pieces(mocap, from_format)
     seconds = next(clip.seconds for clip in clips.named_clips() if clip.name == LONG_CLIP)
     starts = [
         k * PIECE_DURATION_S
@@ -121,14 +143,40 @@ LIKE_ITS_HUMAN = SuccessRule(
 )
 
 
+def usual_average(place: str, rows: Sequence[Mapping[str, Any]]) -> float | None:
+    """Over the clips that could be danced, the mean speed and the medians of other figures."""
+    values = [row[place] for row in rows if row[place] is not None]
+    return (fmean if place == "speed" else median)(values) if values else None
+
+
+@dataclass(frozen=True)
+class Suite:
+    """A table of dances.
+
+    Attributes:
+        pieces: the clips, given a folder of more of them and the format of robots' motions in it.
+        columns: the figures of a row that fit what holds for all pieces.
+        success: what makes one.
+        more: entries of a row that no report has, from what was asked for, the dance and its report.
+        average: what all rows come to in a column.
+        robot: who dances; the user's choice unless given.
+        as_danced: whether nothing may be slowed down and no way be shortened.
+    """
+
+    pieces: Callable[[Path | None, str | None], list[Piece]]
+    columns: Callable[[Replay], Columns] = columns_of
+    success: SuccessRule = LIKE_ITS_HUMAN
+    more: Callable[[Replay, Dance, Mapping[str, Any]], Mapping[str, Any]] = lambda request, danced, report: {}
+    average: Callable[[str, Sequence[Mapping[str, Any]]], float | None] = usual_average
+    robot: str | None = None
+    as_danced: bool = False
+
+
+DANCES = Suite(suite_pieces)
+
+
 def bench_suite(
-    request: Replay,
-    pieces: Sequence[Piece],
-    out: Path | None,
-    tell: ProgressCallback,
-    columns: Columns = TABLE_FIGURES,
-    more: Callable[[Dance, Mapping[str, Any]], Mapping[str, Any]] = lambda danced, report: {},
-    success: SuccessRule = LIKE_ITS_HUMAN,
+    request: Replay, pieces: Sequence[Piece], out: Path | None, tell: ProgressCallback, suite: Suite = DANCES
 ) -> dict[str, Any]:
     """Dance all pieces.
 
@@ -137,15 +185,13 @@ def bench_suite(
         pieces: the clips.
         out: folder that keeps a recording and a report a piece; nothing is kept unless given.
         tell: told the piece and what is being done with it.
-        columns: the figures of a row.
-        more: entries of a row that no report has, from a dance and its report.
-        success: what makes one.
+        suite: what a row is of.
 
     Returns:
         "rows", one a piece: "name", "success", "ending" in words, and the columns, None where there are none;
-        "rule": what a success is; "summary": how many succeeded, and over those that could be danced the mean speed
-        and the medians of the other figures.
+        "rule": what a success is; "summary": how many succeeded, and the columns' averages.
     """
+    columns = suite.columns(request)
     nothing: dict[str, Any] = dict.fromkeys(place for place, *_ in columns)
     rows = []
     with tempfile.TemporaryDirectory() as folder:
@@ -156,9 +202,11 @@ def bench_suite(
                 tell(said + what, share)
 
             own, place = piece.request(request), (out or Path(folder)) / piece.name.replace(" ", "_")
-            row = {"name": piece.name} | nothing | _figures_row(own, place, told, columns, more)
-            rows.append(row | {"success": row["ending"] == UPRIGHT and success.is_met(row)})
-    return {"rows": rows, "rule": success.words, "summary": _summary(rows, columns)}
+            row = {"name": piece.name} | nothing | _figures_row(own, place, told, columns, suite)
+            rows.append(row | {"success": row["ending"] == UPRIGHT and suite.success.is_met(row)})
+    summary = {"clips": len(rows), "successes": sum(row["success"] for row in rows)}
+    summary |= {place: suite.average(place, rows) for place, *_ in columns}
+    return {"rows": rows, "rule": suite.success.words, "summary": summary}
 
 
 def show(
@@ -186,7 +234,7 @@ def _figures_row(
     folder: Path,
     tell: ProgressCallback,
     columns: Columns,
-    more: Callable[[Dance, Mapping[str, Any]], Mapping[str, Any]],
+    suite: Suite,
 ) -> dict[str, Any]:
     try:
         danced = dance(request, tell)
@@ -194,17 +242,9 @@ def _figures_row(
         return {"ending": f"refused: {refusal}"}
     report = write_outputs(danced, folder, tell)
     row: dict[str, Any] = {"ending": UPRIGHT if not report["fell"] else f"fell at {report['fell_at_s']:.1f} s"}
-    row |= more(danced, report)
+    row |= suite.more(request, danced, report)
     ended = not report["fell"]
     row["speed"] = report["speed"] * (1.0 - report["stretched_s"] / report["duration_s"]) if ended else None
     if isinstance(danced.plan, Plan):
         row["planning_ratio"] = danced.plan.seconds["total"] / danced.motion.duration
     return row | {place: figure_at(report, place) for place, *_ in columns if place not in (*row, "planning_ratio")}
-
-
-def _summary(rows: Sequence[Mapping[str, Any]], columns: Columns) -> dict[str, Any]:
-    summary: dict[str, Any] = {"clips": len(rows), "successes": sum(row["success"] for row in rows)}
-    for place, *_ in columns:
-        values = [row[place] for row in rows if row[place] is not None]
-        summary[place] = (fmean if place == "speed" else median)(values) if values else None
-    return summary

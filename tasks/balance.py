@@ -96,7 +96,7 @@ class Balance(Task):
         polygon, of = self._polygon, self._axes
         momentum = tick.momentum
         planned_turn = momentum[3:] if self._momentum is None else self._momentum(tick.t)
-        catching = any(c.mode == "off" and c.path is not None and _is_foot(tick, c) for c in tick.contacts)
+        catching = any(c.mode == "off" and c.is_catching and _is_foot(tick, c) for c in tick.contacts)
         if catching:
             polygon = polygon.inset(CATCHING_MARGIN)
         error, wanted, z = _wanted_acceleration_and_zmp(
@@ -123,7 +123,7 @@ class Balance(Task):
         standing = _standing_feet(tick)
         return Displacement.of(
             [
-                (self._feet[contact.point](tick.t)[:2], tick.frame(contact.point).position[:2], contact.load)
+                (_planned_place(contact, self._feet, tick.t)[:2], tick.frame(contact.point).position[:2], contact.load)
                 for contact in standing
                 if contact.point in self._feet
             ]
@@ -165,6 +165,11 @@ class Balance(Task):
                 patches.append(Patch(points, at.rotation, contact.friction, contact.most))
             self._regions[key] = places, static_region(patches, tick.mass * GRAVITY)
         return self._regions[key][1]
+
+
+def _planned_place(contact: TickContact, feet: Mapping[str, PlaceReference], t: float) -> Array:
+    """Place (3,) at which the plan has a foot stand [m]."""
+    return feet[contact.point](t) if contact.foothold is None else contact.foothold
 
 
 def _is_foot(tick: Tick, contact: TickContact) -> bool:

@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 
 from solvers.rows import Rows
-from sot.behaviours.stride import lowered_pose, raised_pose
-from sot.control.pose import Pose, PoseReference
+from sot.behaviours.planned_swing import PlannedSwing
+from sot.control.pose import PoseReference
 from sot.control.tick import Tick
 from sot.motion.feet.footfalls import Footfalls
 from sot.motion.trajectory import Motion
@@ -19,8 +19,7 @@ Array = np.ndarray
 
 
 class SwingFoot(FreePoint):
-    """Moves a foot along its path in a motion while its contact is off; a foot that stands has no rows. If the contact
-    has a `path`, the foot follows that one instead.
+    """Moves a foot along its path in a motion while its contact is off, as a `FreePoint`.
 
     Where the motion has the foot on the floor while the contact is still off, the foot is lowered at a steady speed.
 
@@ -53,25 +52,12 @@ class SwingFoot(FreePoint):
 
     @reference.setter
     def reference(self, reference: PoseReference | Array | pin.SE3) -> None:
-        self._planned_path = path = self._trajectory(reference)
-        self._reference = self._lowered_path
-        # Half a millimetre by which a fitted path ends above the floor makes a foot late by tens of milliseconds.
-        heights = [(stance.start, float(stance.pose.translation[2])) for stance in self._stances.stances]
-        self._landing_heights_missing = {start: height - float(path(start).position[2]) for start, height in heights}
+        self._planned_path = self._trajectory(reference)
+        swing, clock = PlannedSwing(self._stances, self._planned_path), self._clock
+        self._free_path = swing if clock is None else lambda t: swing(clock(t))
 
     def rows(self, tick: Tick) -> Rows:
         """Acceleration rows in all axes while the foot swings, none while it stands."""
-        contact = next((contact for contact in tick.contacts if contact.point == self.point), None)
-        if contact is None:
+        if all(contact.point != self.point for contact in tick.contacts):
             return self.no_rows(tick)
-        self._reference = contact.path or self._lowered_path
         return super().rows(tick)
-
-    def _lowered_path(self, t: float) -> Pose:
-        t = t if self._clock is None else self._clock(t)
-        pose = self._planned_path(t)
-        before, after = self._stances.stances_around(t)
-        if before is None or after is None:
-            return pose
-        late, span = t - after.start, after.start - before.end
-        return lowered_pose(raised_pose(pose, self._landing_heights_missing[after.start], span + late, span), late)

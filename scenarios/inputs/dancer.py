@@ -43,7 +43,7 @@ def requested_human(request: DancerRequest, robot: Robot) -> Human:
         InputError: a clip or motion that cannot be read, or nothing of it lies in the part that is asked for.
     """
     if request.from_format:
-        human = human_of_robot(_robot_motion(request, robot))
+        human = human_of_robot(robot_motion(request, robot))
     else:
         capture = read(clips.find_clip(request.clip), request.up, request.forward, request.unit)
         human = recognise(capture, request.mapping)
@@ -60,7 +60,7 @@ def incoming_quality(request: DancerRequest, robot: Robot) -> dict[str, float | 
     """
     if not request.from_format:
         return {}
-    part = _robot_motion(request, robot).part(request.start, request.duration)
+    part = robot_motion(request, robot).part(request.start, request.duration)
     return dict(motion_quality(robot, part.q, part.rate))
 
 
@@ -80,6 +80,11 @@ def check_format(request: DancerRequest) -> None:
         raise InputError(f"{', '.join(given)}: of a human's clip, and {request.from_format} holds a robot's motion")
 
 
-def _robot_motion(request: DancerRequest, robot: Robot) -> RobotMotion:
+def robot_motion(request: DancerRequest, robot: Robot) -> RobotMotion:
+    """The robot's motion that a request names, all of it.
+
+    Raises:
+        InputError: it cannot be read.
+    """
     assert request.from_format is not None
     return read_motion(Path(request.clip), request.from_format, robot, request.fps)

@@ -11,11 +11,11 @@ from scenarios.inputs.run_options import Rate, RobotName, SolverName
 from scenarios.library.batch import DEFAULT_TIME_LIMIT_S, OPTIONS_FILE, Batch, Summary, run_batch
 from scenarios.library.job import OUTCOMES, UPRIGHT, Row
 from scenarios.library.table import LINES_FILE, TABLE_FILE
+from scenarios.library.throughput import throughput_words
 from scenarios.library.worker import DEFAULT_MEMORY_LIMIT_GB
 from scenarios.replay import Replay
 from scenarios.terminal import DONE, messages, output
 
-SECONDS_PER_HOUR = 3600.0
 SHOWN_FAILURES = 10
 
 
@@ -75,12 +75,10 @@ def _show(summary: Summary, out: Path) -> None:
     told = ", ".join(f"{count} {outcome}" for outcome, count in counts.items() if count)
     output.print(f"{len(summary.rows)} clips in the library: {told}", highlight=False)
     if summary.new:
-        hours = sum(row["times"]["total_s"] for row in summary.new) / SECONDS_PER_HOUR
         seconds = sum(row["seconds"] or 0.0 for row in summary.new)
         output.print(
             f"This batch: {len(summary.new)} clips, {seconds:.0f} s of motion in {summary.wall_s:.0f} s:"
-            f" {len(summary.new) / hours:.0f} clips and {seconds / hours:.0f} s of motion"
-            f" an hour a core; {_stage_words(summary)}",
+            f" {throughput_words(summary.new)}",
             soft_wrap=True,
             highlight=False,
         )
@@ -91,14 +89,3 @@ def _show(summary: Summary, out: Path) -> None:
         output.print(f"{len(bad) - SHOWN_FAILURES} more of these are in {LINES_FILE}")
     files = ", ".join(str(out / name) for name in (OPTIONS_FILE, LINES_FILE, TABLE_FILE))
     output.print(f"\nWritten: {files}; `sot report {out}` makes a page of it", soft_wrap=True)
-
-
-def _stage_words(summary: Summary) -> str:
-    """Seconds of motion an hour a core, planned and danced, by the time that each took."""
-    told = []
-    for name, stage in (("planned", "plan_s"), ("danced", "dance_s")):
-        rows = [row for row in summary.new if row["seconds"] and stage in row["times"]]
-        motion, time = sum(row["seconds"] for row in rows), sum(row["times"][stage] for row in rows)
-        if time > 0.0:
-            told.append(f"{name} {SECONDS_PER_HOUR * motion / time:.0f} s of motion an hour")
-    return ", ".join(told) or "nothing danced"

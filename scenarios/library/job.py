@@ -1,6 +1,5 @@
 """A clip of a library from its file to its row: planned, danced, reported, exported, in a folder of its own."""
 
-import gc
 import json
 import os
 import platform
@@ -11,8 +10,6 @@ from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
 from typing import Any
-
-import rerun_bindings
 
 from scenarios.library.export import export_run, parse_formats
 from scenarios.replay import Replay, replay
@@ -90,14 +87,7 @@ def dance_clip(job: Job) -> Row:
         row["times"] = times.ended() | {"total_s": perf_counter() - begun}
         row["memory_mb"] = peak_memory_mb()
         write_row(row, place)
-    _release_recordings()
     return row
-
-
-def _release_recordings() -> None:
-    """Give back the memory of recordings that are closed: rerun keeps 3 MB and more of each until it is asked."""
-    gc.collect()
-    rerun_bindings.flush_and_cleanup_orphaned_recordings()
 
 
 def lost_row(job: Job, outcome: str, reason: str, seconds: float) -> Row:

@@ -12,6 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from scenarios.library.batch import OPTIONS_FILE
 from scenarios.library.job import CLIPS, OUTCOMES, UPRIGHT, Row
 from scenarios.library.table import read_rows
+from scenarios.library.throughput import throughput_words
 from scenarios.replay import RECORDING_FILE, REPORT_FILE
 from sim.reporting.report import TABLE_ROWS
 from sot.errors import InputError
@@ -85,6 +86,7 @@ def write_library_page(library: Path, out: Path) -> None:
         title=library.resolve().name,
         count=len(rows),
         seconds=sum(row["seconds"] or 0.0 for row in rows),
+        throughput=throughput_words(rows),
         outcomes=[(outcome, counts[outcome], counts[outcome] / len(rows)) for outcome in OUTCOMES if counts[outcome]],
         robots=sorted({row["robot"] for row in rows}),
         revisions=sorted({row["versions"]["revision"] for row in rows}),

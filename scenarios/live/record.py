@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,10 @@ from numpy.typing import NDArray
 from sim.log import RunLog
 from sim.reporting.figures import Points
 from sot.live.follower import EASE_IN_TIME, Follower
+from sot.live.steps.follower import SteppingFollower
 from sot.motion.feet.flight import Flight
-from sot.motion.feet.travel import Travel
+from sot.motion.feet.path import path_length
+from sot.motion.feet.travel import MIN_FOOTFALL_LENGTH, Footfall
 from sot.motion.human.human import SIDES, Human, nearest_rotations
 from sot.motion.likeness import hip_heading
 from sot.motion.trajectory import Motion
@@ -25,6 +28,34 @@ LAG_STEP, MAX_LAG = 0.01, 0.6
 
 
 @dataclass(frozen=True)
+class LiveWay:
+    """A person's steps while the robot stepped, too: a `sot.motion.performance.Way`."""
+
+    footfalls: Sequence[Footfall]
+    path: float
+    scale: float = 1.0
+
+    @classmethod
+    def of(cls, follower: SteppingFollower, end: float) -> "LiveWay":
+        """What a follower saw and made up to a time [s]; a place is that which the robot had decided on."""
+        made = {id(step.asked): step for step in follower.footing.made}
+        falls = []
+        for asked in follower.asked:
+            length = np.hypot(asked.place.x - asked.start.x, asked.place.y - asked.start.y)
+            if asked.has_landed and asked.land < end and length > MIN_FOOTFALL_LENGTH:
+                step = made.get(id(asked))
+                place = (step.place.x, step.place.y) if step else (nan, nan)
+                falls.append(Footfall(asked.foot, place, step.land if step else None))
+        seen = [(t, place) for t, place in follower.way if t < end]
+        if len(seen) < 2:
+            return cls(falls, 0.0)
+        at, places = np.array([t for t, _ in seen]), np.array([place for _, place in seen])
+        times = np.arange(at[0], at[-1], 1.0 / HUMAN_RATE)
+        way = np.column_stack([np.interp(times, at, column) for column in places.T])
+        return cls(falls, path_length(way, HUMAN_RATE))
+
+
+@dataclass(frozen=True)
 class LiveRecord:
     """How a live reference came from a human: a `sot.motion.performance.Performance`."""
 
@@ -34,7 +65,7 @@ class LiveRecord:
     end: float
     clock: Array
     remarks: Sequence[str] = ()
-    travel: Travel | None = None
+    travel: LiveWay | None = None
     flights: Sequence[Flight] = ()
     speed_min: float = 1.0
     added_time: float = 0.0
@@ -70,7 +101,8 @@ def record_of(follower: Follower, motion: Motion) -> LiveRecord | None:
     }
     human = Human(follower.source.name, HUMAN_RATE, points, frames)
     start, end = float(at[0]) + EASE_IN_TIME, float(at[-1])
-    return LiveRecord(motion, human, start, end, times, _remarks(follower))
+    way = LiveWay.of(follower, motion.duration) if isinstance(follower, SteppingFollower) else None
+    return LiveRecord(motion, human, start, end, times, _remarks(follower), way)
 
 
 def _remarks(follower: Follower) -> list[str]:

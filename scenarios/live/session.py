@@ -243,7 +243,9 @@ def _controller(robot: Robot, follower: Follower, solver: str, period: float) ->
         return Controller(robot, live_stack(robot, follower.reference), make_solver(solver), period)
     footing = follower.footing
     stack = live_stack(robot, follower.reference, {foot: footing.swing_path(foot) for foot in robot.feet})
-    return Controller(robot, stack, make_solver(solver), period, LiveSteppingSchedule(robot, footing))
+    return Controller(
+        robot, stack, make_solver(solver), period, LiveSteppingSchedule(robot, follower.reference, footing)
+    )
 
 
 def _compile(robot: Robot, feet: str, tell: ProgressCallback) -> None:

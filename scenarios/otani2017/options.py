@@ -29,7 +29,10 @@ TAKEN: dict[str, tuple[str, ...]] = {
 
 Study = Annotated[
     str | None,
-    typer.Argument(help="For otani: box, door, bag, carry or cart; for damping: identify, push, dance or gains."),
+    typer.Argument(
+        help="For otani: box, door, bag, carry or cart; for humanoidbench: push, package or door; for damping:"
+        " identify, push, dance or gains."
+    ),
 ]
 Mass = Annotated[
     float | None, typer.Option(help="For otani box, bag and carry: its mass [kg]; 3, 1.5 or 2 by default.")
@@ -45,7 +48,10 @@ WithoutObject = Annotated[bool, typer.Option("--without-object", help="For otani
 FromPlate = Annotated[bool, typer.Option("--from-plate", help="For otani box: from a low plate, not from a stand.")]
 Seed = Annotated[
     int | None,
-    typer.Option(help="For otani box, bag and carry: it is 3 mm and 2 degrees off; for stairs: treads 3 mm."),
+    typer.Option(
+        help="For otani box, bag and carry: it is 3 mm and 2 degrees off; for stairs: treads 3 mm; for"
+        " humanoidbench: of its places."
+    ),
 ]
 Events = Annotated[Path | None, typer.Option(help="For otani: file (.toml) of contact events, docs/otani-2017.md.")]
 

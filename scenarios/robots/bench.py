@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from scenarios.replay import Dance, ProgressCallback, Replay
-from scenarios.suite import Columns, Piece, SuccessRule, bench_suite, show
+from scenarios.suite import Columns, Piece, SuccessRule, Suite, bench_suite, show
 from sot.errors import InputError
 from sot.robots.robot import Robot, robot_names
 from sot.robots.size import leg_length
@@ -59,7 +59,7 @@ def bench_robots(request: Replay, pieces: Sequence[Piece], out: Path | None, tel
     A success is upright, no farther off than a robot of its size may be, without a tick whose hard level had to give
     way, and with torques that saturate rarely: where a clip asks for more, it is to be slowed down.
     """
-    return bench_suite(request, pieces, out, tell, COLUMNS, _more, SUCCESS)
+    return bench_suite(request, pieces, out, tell, ROBOTS)
 
 
 def show_robots(table: Mapping[str, Any], console: Console) -> None:
@@ -72,7 +72,7 @@ def allowed_mm(robot: Robot) -> float:
     return max(ALLOWED_MM_PER_LEG_M * leg_length(robot), MIN_ALLOWED_MM)
 
 
-def _more(danced: Dance, report: Mapping[str, Any]) -> dict[str, Any]:
+def _more(request: Replay, danced: Dance, report: Mapping[str, Any]) -> dict[str, Any]:
     joints = report["limits"].get("saturated_joints") or {}
     worst = sorted(joints, key=lambda joint: -joints[joint])[:MAX_NAMED_JOINTS]
     return {"allowed_mm": allowed_mm(danced.motion.robot), JOINTS_COLUMN: ", ".join(worst)}
@@ -89,3 +89,4 @@ SUCCESS = SuccessRule(
     f" {100.0 * MAX_SATURATED_SHARE:.0f} % of the ticks at most, no tick whose hard level had to give way",
     _meets_the_rule,
 )
+ROBOTS = Suite(lambda mocap, from_format: robot_pieces(mocap), lambda request: COLUMNS, SUCCESS, _more)

@@ -15,6 +15,7 @@ from sim.recording.columns import Columns
 from sim.recording.forces import METRES_PER_NEWTON
 from sim.recording.panels import FRAME_RATE, run_tabs
 from sim.recording.shapes import read_scenery
+from sim.recording.stream import open_stream
 from sim.recording.things import HandledThings, send_things, things_tab
 from sim.recording.visuals import send_visuals
 from sot.motion.performance import Performance
@@ -71,15 +72,12 @@ def open_recording(path: Path, title: str, about: str, blueprint: rrb.Blueprint)
         about: a text beside it, Markdown.
         blueprint: where the viewer shows what.
     """
-    stream = rr.RecordingStream("humanoid-sot")
-    with atomic_write(path) as place:
-        stream.save(place, default_blueprint=blueprint)
+    with atomic_write(path) as place, open_stream(place, blueprint) as stream:
         stream.send_recording_name(title)
         columns = Columns(stream)
         columns.static("about", rr.TextDocument(about, media_type=rr.MediaType.MARKDOWN))
         yield columns
         columns.send()
-        stream.disconnect()
 
 
 def _about_text(info: RunInfo, robot: Robot) -> str:

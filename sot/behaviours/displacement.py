@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solvers.compiled import compiled
+
 Array = np.ndarray
 
 ZERO_SHIFT = np.zeros(2)
@@ -40,17 +42,8 @@ class Displacement(NamedTuple):
         if len(feet) == 1:
             ((planned, place, _),) = feet
             return cls(place - planned, ZERO_TILT)
-        (first, first_at, first_load), (second, second_at, second_load) = feet
-        most = max(first_load, second_load)
-        off, other = first_at - first, second_at - second
-        first_share, second_share = (load / most if most > 0.0 else 1.0 for load in (first_load, second_load))
-        off, other = other + first_share * (off - other), off + second_share * (other - off)
-        between = second - first
-        squared = between @ between
-        if squared < COINCIDENT_DISTANCE**2:
-            return cls(0.5 * (off + other), ZERO_TILT)
-        tilt = np.outer(other - off, between / squared)
-        return cls(off - tilt @ first, tilt)
+        first, second = feet
+        return cls(*_shift_and_tilt(*first, *second))
 
     def displaced_place(self, x: Array) -> Array:
         """Displaced place (2,) of a planned one [m]."""
@@ -59,3 +52,28 @@ class Displacement(NamedTuple):
     def displaced_rate(self, v: Array) -> Array:
         """Displaced velocity or acceleration (2,) of a planned one."""
         return v + self.tilt @ v
+
+
+@compiled
+def _shift_and_tilt(
+    first: Array, first_at: Array, first_load: float, second: Array, second_at: Array, second_load: float
+) -> tuple[Array, Array]:
+    """Shift and tilt for two standing feet: see `Displacement.of`."""
+    most = max(first_load, second_load)
+    first_share = first_load / most if most > 0.0 else 1.0
+    second_share = second_load / most if most > 0.0 else 1.0
+    off, other, between, squared = np.empty(2), np.empty(2), np.empty(2), 0.0
+    for i in range(2):
+        a, b = first_at[i] - first[i], second_at[i] - second[i]
+        off[i], other[i] = b + first_share * (a - b), a + second_share * (b - a)
+        between[i] = second[i] - first[i]
+        squared += between[i] * between[i]
+    shift, tilt = np.empty(2), np.zeros((2, 2))
+    for i in range(2):
+        if squared < COINCIDENT_DISTANCE**2:
+            shift[i] = 0.5 * (off[i] + other[i])
+            continue
+        for j in range(2):
+            tilt[i, j] = (other[i] - off[i]) * (between[j] / squared)
+        shift[i] = off[i] - (tilt[i, 0] * first[0] + tilt[i, 1] * first[1])
+    return shift, tilt

@@ -1,19 +1,21 @@
-"""Unplanned steps, made when a disturbance takes the divergent component out of the support of both feet."""
+"""Steps that catch a disturbed robot: unplanned ones, and planned ones that land elsewhere."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 
-from sot.behaviours.displacement import Displacement
+from sot.behaviours.capture import Capture, predicted_dcm
+from sot.behaviours.planned_swing import EarlyLanding, LedSwing, PlannedSwing
 from sot.behaviours.stepping import SteppingSchedule
 from sot.behaviours.stride import Stride
-from sot.behaviours.support_height import divergence_rate, support_height
+from sot.behaviours.support_height import support_height
+from sot.control.pose import PoseReference
 from sot.control.stack import Stack
 from sot.control.tick import Tick
-from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
-from sot.motion.trajectory import Motion
+from sot.motion.feet.contacts import Phase
+from sot.motion.feet.footfalls import Footfalls
+from sot.motion.trajectory import Motion, Reference
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
 
@@ -29,10 +31,10 @@ FOOTHOLD_FREEZE_TIME = 0.08
 """Time before touchdown from which on the foothold stays [s]."""
 STEP_HEIGHT = 0.05
 """Height of an unplanned step [m]."""
-ZMP_MARGIN = 0.01
-"""Distance from the support's edges that the zero-moment point keeps in predictions [m]."""
 DCM_MARGIN_AFTER_STEP = 0.04
 """Distance from the support's edges that the divergent component should have after a step [m]."""
+MIN_LANDING_TIME, LANDINGS_TRIED = 0.15, 6
+"""Least time in which a foot in the air gets to the floor [s], and how many times up to the planned one are tried."""
 CHECK_INTERVAL = 0.01
 """Interval between two checks whether a step is needed [s]."""
 FOOTHOLD_ITERATIONS = 5
@@ -41,6 +43,10 @@ MIN_MARGIN_GAIN = 0.01
 """Least gain of a step over none, in the distance of the divergent component from the support's edges [m]."""
 HOME_DISTANCE = 0.02
 """Distance from its planned place within which a foot stays where it is [m]."""
+HOMEWARD_LENGTH = 0.03
+"""Length by which a planned step leads back, of what the foot beside it is off its place [m]: less disturbs nobody."""
+MIN_REDIRECTION = 0.004
+"""Change of where a planned swing is to land for which it is led elsewhere [m]."""
 
 
 @dataclass(slots=True)
@@ -72,29 +78,48 @@ class RecoverySchedule(SteppingSchedule):
 
         ξ(T) = z + (ξ − z) exp(ω T),   z the nearest that the other foot can hold,
 
-    some room; while it swings the place follows ξ. A step that leads no farther in than none is not made. The feet
-    are meant to stand by the plan: it makes no such steps before the last of its own.
+    some room; while it swings the place follows ξ. A step that leads no farther in than none is not made, nor one for
+    which the plan leaves no time.
+
+    While a step of the plan swings, its foot lands off its place by what ξ will be off the plan by then,
+
+        δ(T) = δz + (δ − δz) exp(ω T),   δz the nearest to δ / (1 − exp(−ω T)) that the other foot can hold.
+
+    The plan then goes on from there, and comes back by a little with each further step. Where no such place leaves ξ
+    in the support of both feet, the foot lands as early as brings it deepest into it.
 
     The stack needs `tasks.SwingFoot` for both feet.
 
     Args:
         robot: The robot.
-        motion: What it does.
+        reference: What it does.
+        phases: Which feet stand where meanwhile, as far as it is known.
+        swings: Foot -> its path from one foothold to the next, where its contact is off.
         ramp: As for `SteppingSchedule`.
     """
 
-    def __init__(self, robot: Robot, motion: Motion, ramp: float = 0.04) -> None:
-        super().__init__(robot, motion.phases, ramp)
-        self._robot, self._motion, self._planned_places = robot, motion, motion.feet
-        self._reach = LegReach.of(robot)
-        data = robot.model.createData()
-        pin.framesForwardKinematics(robot.model, data, robot.rest)
-        # What points to the robot's left, seen from its feet.
-        self._left = {foot: data.oMf[robot.point(foot)].rotation.T @ (0.0, 1.0, 0.0) for foot in robot.feet}
+    def __init__(
+        self,
+        robot: Robot,
+        reference: Reference,
+        phases: Sequence[Phase],
+        swings: Mapping[str, PoseReference],
+        ramp: float = 0.04,
+    ) -> None:
+        super().__init__(robot, phases, ramp)
+        self._robot, self._swings, self._capture = robot, swings, Capture(robot, reference)
         self._step: _Step | None = None
         self._rest_until = np.inf  # until when no foot goes back to its place: for ever, unless one has left it
         self._checked_at = -np.inf
         self._free_feet: list[tuple[str, str]] = []  # feet that another one lets go, with that one
+        self._led: dict[str, LedSwing | EarlyLanding] = {}  # planned swings that land elsewhere
+        self._seen: set[str] = set()  # feet that swing by the plan since an earlier check
+
+    @classmethod
+    def of(cls, motion: Motion) -> "RecoverySchedule":
+        """The schedule of a motion."""
+        paths = {foot: PlannedSwing(Footfalls(motion.phases, foot), motion.pose(foot)) for foot in motion.robot.feet}
+        return cls(motion.robot, motion, motion.phases, paths)
 
     def observe(self, tick: Tick) -> None:
         """Check whether a step is needed, or update the foothold of the running one."""
@@ -102,8 +127,9 @@ class RecoverySchedule(SteppingSchedule):
         if step is None or step.trajectory is None:
             if not 0.0 < tick.t - self._checked_at < CHECK_INTERVAL:
                 self._checked_at, self._step = tick.t, self._needed_step(tick) if self._all_feet_carry(tick) else None
+                self._lead_planned_swings(tick)
         elif tick.t < step.trajectory.land - FOOTHOLD_FREEZE_TIME:
-            xi, _ = self._dcm_and_error(tick)
+            xi, _ = self._capture.dcm_and_deviation(tick)
             step.trajectory.redirect(
                 tick.t, self._foothold_and_margin(tick, xi, step.foot, step.beside, step.trajectory.land - tick.t)[0]
             )
@@ -117,39 +143,108 @@ class RecoverySchedule(SteppingSchedule):
                 step.start, step.rotation, lift, land, STEP_HEIGHT, step.ground
             )
             step.trajectory.redirect(lift, step.place)
+            stack.contact(step.foot).is_catching = True
             self.add_step(step.foot, lift, land)
             begun = [f"{step.foot} steps"]
         if not 0.0 < t - self._checked_at < CHECK_INTERVAL - 1e-9:
             pairs = self._robot.feet, self._robot.feet[::-1]
             self._free_feet = [pair for pair in pairs if self.others_carry(pair[0], stack, loads)]
+        for foot, swing in self._led.items():
+            stack.contact(foot).path = swing
         done = begun + super().apply(t, stack, loads)
+        for foot in self._robot.feet:
+            contact = stack.contact(foot)
+            if contact.mode == "fixed" and foot in self._led:
+                led, contact.path = self._led.pop(foot), None
+                if isinstance(led, EarlyLanding):
+                    self._capture.early[foot] = contact.foothold = led.planned
+            elif contact.mode == "off" and foot in self._capture.early:
+                del self._capture.early[foot]
+                contact.foothold = None
         if step is not None and self.stances_begun(step.foot) > step.stances_before:
             stack.contact(step.foot).path = self._step = None
+            stack.contact(step.foot).is_catching = False
             self._rest_until = t + MIN_TIME_BETWEEN_STEPS
         return done
 
     def _all_feet_carry(self, tick: Tick) -> bool:
-        """Whether all feet stand with all their load, for good by the plan."""
+        """Whether all feet stand with all their load, and by the plan for long enough for a step."""
         stand = all(contact.mode == "fixed" and contact.load >= 1.0 for contact in tick.contacts)
-        return stand and not any(self.stances_to_come(foot) for foot in self._robot.feet)
+        return stand and self.next_lift() > tick.t + self.ramp + RETURN_SWING_TIME + MIN_TIME_BETWEEN_STEPS
+
+    def _lead_planned_swings(self, tick: Tick) -> None:
+        """Lead the foot that swings by the plan, if the robot is disturbed or does not stand where it should."""
+        swinging = {contact.point for contact in tick.contacts if contact.mode == "off"}
+        swinging &= {foot for foot in self._robot.feet if self.stances_to_come(foot) and self.stances_begun(foot)}
+        for foot, beside in (self._robot.feet, self._robot.feet[::-1]):
+            if foot in swinging and beside not in swinging:
+                self._lead_planned_swing(tick, foot, beside)
+        self._seen = swinging
+
+    def _lead_planned_swing(self, tick: Tick, foot: str, beside: str) -> None:
+        land = self.next_landing(foot)
+        span = land - tick.t
+        if span < FOOTHOLD_FREEZE_TIME:
+            return
+        led, path = self._led.get(foot), self._swings[foot]
+        planned = led.planned if led else path(land).position
+        displaced = self._capture.displacement(tick, beside)
+        home = displaced * max(0.0, 1.0 - HOMEWARD_LENGTH / max(float(np.linalg.norm(displaced)), HOMEWARD_LENGTH))
+        calm = CALM_DCM_ERROR if led else DISTURBED_DCM_ERROR
+        xi, missing = self._capture.dcm_at_landing(tick, beside, span + self.ramp, calm)
+        place = self._capture.reachable_place(tick, planned[:2] + home + missing, foot, beside)
+        if led is None:
+            at = tick.frame(foot).position[:2]
+            start = np.zeros(2) if foot in self._seen else at - path(tick.t).position[:2]
+            if max(np.linalg.norm(start), np.linalg.norm(home), np.linalg.norm(missing)) < HOME_DISTANCE:
+                return
+            led = self._led[foot] = LedSwing(path, tick.t, land, start)
+        if isinstance(led, LedSwing) and missing.any():
+            depth = self._capture.margin(tick, xi, foot, beside, place)
+            if depth < 0.0 and (best := self._deeper_landing(tick, foot, beside, home, depth)):
+                early, place = best
+                self.move_landing(foot, early)
+                self._led[foot] = EarlyLanding(tick.t, led(tick.t), early, path(land), place - planned[:2])
+                return
+        way = place - planned[:2] - led.landing_off
+        length, most = float(np.linalg.norm(way)), self._capture.reach.light_swing_length(span)
+        if length > MIN_REDIRECTION:
+            led.redirect(tick.t, led.landing_off + way * min(1.0, most / length))
+
+    def _deeper_landing(
+        self, tick: Tick, foot: str, beside: str, home: Array, depth: float
+    ) -> tuple[float, Array] | None:
+        """Time [s] and place (2,) of an earlier landing that has ξ deepest in the support of both feet, if any has."""
+        led, best, land = self._led[foot], None, self.next_landing(foot)
+        at, deepest = led(tick.t).position, depth + MIN_MARGIN_GAIN
+        for early in np.linspace(tick.t + MIN_LANDING_TIME, land, LANDINGS_TRIED, endpoint=False):
+            span = float(early - tick.t)
+            xi, missing = self._capture.dcm_at_landing(tick, beside, span + self.ramp, 0.0)
+            place = self._capture.reachable_place(tick, led.planned[:2] + home + missing, foot, beside)
+            way = float(np.linalg.norm(np.append(place, led.planned[2]) - at))
+            depth = self._capture.margin(tick, xi, foot, beside, place)
+            if depth > deepest and way <= self._capture.reach.light_swing_length(span):
+                deepest, best = depth, (float(early), place)
+        return best
 
     def _needed_step(self, tick: Tick) -> _Step | None:
         """The step that the robot needs now, or the way back that it may take; None in an undisturbed dance."""
-        xi, off = self._dcm_and_error(tick)
+        xi, deviation = self._capture.dcm_and_deviation(tick)
+        off = float(np.linalg.norm(deviation))
         if off < DISTURBED_DCM_ERROR:
             return self._return_step(tick, xi) if off < CALM_DCM_ERROR and tick.t > self._rest_until else None
-        support = Polygon.hull(np.vstack([self._sole_corners(tick, foot) for foot in self._robot.feet]))
+        support = self._capture.support(tick, self._robot.feet)
         if support.margin(xi) >= 0.0:
             return None
         best, step = (
-            MIN_MARGIN_GAIN
-            + float(support.margin(_predicted_dcm(tick, xi, support, MIN_SWING_TIME + 2.0 * self.ramp))),
+            MIN_MARGIN_GAIN + float(support.margin(predicted_dcm(tick, xi, support, MIN_SWING_TIME + 2.0 * self.ramp))),
             None,
         )
         for foot, beside in self._free_feet:
             place, depth = self._foothold_and_margin(tick, xi, foot, beside, self.ramp + MIN_SWING_TIME)
             span = max(
-                MIN_SWING_TIME, float(np.linalg.norm(place - tick.frame(foot).position[:2])) / self._reach.swing_speed
+                MIN_SWING_TIME,
+                float(np.linalg.norm(place - tick.frame(foot).position[:2])) / self._capture.reach.swing_speed,
             )
             if span > MIN_SWING_TIME:
                 place, depth = self._foothold_and_margin(tick, xi, foot, beside, self.ramp + span)
@@ -160,7 +255,7 @@ class RecoverySchedule(SteppingSchedule):
     def _return_step(self, tick: Tick, xi: Array) -> _Step | None:
         """A step that brings a foot back to its planned place, if ξ allows it."""
         for foot, beside in self._free_feet:
-            home = self._planned_place(tick, foot, beside)
+            home = self._capture.planned_place(tick, foot, beside)
             if np.linalg.norm(home - tick.frame(foot).position[:2]) > HOME_DISTANCE:
                 place, _ = self._foothold_and_margin(tick, xi, foot, beside, self.ramp + RETURN_SWING_TIME)
                 if np.array_equal(place, home):
@@ -172,34 +267,14 @@ class RecoverySchedule(SteppingSchedule):
         begun, ground = self.stances_begun(foot), support_height(tick)
         return _Step(foot, beside, frame.position.copy(), frame.rotation.copy(), place, span, begun, ground)
 
-    def _dcm_and_error(self, tick: Tick) -> tuple[Array, float]:
-        """ξ with angular momentum (2,) [m], and its distance from the plan as displaced by the feet [m]."""
-        t, omega = tick.t, divergence_rate(tick)
-        com, velocity, _, _ = self._motion.balance(t)
-        xi = (
-            tick.com[:2]
-            + tick.com_velocity[:2] / omega
-            + omega * tick.momentum_excess_per_weight(self._motion.angular_momentum(t))
-        )
-        moved = Displacement.of(
-            [(self._planned_places[foot](t)[:2], tick.frame(foot).position[:2], 1.0) for foot in self._robot.feet]
-        )
-        return xi, float(
-            np.linalg.norm(xi - moved.displaced_place(com[:2]) - moved.displaced_rate(velocity[:2]) / omega)
-        )
-
-    def _planned_place(self, tick: Tick, foot: str, beside: str) -> Array:
-        """Planned place (2,) of a foot relative to where the other one stands [m]."""
-        return (
-            tick.frame(beside).position[:2]
-            + (self._planned_places[foot](tick.t) - self._planned_places[beside](tick.t))[:2]
-        )
-
     def _foothold_and_margin(self, tick: Tick, xi: Array, foot: str, beside: str, span: float) -> tuple[Array, float]:
         """Foothold (2,) after a time [s], and the distance of ξ from the new support's edges once it carries [m]."""
-        stands, sole = self._sole_corners(tick, beside), self._sole_corners(tick, foot) - tick.frame(foot).position[:2]
-        xi = _predicted_dcm(tick, xi, Polygon.hull(stands), span + self.ramp)
-        place = self._planned_place(tick, foot, beside)
+        stands, sole = (
+            self._capture.sole_corners(tick, beside),
+            self._capture.sole_corners(tick, foot) - tick.frame(foot).position[:2],
+        )
+        xi = predicted_dcm(tick, xi, Polygon.hull(stands), span + self.ramp)
+        place = self._capture.planned_place(tick, foot, beside)
         for _ in range(FOOTHOLD_ITERATIONS):
             # The support's edge between both feet moves by a part of what one of them does.
             missing = xi - Polygon.hull(np.vstack([stands, place + sole])).inset(DCM_MARGIN_AFTER_STEP).nearest_point(
@@ -207,30 +282,5 @@ class RecoverySchedule(SteppingSchedule):
             )
             if not missing.any():
                 break
-            place = self._reachable_place(tick, place + missing, foot, beside)
-        return place, float(Polygon.hull(np.vstack([stands, place + sole])).margin(xi))
-
-    def _reachable_place(self, tick: Tick, place: Array, foot: str, beside: str) -> Array:
-        """The nearest place (2,) that a leg reaches without coming near the foot that stands [m]."""
-        frame, swings = tick.frame(beside), tick.frame(foot)
-        outward = (frame.rotation @ self._left[beside])[:2] * (1.0 if foot == self._robot.feet[0] else -1.0)
-        inner = max((self._sole_corners(tick, beside) - frame.position[:2]) @ outward)
-        inner -= min((self._sole_corners(tick, foot) - swings.position[:2]) @ outward)
-        reach, least, off = (
-            self._reach.max_stride,
-            inner + SOLE_CLEARANCE * self._reach.leg_length,
-            place - frame.position[:2],
-        )
-        off = off + max(0.0, least - off @ outward) * outward
-        hip = max(least, self._reach.hip_width) * outward
-        return frame.position[:2] + hip + (off - hip) * (reach / max(reach, float(np.linalg.norm(off - hip))))
-
-    def _sole_corners(self, tick: Tick, foot: str) -> Array:
-        """Corners of a foot's sole (nc, 2)."""
-        return tick.frame(foot).floor_projection(self._robot.sole(foot))
-
-
-def _predicted_dcm(tick: Tick, xi: Array, support: Polygon, span: float) -> Array:
-    """ξ (2,) after a time [s], if the zero-moment point in the support does what it can [m]."""
-    z = support.inset(ZMP_MARGIN).nearest_point(xi)
-    return z + (xi - z) * np.exp(divergence_rate(tick) * span)
+            place = self._capture.reachable_place(tick, place + missing, foot, beside)
+        return place, self._capture.margin(tick, xi, foot, beside, place)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 
 from sot.control.contact import Contact
 from sot.control.schedule import Schedule
@@ -89,10 +90,27 @@ class SteppingSchedule(Schedule):
         """Number of stances of a foot that are still to come."""
         return len(self._foot(foot).stances) - self.stances_begun(foot)
 
+    def next_lift(self) -> float:
+        """When the next foot is to leave the floor of those that stand [s], infinite if none is."""
+        leaves = [
+            foot.stances[foot.next_stance - 1].end for foot in self._feet if 0 < foot.next_stance < len(foot.stances)
+        ]
+        return min(leaves, default=inf)
+
+    def next_landing(self, foot: str) -> float:
+        """When the next stance of a foot begins [s], infinite if none is to come."""
+        own = self._foot(foot)
+        return own.stances[own.next_stance].start if own.next_stance < len(own.stances) else inf
+
     def add_step(self, foot: str, lift: float, land: float) -> None:
         """Insert a step of a standing foot between two times [s]."""
         own = self._foot(foot)
         own.stances = own.stances.with_step(lift, land, own.stances[own.next_stance - 1].pose)
+
+    def move_landing(self, foot: str, t: float) -> None:
+        """Let the next stance of a foot begin at another time [s]."""
+        own = self._foot(foot)
+        own.stances = own.stances.with_landing(own.next_stance, t)
 
     def _foot(self, name: str) -> _Foot:
         return next(foot for foot in self._feet if foot.name == name)

@@ -46,7 +46,7 @@ class Stride:
         t = max(t, self.lift)
         if t < self.land:
             self._coefficients, self._coefficients_from, self.landing_place = (
-                _quintic_to_rest(*self._horizontal_state(t), np.append(place, turn), self.land - t),
+                quintic_to_rest(*self._horizontal_state(t), np.append(place, turn), self.land - t),
                 t,
                 place.copy(),
             )
@@ -70,9 +70,7 @@ class Stride:
 
     def _horizontal_state(self, t: float) -> tuple[Array, Array, Array]:
         """Horizontal position and turn, their velocity and acceleration at a time [s], (3,) each."""
-        x, powers = t - self._coefficients_from, np.arange(6)
-        rows = [x**powers, powers[1:] * x ** powers[:-1], (powers[2:] * powers[1:-1]) * x ** powers[:-2]]
-        return rows[0] @ self._coefficients, rows[1] @ self._coefficients[1:], rows[2] @ self._coefficients[2:]
+        return value_and_derivatives(self._coefficients, t - self._coefficients_from)
 
 
 def bump_curve(s: Any) -> Any:
@@ -101,7 +99,14 @@ def raised_pose(pose: Pose, by: float, t: float, span: float) -> Pose:
     )
 
 
-def _quintic_to_rest(at: Array, rate: Array, second: Array, to: Array, span: float) -> Array:
+def value_and_derivatives(coefficients: Array, x: float) -> tuple[Array, Array, Array]:
+    """Values, first and second derivatives (n,) of polynomials with coefficients (6, n), the constant ones first."""
+    powers = np.arange(6)
+    rows = [x**powers, powers[1:] * x ** powers[:-1], (powers[2:] * powers[1:-1]) * x ** powers[:-2]]
+    return rows[0] @ coefficients, rows[1] @ coefficients[1:], rows[2] @ coefficients[2:]
+
+
+def quintic_to_rest(at: Array, rate: Array, second: Array, to: Array, span: float) -> Array:
     """Coefficients (6, n) of polynomials that begin with places, velocities and accelerations (n,) and end at rest."""
     rest = to - at - span * rate - 0.5 * span**2 * second
     slower, slack = -rate - span * second, -second

@@ -4,6 +4,7 @@ import numpy as np
 
 from sot.control.tick import Tick
 from sot.gravity import GRAVITY
+from sot.robots.surface import FLOOR
 
 MIN_PENDULUM_HEIGHT = 0.1
 """Least height of the centre of mass over the ground that is reckoned with [m]."""
@@ -18,6 +19,8 @@ def support_height(tick: Tick) -> float:
     for contact in tick.contacts:
         if contact.mode == "fixed" and contact.load > 0.0 and contact.is_footing and contact.point in tick.robot.feet:
             total += contact.load
+            if contact.on is FLOOR:
+                continue
             height += contact.load * float(contact.on.height_at(tick.frame(contact.point).position[:2]))
     return height / total if total else 0.0
 

@@ -129,6 +129,10 @@ class Contact:
         self.stiffness, self.damping = stiffness, damping
         self.path, self.sliding_friction = path, sliding_friction
         self.least, self.most, self.wish, self.reserve = least, most, wish, reserve
+        self.is_catching = False
+        """Whether, while it is off, its path is that of an unplanned step: balance then has nothing else to do."""
+        self.foothold: Array | None = None
+        """Place (3,) at which the plan has it stand, where that is not the nearest in time: it was made early [m]."""
         self.unlimited_force = False
         """Whether the fixed contact exerts any force that is needed: no floor does, but a rehearsal may ask for it."""
         self.arrival_acceleration: Array | None = None

@@ -39,6 +39,8 @@ class TickContact(Protocol):
     reserve: float
     vertices: Array
     path: PoseReference | None
+    foothold: Array | None
+    is_catching: bool
 
     @property
     def force_count(self) -> int: ...

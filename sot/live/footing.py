@@ -49,7 +49,7 @@ class Footing(Protocol):
         ...
 
     def foothold(self, foot: str, t: float) -> Array:
-        """Where a foot stands at a time, or stood last (3,) [m]."""
+        """Where a foot stands at a time; during a swing, the nearest in time (3,) [m]."""
         ...
 
     def phases(self, end: float) -> tuple[Phase, ...]:

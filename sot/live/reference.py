@@ -180,7 +180,7 @@ class LiveReference:
 
     @property
     def feet(self) -> dict[str, Callable[[float], Array]]:
-        """Function of each foot that gives its foothold (3,) [m] at a time [s], the last one while it swings."""
+        """Function of each foot that gives its foothold (3,) [m] at a time [s]; during a swing, the nearest in time."""
         return {foot: partial(self._footing.foothold, foot) for foot in self.robot.feet}
 
     def pose(self, point: str) -> Callable[[float], Pose]:

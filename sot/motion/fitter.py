@@ -49,12 +49,13 @@ BOUNCE_HZ = 0.5  # slower motion of the hips is no bounce
 
 @dataclass(frozen=True)
 class Fitter:
-    """The fit of a robot's body to a course of human and feet."""
+    """The fit of a robot's body to a course of human and feet; one that is as danced is nowhere slowed down."""
 
     robot: Robot
     build: Build
     limits: Limits
     hip_height_error: float | None
+    as_danced: bool = False
 
     def stepping_course(self, human: Human, contacts: Sequence[Step] | None, keep_lifts: bool) -> Course:
         """A course that steps.
@@ -62,7 +63,8 @@ class Fitter:
         contacts: the steps to make, on the clip's time, instead of those found.
         keep_lifts: whether high lifts are the dancer's, and take as long.
         """
-        course = stepping_course(human_on_time_line(human, PLAN_RATE), self.robot, self.build, contacts, keep_lifts)
+        on_time_line = human_on_time_line(human, PLAN_RATE)
+        course = stepping_course(on_time_line, self.robot, self.build, contacts, keep_lifts, self.as_danced)
         return self.with_dancers_swings(course, tuple(map(float, kept_lifts(course))))
 
     def with_dancers_swings(self, course: Course, shares: tuple[float, ...]) -> Course:
@@ -129,6 +131,8 @@ class Fitter:
                 calmings -= 1
                 course, changed, moved = self.with_dancers_swings(course, calmer), about, True
                 continue
+            if self.as_danced:
+                break
             clock = clock_from_slowness(slowness_about(course, slower), period)
             course = self.with_dancers_swings(with_clock(course, self.robot, clock), course.swing_shares)
             body_motion = body_at_clock(body_motion, clock)

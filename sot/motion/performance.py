@@ -7,11 +7,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sot.motion.feet.flight import Flight
-from sot.motion.feet.travel import Travel
+from sot.motion.feet.travel import Footfall
 from sot.motion.human.human import Human
 from sot.motion.trajectory import Motion
 
 Array = NDArray[np.float64]
+
+
+class Way(Protocol):
+    """A human's steps through the room, and what became of them; the attributes are those of a `Travel`."""
+
+    @property
+    def footfalls(self) -> Sequence[Footfall]:
+        """Of the steps that count as such."""
+        ...
+
+    @property
+    def path(self) -> float:
+        """Length of the human's way through the room in the robot's size, not scaled otherwise [m]."""
+        ...
+
+    @property
+    def scale(self) -> float:
+        """Length of the way that was asked of the robot over that."""
+        ...
 
 
 class Performance(Protocol):
@@ -48,7 +67,7 @@ class Performance(Protocol):
         ...
 
     @property
-    def travel(self) -> Travel | None:
+    def travel(self) -> Way | None:
         """Steps and footholds, of feet that may step."""
         ...
 

@@ -47,6 +47,10 @@ MAX_FOOT_ERROR_LEGS = 0.1  # leg lengths: a foot that is planned so far off its 
 LIMB_REFIT_STEPS = 4  # Gauss-Newton steps of head and arms once the body is balanced: fewer leave a hand in the head
 CAPTURE_NOISE_HZ = 6.0  # faster motion of a capture is noise
 
+LimbFit = Callable[[Array, Targets, Limits, Spline], Spline]
+"""A body's motion whose limbs do something else than the human's, from the motion's time at the clip's frames (n,) at
+PLAN_RATE [s], the body's targets, its limits, and its motion until then."""
+
 
 class UnreachableFeetError(InputError):
     """No motion comes near what a clip asks of the feet."""
@@ -125,6 +129,8 @@ def plan(
     contacts: Sequence[Step] | None = None,
     slide: SlideWay | None = None,
     height: float | None = None,
+    limbs: LimbFit | None = None,
+    as_danced: bool = False,
 ) -> Plan:
     """The motion with which a robot dances like a human.
 
@@ -140,6 +146,9 @@ def plan(
             have to be planted.
         height: error of the hips' height that is accepted for a smoother motion of a robot whose feet are planted [m]:
             the smaller, the more of what the dancer's knees swing is kept, but for while a foot slides.
+        limbs: fits limbs that do something else than the human's, before the body is balanced with them and after.
+        as_danced: whether the dancer's time and way are kept, with nothing slowed down or shortened; physics has to
+            judge what becomes of it.
 
     Raises:
         InputError: another kind of `feet`, contacts for planted ones, or a slide for others or in too short a clip; or
@@ -147,7 +156,7 @@ def plan(
     """
     try:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            once = partial(_plan, human, robot, feet, rate, contacts, slide, height)
+            once = partial(_plan, human, robot, feet, rate, contacts, slide, height, limbs, as_danced)
             planned = _with_lifts_kept(once) if feet == "dancer" else once(keep_lifts=False)
         if np.isfinite(planned.motion.q).all() and np.isfinite(planned.motion.a).all():
             return planned
@@ -197,6 +206,8 @@ def _plan(
     contacts: Sequence[Step] | None,
     slide: SlideWay | None,
     height: float | None,
+    limbs: LimbFit | None,
+    as_danced: bool,
     keep_lifts: bool,
 ) -> Plan:
     if feet not in FEET_MODES:
@@ -207,7 +218,7 @@ def _plan(
         raise InputError("only planted feet slide, and let the hips bounce: choose them, or leave slide and height out")
     supports(robot, planted_phases(robot, 1.0))  # compiles what it needs, once an installation: that is no planning
     begun = time.perf_counter()
-    fit = Fitter(robot, Build.of(robot), Limits.of(robot, MAX_LEG_EXTENSION_STEPPING), height)
+    fit = Fitter(robot, Build.of(robot), Limits.of(robot, MAX_LEG_EXTENSION_STEPPING), height, as_danced)
     smooth = human.low_passed(CAPTURE_NOISE_HZ)
     course = None if feet == "planted" else fit.stepping_course(smooth, contacts, keep_lifts)
     if course is None or (feet in ("auto", "dancer") and contacts is None and len(course.phases) == 1):
@@ -223,18 +234,20 @@ def _plan(
     if feet in ("auto", "dancer"):
         course, body_motion = fit.with_swings_followed(course, fit.targets(course), body_motion, relieved)
     tries = course is not plain
-    course, body_motion = _finished(fit, course, body_motion, relieved)
+    course, body_motion = _finished(fit, course, body_motion, relieved, limbs)
     if tries and course.clock[-1] > plain.clock[-1]:  # the dancer's swings are worth no time
-        plain, plain_motion = _finished(fit, plain, plain_motion, relieved)
+        plain, plain_motion = _finished(fit, plain, plain_motion, relieved, limbs)
         if plain.clock[-1] < course.clock[-1]:
             course, body_motion = plain, plain_motion
     wanted = fit.targets(course)
+    if limbs is not None:
+        body_motion = limbs(_shown(course.clock), wanted, fit.limits, body_motion)
     short = shortfalls(robot, course.feet, supports(robot, course.phases), body_motion)
     start, end = round(LEAD_IN_TIME * PLAN_RATE), len(course.clock) - 1 - round(TAIL_TIME * PLAN_RATE)
     span = slice(round(course.clock[start] * PLAN_RATE), round(course.clock[end] * PLAN_RATE) + 1)
     for one in short:
         if not one.foot < MAX_FOOT_ERROR_LEGS * fit.build.leg:
-            first, last = (_clip_time(course.clock[start : end + 1], t) for t in (one.start, one.end))
+            first, last = (_clip_time(_shown(course.clock), t) for t in (one.start, one.end))
             raise UnreachableFeetError(
                 f"{robot.label} cannot dance this clip from {first:.1f} to {last:.1f} s: its feet would be "
                 f"{one.foot:.2f} m off their places; choose another part"
@@ -251,7 +264,7 @@ def _plan(
         human=course.human,
         start=float(course.clock[start]),
         end=float(course.clock[end]),
-        clock=course.clock[start : end + 1],
+        clock=_shown(course.clock),
         heading=hip_heading(dancer.points)[start : end + 1],
         travel=course.travel,
         flights=find_flights(dancer),
@@ -264,10 +277,19 @@ def _plan(
     )
 
 
-def _finished(fit: Fitter, course: Course, body_motion: Spline, relieved: bool) -> tuple[Course, Spline]:
+def _shown(clock: Array) -> Array:
+    """Of the motion's time at all frames (T,), the part at those of the clip, without lead-in and tail [s]."""
+    return clock[round(LEAD_IN_TIME * PLAN_RATE) : len(clock) - round(TAIL_TIME * PLAN_RATE)]
+
+
+def _finished(
+    fit: Fitter, course: Course, body_motion: Spline, relieved: bool, limbs: LimbFit | None
+) -> tuple[Course, Spline]:
     """The course and the motion of a body whose limbs are fitted to its chest as it has moved, balanced once more."""
     wanted = fit.targets(course)
     body_motion = fit_limbs(fit.robot, wanted, fit.limits, body_motion, LIMB_REFIT_STEPS)
+    if limbs is not None:
+        body_motion = limbs(_shown(course.clock), wanted, fit.limits, body_motion)
     course, body_motion, _ = fit.balanced(
         course, wanted, body_motion, MAX_FINAL_SLOWDOWNS, fresh=False, relieved=relieved
     )

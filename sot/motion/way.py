@@ -1,6 +1,6 @@
 """Steps along a way that is given by the places where the body is to be, one foot after the other."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,12 +25,14 @@ class Footsteps:
     Attributes:
         stands: foot -> its footholds, the first where it stands at the start.
         steps: from one foothold to the next.
-        end: when both feet have stood at the end for as long as at the start [s].
+        end: when both feet have stood at the end for as long as they are to [s].
+        arrivals: when the last step to each stop has landed [s].
     """
 
     stands: dict[str, list[Foothold]]
     steps: list[Step]
     end: float
+    arrivals: list[float]
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,11 @@ def standing_footholds(robot: Robot) -> dict[str, Foothold]:
 
 
 def footsteps_along(
-    robot: Robot, stops: Sequence[Foothold], begin: float | None = None, gait: Gait = USUAL_GAIT
+    robot: Robot,
+    stops: Sequence[Foothold],
+    begin: float | None = None,
+    gait: Gait = USUAL_GAIT,
+    waits: Mapping[int, float] | None = None,
 ) -> Footsteps:
     """The footsteps by which a body goes from stop to stop, straight and turning evenly.
 
@@ -68,12 +74,14 @@ def footsteps_along(
         stops: places and headings of the body, one after the other: where the origin of the rest posture comes to be.
         begin: time of the first step [s]; after the usual wait unless given.
         gait: how it steps.
+        waits: index of a stop -> time on both feet there [√(leg / g)]; the usual wait unless given.
     """
     leg = leg_length(robot)
     unit = float(np.sqrt(leg / GRAVITY))
     stands, steps = {foot: [place] for foot, place in standing_footholds(robot).items()}, list[Step]()
+    arrivals = list[float]()
     now, body = WAITING_TIME * unit if begin is None else begin, Foothold(0.0, 0.0, 0.0)
-    for stop in stops:
+    for index, stop in enumerate(stops):
         feet = robot.feet if len(steps) % 2 else robot.feet[::-1]
         way, turn = np.hypot(stop.x - body.x, stop.y - body.y), abs(stop.heading - body.heading)
         count = max(int(np.ceil(way / (gait.step * leg) - 1e-9)), int(np.ceil(turn / MAX_TURN - 1e-9)))
@@ -83,9 +91,10 @@ def footsteps_along(
             steps.append(Step(foot, now, now + gait.swing * unit))
             stands[foot].append(_moved(start[foot], body, stop, share))
             now += (gait.swing + gait.standing) * unit
-        now += (WAITING_TIME - gait.standing) * unit
+        arrivals.append(steps[-1].land)
+        now += ((waits or {}).get(index, WAITING_TIME) - gait.standing) * unit
         body = stop
-    return Footsteps(stands, steps, now)
+    return Footsteps(stands, steps, now, arrivals)
 
 
 def _moved(foot: Foothold, body: Foothold, stop: Foothold, share: float) -> Foothold:

@@ -65,7 +65,7 @@ def test_from_the_command_line(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.bvh").write_text(groove_bvh())
     chosen = suite.suite_pieces(Path())
-    monkeypatch.setattr(bench_command, "suite_pieces", lambda mocap: [Piece(chosen[0].name, chosen[0].clip, 1.0, 0.2)])
+    monkeypatch.setitem(bench_command.SUITES, "dance", suite.Suite(lambda *given: [chosen[0].part(1.0, 0.2)]))
     status = cli.main(["bench", "--suite", "dance", "--feet", "planted", "--rate", "200", "--json"])
     assert status == cli.DONE
     assert json.loads(capsys.readouterr().out)["rows"][0]["name"] == "mine"
@@ -73,7 +73,7 @@ def test_from_the_command_line(tmp_path, capsys, monkeypatch):
 
 
 def test_a_suite_on_an_estimated_state_says_how_far_off_it_was(capsys, monkeypatch):
-    monkeypatch.setattr(bench_command, "suite_pieces", lambda mocap: [Piece("short", "groove", 1.0, 0.2)])
+    monkeypatch.setitem(bench_command.SUITES, "dance", suite.Suite(lambda *given: [Piece("short", "groove", 1.0, 0.2)]))
     command = ["bench", "--suite", "dance", "--feet", "planted", "--rate", "200", "--json"]
     assert cli.main([*command, "--state", "estimated", "--sensors", "bmi088"]) == cli.DONE
     (row,) = json.loads(capsys.readouterr().out)["rows"]

@@ -1,5 +1,6 @@
 """`sot run otani carry`: a box taken from a stand, carried on the robot's own steps, and set down on another one."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar
@@ -8,7 +9,8 @@ import numpy as np
 
 from scenarios.inputs.clips import find_clip
 from scenarios.inputs.stack_file import Composition
-from scenarios.otani2017.carrying.clip import ClipCarry, carry_after, clip_figures
+from scenarios.otani2017.carrying.clip import ClipCarry, carry_after
+from scenarios.otani2017.carrying.clip_figures import clip_figures
 from scenarios.otani2017.carrying.scene import BOX, carry_demonstration, carry_things
 from scenarios.otani2017.carrying.stack import carry_stack
 from scenarios.otani2017.figures import manipulation_figures, object_report, tick_medians
@@ -19,16 +21,19 @@ from sim.recording.things import HandledThings
 from sim.reporting import report
 from sot.behaviours.manipulation.walking import WalkingManipulation
 from sot.errors import InputError
-from sot.motion.carrying.carry import carry
+from sot.motion.carrying.carry import CarryPlan, carry
 from sot.motion.feet.footwork import Foothold
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
+from sot.robots.size import leg_length
 from sot.robots.system import System
+from sot.robots.things.thing import Thing
 
-BOX_M = (0.2, 0.34, 0.2)
-"""Size of the box: forward, to the side and up, as it is held [m]."""
-BACK_M, AHEAD_M = 0.4, 1.6
-"""Way of the body back from the first stand, and ahead to the second one after a quarter of a turn to the left [m]."""
+BOX_LEGS = (1.0 / 3.0, 0.57, 1.0 / 3.0)
+"""Size of the box: forward, to the side and up, as it is held [leg lengths]."""
+BACK_LEGS, AHEAD_LEGS = 2.0 / 3.0, 8.0 / 3.0
+"""Way of the body back from the first stand, and ahead to the second one after a quarter of a turn to the left [leg
+lengths]."""
 NOISE_M, NOISE_DEG = 0.003, 2.0
 """Standard deviation of where the box stands, with a seed: in each direction [m], and in its heading [deg]."""
 FIGURE_PERIOD_S = 0.02
@@ -106,10 +111,34 @@ def perform(request: Replay, carrying: Carrying, tell: ProgressCallback) -> Carr
         after = carry_after(find_clip(request.clip), robot, believed.mass, request.rate)
         plan = after.carry
     else:
-        left = 0.5 * np.pi
-        stops = [Foothold(-BACK_M, 0.0, 0.0), Foothold(-BACK_M, 0.0, left), Foothold(-BACK_M, AHEAD_M, left)]
-        plan = carry(robot, BOX_M, believed.mass, stops, request.rate)
+        left, leg = 0.5 * np.pi, leg_length(robot)
+        back, ahead = -BACK_LEGS * leg, AHEAD_LEGS * leg
+        stops = [Foothold(back, 0.0, 0.0), Foothold(back, 0.0, left), Foothold(back, ahead, left)]
+        depth, width, height = (leg * length for length in BOX_LEGS)
+        plan = carry(robot, (depth, width, height), believed.mass, stops, request.rate)
     system = System(robot, carry_things(plan, believed, stands=after is None))
+    things = carry_things(plan, carrying.actual, offset, stands=after is None)
+    return carry_out(replace(request, clip=request.clip or "carry"), plan, system, things, tell, after)
+
+
+def carry_out(
+    request: Replay,
+    plan: CarryPlan,
+    system: System,
+    things: Sequence[Thing],
+    tell: ProgressCallback,
+    after: ClipCarry | None = None,
+) -> Carried:
+    """Run a planned carrying; nothing is written.
+
+    Args:
+        request: Solver and rate, and what the run is called.
+        plan: What is to be done.
+        system: The robot and the things as the controller knows them.
+        things: As they are in physics.
+        tell: Told of the progress.
+        after: The clip's carrying, if it is one.
+    """
     demonstration = carry_demonstration(plan, system)
     contacts = contacts_of(demonstration)
     schedule = WalkingManipulation(demonstration, contacts)
@@ -117,14 +146,13 @@ def perform(request: Replay, carrying: Carrying, tell: ProgressCallback) -> Carr
     def compose(robot: Robot, motion: Motion) -> Composition:
         return Composition(carry_stack(demonstration, contacts, schedule), schedule)
 
-    things = carry_things(plan, carrying.actual, offset, stands=after is None)
-    named = replace(request, clip=request.clip or "carry")
-    danced = run_motion(named, compose, demonstration.motion, None, tell, system=system, things=things)
+    danced = run_motion(request, compose, demonstration.motion, None, tell, system=system, things=things)
     played = schedule.played()
     danced.run.log.zmp_planned[: len(played.zmp)] = played.zmp  # the run knew the motion only as it is without waits
     assert danced.system is not None
     handled = HandledThings(schedule.history, schedule.played_times())
-    return Carried(replace(danced, motion=played, handled=handled), schedule, danced.system, after)
+    remarks = (*(after.remarks if after else ()), *danced.remarks)
+    return Carried(replace(danced, motion=played, handled=handled, remarks=remarks), schedule, danced.system, after)
 
 
 def carry_figures(done: Carried) -> dict[str, Any]:
@@ -161,6 +189,6 @@ def sentence(figures: dict[str, Any]) -> str:
         words += (
             f", {1e3 * figures['off_clip_max_m']:.0f} mm beside the clip's in the robot's size; upper body"
             f" {figures['upper_body_mpjpe_mm']:.0f} mm off its reference in the mean,"
-            f" {figures['upper_body_human_mm']:.0f} mm off the human in the robot's size"
+            f" {figures['upper_body_human_mm']:.0f} mm off the human in the robot's size, limb by limb"
         )
     return words

@@ -3,46 +3,50 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
-from sim.log import RunLog
 from sot.errors import InputError
+from sot.gravity import GRAVITY
 from sot.motion import read, recognise
+from sot.motion.body.coordinates import from_configuration
+from sot.motion.body.kinematics import JointTree, Kinematics
+from sot.motion.body.limits import Limits
+from sot.motion.body.spline import Spline
+from sot.motion.body.targets import Targets
 from sot.motion.carrying.arms import palm_places
-from sot.motion.carrying.carry import CarryPlan
+from sot.motion.carrying.carry import CLOSING_TIME, STANDOFF, CarryPlan
+from sot.motion.carrying.held_arms import HeldBox, held_places, with_box_held
 from sot.motion.feet.stance import Build
 from sot.motion.human.formats.omomo import read_omomo, read_omomo_object
-from sot.motion.human.human import SIDES
+from sot.motion.human.human import Human
 from sot.motion.objects.pose_path import blended
 from sot.motion.objects.retarget import Scale
 from sot.motion.plan import PLAN_RATE, Plan, plan
-from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.smooth import minimum_jerk
+from sot.smooth import low_passed, minimum_jerk
 
 Array = np.ndarray
 
-UPPER_BODY = ("chest", "head", *(f"{side}_{part}" for part in ("shoulder", "elbow", "wrist") for side in SIDES))
-"""Points that tell how near the upper body is."""
 LARGE_BOX_M = (0.46, 0.47, 0.41)
 """Size of OMOMO's large box, of which no recording says anything [m]."""
 MOVED_M = 0.01
 """Way of an object from where it lies that is more than a recording's noise [m]."""
-HANDS_PITCH = 0.8
+HANDS_PITCH = 1.1
 """Angle by which the fingers point down: between a box on the floor and one before the chest [rad]."""
-GRIP_BELOW_TOP_M = 0.05
-"""Distance of the palms' middle from the top of a box that stands on the floor [m]."""
-EASING_S, HOLDING_S, LOWERING_S = 0.4, 0.1, 0.5
-"""Time in which a box goes over from where it lies to its way, of a grip, and of lowering it [s]."""
+GRIP_BELOW_TOP = 0.07
+"""Distance of the palms' middle from the top of the box [leg lengths]: lower, arms do not reach a box on the floor."""
+REACHING_TIME, EASING_TIME, HOLDING_TIME, LOWERING_TIME = 4.0, 1.6, 0.4, 2.0
+"""Times [√(leg / g)] of arms from the human's to beside the box, of a box from where it lies to its way, of a grip, and
+of lowering the box."""
 PACE = 0.6
 """Speed of the robot's motion over the human's: its steps are as long as its legs admit, and it carries something."""
-MAX_ASIDE_LEGS = 0.06
-"""Greatest distance of the box's middle from where the shoulders face [leg lengths]."""
-AHEAD_RANGE_LEGS = 0.48, 0.75
-"""Least and greatest distance of the box's middle from the waist, as far as arms hold it level [leg lengths]."""
+FACING_SHARE = 0.8
+"""Share of the way from where the chest faces to where the box is by which the box, and so the chest, turns: arms hold
+a box straight ahead, and the waist sways from foot to foot."""
+TURN_RATE = 0.25
+"""Fastest turning of the box that is not smoothed away, per √(leg / g)."""
 
 
 @dataclass(frozen=True)
@@ -52,12 +56,100 @@ class ClipCarry:
     Attributes:
         carry: what the robot is to do.
         plan: how its motion came from the human's.
-        way: of the human's box in the robot's size (T, 3), from where the robot takes it, at the carry's knots [m].
+        way: of the human's box in the robot's size (T, 3) at the carry's knots [m].
     """
 
     carry: CarryPlan
     plan: Plan
     way: Array
+
+    @property
+    def remarks(self) -> list[str]:
+        """What the robot does otherwise than the human, a sentence each."""
+        return [
+            *self.plan.remarks,
+            f"The robot is {PACE:g} times as fast as the human.",
+            "While palms lie flat on the box's sides, arms are not the human's, and chest and box turn together.",
+        ]
+
+
+@dataclass(frozen=True)
+class ClipBox:
+    """A recorded box in the size of a robot that holds it.
+
+    Attributes:
+        robot: who carries.
+        size: of the box [m].
+        path: of its middle (T, 3) [m].
+        lifted, placed: when it leaves where it lies, and when it lies again, in the clip's time [s].
+        rate: of the path [Hz].
+        unit: of times, √(leg / g) [s].
+    """
+
+    robot: Robot
+    size: tuple[float, float, float]
+    path: Array
+    lifted: float
+    placed: float
+    rate: float
+    unit: float
+
+    @classmethod
+    def of(cls, clip: Path, human: Human, robot: Robot) -> "ClipBox":
+        """The box of a clip.
+
+        Args:
+            clip: the recording.
+            human: who is recorded, at the pace at which the robot follows.
+            robot: who carries.
+
+        Raises:
+            InputError: it is carried nowhere.
+        """
+        build = Build.of(robot)
+        scale, at = Scale.of(human, build), _object_path(clip)
+        depth, width, height = (scale.factor * length for length in LARGE_BOX_M)
+        path = scale(at)
+        path[:, 2] = 0.5 * height + scale.factor * np.maximum(at[:, 2] - at[0, 2], 0.0)
+        lifted, placed = _moved(at)
+        unit = float(np.sqrt(build.leg / GRAVITY))
+        return cls(robot, (depth, width, height), path, lifted / human.rate, placed / human.rate, human.rate, unit)
+
+    @property
+    def hands(self) -> dict[str, pin.SE3]:
+        """Where hands hold it, in its axes."""
+        grip = np.array([0.0, 0.0, 0.5 * self.size[2] - GRIP_BELOW_TOP * Build.of(self.robot).leg])
+        return palm_places(self.robot, self.size[1], HANDS_PITCH, grip)
+
+    def way(self, knots: Array, clock: Array) -> Array:
+        """Where it is (T, 3) at times (T,) [s] of a motion that shows the clip's frames at times (n,) at PLAN_RATE."""
+        clip_times, frames = np.interp(knots, clock, _frame_times(clock)), np.arange(len(self.path)) / self.rate
+        return np.column_stack([np.interp(clip_times, frames, column) for column in self.path.T])
+
+    def moved(self, clock: Array) -> tuple[float, float]:
+        """When it is lifted and placed by a motion that shows the clip's frames at times (n,) at PLAN_RATE [s]."""
+        lifted, placed = np.interp([self.lifted, self.placed], _frame_times(clock), clock).tolist()
+        return lifted, placed
+
+    def limbs(self, clock: Array, wanted: Targets, limits: Limits, body_motion: Spline) -> Spline:
+        """The `sot.motion.plan.LimbFit` of arms that hold it; the box turns to be ahead of the chest."""
+        y, (lifted, placed) = body_motion.knots, self.moved(clock)
+        knots = body_motion.period * np.arange(len(y))
+        way, cutoff = self.way(knots, clock), TURN_RATE / self.unit
+        turned, chest = Kinematics(JointTree(self.robot), y).frame_pose(self.robot.point("chest"))
+        left, ahead = turned[:, :2, 1], low_passed((way - chest)[:, :2], PLAN_RATE, cutoff)
+        faced, seen = np.unwrap(np.arctan2(-left[:, 0], left[:, 1])), np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
+        turn = low_passed(faced + FACING_SHARE * (seen - faced), PLAN_RATE, cutoff)
+        gripped, released = (lifted - HOLDING_TIME * self.unit, placed + HOLDING_TIME * self.unit)
+        closing, reaching = CLOSING_TIME * self.unit, REACHING_TIME * self.unit
+
+        def share(start: float, duration: float) -> Array:
+            return np.asarray(minimum_jerk(np.asarray((knots - start) / duration, dtype=float)))
+
+        away = 1.0 - share(gripped - closing, closing) + share(released, closing)
+        for_box = share(gripped - closing - reaching, reaching) - share(released + closing, reaching)
+        box = HeldBox(way, turn, self.hands, STANDOFF * Build.of(self.robot).leg * away, for_box)
+        return with_box_held(self.robot, wanted, limits, body_motion, box)
 
 
 def carry_after(clip: Path, robot: Robot, mass: float, rate: float) -> ClipCarry:
@@ -76,24 +168,18 @@ def carry_after(clip: Path, robot: Robot, mass: float, rate: float) -> ClipCarry
         raise InputError(f"{clip}: holds no box to carry; `--clip` of otani carry takes a recording of OMOMO (.pt)")
     human = recognise(read(clip))
     human = replace(human, rate=PACE * human.rate)
-    planned = plan(human, _loaded(robot, mass), "steps", rate)
-    motion = replace(planned.motion, robot=robot)
-    scale = Build.of(robot).leg / human.leg
-    depth, width, height = (scale * length for length in LARGE_BOX_M)
+    box = ClipBox.of(clip, human, robot)
+    planned = plan(human, _loaded(robot, mass), "steps", rate, limbs=box.limbs)
+    motion, (lifted, placed) = replace(planned.motion, robot=robot), box.moved(planned.clock)
     knots = np.arange(round(motion.duration * PLAN_RATE) + 1) / PLAN_RATE
-    clip_times = np.interp(knots, planned.clock, np.arange(len(planned.clock)) / PLAN_RATE)
-    at = _along(_object_path(clip), human.rate, clip_times)
-    lifted, placed = _moved(at, knots)
-    way = Scale.of(human, Build.of(robot))(at)
-    way[:, 2] = 0.5 * height + scale * np.maximum(at[:, 2] - at[0, 2], 0.0)
-    taken = _reachable(motion, knots, way)[int(np.searchsorted(knots, lifted - 1e-9))].translation
-    way[:, :2] += taken[:2] - way[0, :2]
-    box = _resting(_reachable(motion, knots, way), knots, lifted, placed, 0.5 * height)
-    grip = np.array([0.0, 0.0, 0.5 * height - GRIP_BELOW_TOP_M])
-    times = lifted - HOLDING_S, lifted, max(placed - LOWERING_S, lifted), placed, placed + HOLDING_S
-    hands = palm_places(robot, width, HANDS_PITCH, grip)
-    carry = CarryPlan(motion, box, knots, *times, hands, (depth, width, height))
-    return ClipCarry(carry, planned, way)
+    y = from_configuration(np.array([motion.sample(t).q for t in knots.tolist()]))
+    easing = EASING_TIME * box.unit
+    held = _resting(held_places(robot, y, box.hands), knots, (lifted, placed), easing, 0.5 * box.size[2])
+    gripped, released = lifted - HOLDING_TIME * box.unit, placed + HOLDING_TIME * box.unit
+    times = gripped, lifted, max(placed - LOWERING_TIME * box.unit, lifted), placed, released
+    return ClipCarry(
+        CarryPlan(motion, held, knots, *times, box.hands, box.size), planned, box.way(knots, planned.clock)
+    )
 
 
 def _loaded(robot: Robot, mass: float) -> Robot:
@@ -116,14 +202,13 @@ def _object_path(clip: Path) -> Array:
     return path
 
 
-def _along(values: Array, rate: float, times: Array) -> Array:
-    """Values (T, n) at a rate [Hz], at other times."""
-    frames = np.arange(len(values)) / rate
-    return np.column_stack([np.interp(times, frames, column) for column in values.T])
+def _frame_times(clock: Array) -> Array:
+    """The clip's times (n,) at the frames of a clock [s]."""
+    return np.arange(len(clock)) / PLAN_RATE
 
 
-def _moved(at: Array, knots: Array) -> tuple[float, float]:
-    """When an object leaves where it lies, and when it lies again [s].
+def _moved(at: Array) -> tuple[int, int]:
+    """The last frame before an object (T, 3) leaves where it lies, and the first one when it lies again.
 
     Raises:
         InputError: it never does.
@@ -131,76 +216,19 @@ def _moved(at: Array, knots: Array) -> tuple[float, float]:
     left, lies = (np.linalg.norm(at - end, axis=1) > MOVED_M for end in (at[0], at[-1]))
     if not left.any() or not lies.any():
         raise InputError("the recording's object is not carried anywhere")
-    return float(knots[np.flatnonzero(left)[0] - 1]), float(knots[np.flatnonzero(lies)[-1] + 1])
+    return int(np.flatnonzero(left)[0]) - 1, int(np.flatnonzero(lies)[-1]) + 1
 
 
-def _reachable(motion: Motion, knots: Array, way: Array) -> list[pin.SE3]:
-    """Level places nearest to a way (T, 3) in which arms hold a box: ahead of the waist, where the shoulders face."""
-    waist, chest = motion.pose("waist"), motion.pose("chest")
-    low, high = (share * Build.of(motion.robot).leg for share in AHEAD_RANGE_LEGS)
-    aside = MAX_ASIDE_LEGS * Build.of(motion.robot).leg
-    found = []
-    for t, wanted in zip(knots.tolist(), way, strict=True):
-        left = chest(t).rotation[:, 1]  # level even if the trunk is pitched far
-        turn = pin.utils.rotate("z", float(np.arctan2(-left[0], left[1])))
-        local = turn.T @ (wanted - waist(t).position)
-        local[:2] = np.clip(local[:2], [low, -aside], [high, aside])
-        found.append(pin.SE3(turn, waist(t).position + turn @ local))
-    return found
-
-
-def _resting(way: Sequence[pin.SE3], knots: Array, lifted: float, placed: float, height: float) -> list[pin.SE3]:
+def _resting(
+    way: Sequence[pin.SE3], knots: Array, moved: tuple[float, float], easing: float, height: float
+) -> list[pin.SE3]:
     """A way that begins where it is when it is lifted and ends where it is placed, at rest, a height over the floor."""
     ends = []
-    for time in (lifted, placed):
+    for time in moved:
         end = way[int(np.searchsorted(knots, time - 1e-9))]
         ends.append(pin.SE3(end.rotation, np.array([*end.translation[:2], height])))
-    first, second = minimum_jerk((knots - lifted) / EASING_S), minimum_jerk((knots - placed) / EASING_S + 1.0)
+    first, second = minimum_jerk((knots - moved[0]) / easing), minimum_jerk((knots - moved[1]) / easing + 1.0)
     position, rotation = blended([ends[0]] * len(way), way, first)
     eased = [pin.SE3(turn, place) for turn, place in zip(rotation, position, strict=True)]
     position, rotation = blended(eased, [ends[1]] * len(way), second)
     return [pin.SE3(turn, place) for turn, place in zip(rotation, position, strict=True)]
-
-
-def clip_figures(
-    after: ClipCarry, log: RunLog, rows: Array, at: Array, clock: Array, robot: Robot
-) -> dict[str, float | None]:
-    """How near a run came to the clip while the box was held.
-
-    Args:
-        after: What was planned.
-        log: Of the run.
-        rows: Its rows (n,) that count.
-        at: Where the box was in these rows, seen from above (n, 2) [m].
-        clock: The demonstration's time at every tick (T,) [s].
-        robot: Who carried.
-
-    Returns:
-        The box's greatest distance from the clip's way, and the upper body's mean distances, seen from the waist, from
-        the reference and from the human in the robot's size [m, mm].
-    """
-    if not len(rows):
-        return {"off_clip_max_m": None, "upper_body_mpjpe_mm": None, "upper_body_human_mm": None}
-    times, motion, human = clock[rows], after.carry.motion, after.plan.human
-    way = np.column_stack([np.interp(times, after.carry.knots, after.way[:, k]) for k in range(2)])
-    data, own, meant, shown = robot.model.createData(), [], [], []
-
-    def points(q: Array) -> Array:
-        pin.framesForwardKinematics(robot.model, data, q)
-        places = np.array([data.oMf[robot.point(name)].translation for name in ("waist", *UPPER_BODY)])
-        return places[1:] - places[0]
-
-    for row, t in zip(rows.tolist(), times.tolist(), strict=True):
-        own.append(points(log.q[row]))
-        meant.append(points(motion.sample(t).q))
-        k = min(round(t * human.rate), human.count - 1)
-        shown.append([human.points[name][k] - human.points["waist"][k] for name in UPPER_BODY])
-
-    def mean_mm(other: list[Any]) -> float:
-        return float(1e3 * np.linalg.norm(np.array(own) - np.array(other), axis=2).mean())
-
-    return {
-        "off_clip_max_m": float(np.linalg.norm(at - way, axis=1).max()),
-        "upper_body_mpjpe_mm": mean_mm(meant),
-        "upper_body_human_mm": mean_mm(shown),
-    }

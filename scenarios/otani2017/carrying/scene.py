@@ -14,8 +14,8 @@ from sot.robots.system import System
 from sot.robots.things.thing import Thing
 from sot.smooth import minimum_jerk
 
-STAND_M = (0.2, 0.28)
-"""Size of both stands' tops, as who stands before one sees it [m]."""
+STAND_SHARE = 1.0, 0.82
+"""Size of both stands' tops over the box's, as who stands before one sees it: palms hang down beside them."""
 BOX, START, GOAL = "box", "start", "goal"
 """Names of the box and of the stands."""
 
@@ -27,7 +27,8 @@ def carry_things(
     things = []
     for name, place in ((START, plan.box[0]), (GOAL, plan.box[-1])) if stands else ():
         at, turn = place.translation, pin.utils.rotate("z", float(pin.log3(place.rotation)[2]))
-        size, foot = (*STAND_M, float(at[2]) - 0.5 * plan.size[2]), pin.SE3(turn, np.array([at[0], at[1], 0.0]))
+        depth, width = (share * length for share, length in zip(STAND_SHARE, plan.size, strict=False))
+        size, foot = (depth, width, float(at[2]) - 0.5 * plan.size[2]), pin.SE3(turn, np.array([at[0], at[1], 0.0]))
         things.append(Thing.load("stand", name, foot, size=size, friction=options.friction))
     place = plan.box[0] if offset is None else plan.box[0] * offset
     return [*things, Thing.load("box", BOX, place, mass=options.mass, size=list(plan.size), friction=options.friction)]

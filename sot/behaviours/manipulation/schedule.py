@@ -1,17 +1,15 @@
 """Otani's Algorithm 1 as a schedule: contacts are made and broken when the robot is ready, and tracking waits."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import pinocchio as pin
 
 from sot.behaviours.manipulation.clock import DemonstrationClock
 from sot.behaviours.manipulation.guide import (
-    PlaneGuide,
     PoseGuide,
     attached_reference,
     closing_reference,
-    fixed_place,
     fixed_reference,
     placement_of,
 )
@@ -21,27 +19,20 @@ from sot.behaviours.manipulation.pace import (
     CLOSING_PATIENCE,
     CLOSING_RAMP,
     CLOSING_SPEED,
-    COM_REST_SPEED,
-    COM_SPEED,
     COM_TIME,
-    COM_TOLERANCE,
-    HOLDING_TIME,
     LOAD_RAMP,
     MAX_WAIT,
-    TOUCH_LOAD,
 )
 from sot.behaviours.manipulation.played import Waiting, played_motion
 from sot.behaviours.manipulation.pushes import Pushes
+from sot.behaviours.manipulation.waiting import GivenUpError, WaitingSchedule
 from sot.control.contact import Contact
-from sot.control.schedule import Schedule
 from sot.control.stack import Stack
 from sot.control.tick import Tick
-from sot.gravity import GRAVITY
 from sot.motion.objects.events import ContactEvent, ContactSets, SurfacePair, simultaneous
 from sot.motion.objects.retarget import RobotDemonstration, Target
 from sot.motion.objects.support import support_centre
 from sot.motion.trajectory import Motion
-from sot.robots.size import leg_length
 
 Array = np.ndarray
 __all__ = ["ManipulationSchedule", "Waiting"]
@@ -58,11 +49,7 @@ LOST_TIME = 0.4  # √(leg/g) without any force on all that hold a thing: it is 
 BACKING_OFF_TIME = 6.0  # √(leg/g), after a failure, until the run ends
 
 
-class _GivenUpError(Exception):
-    """A wait that has not ended in time, or something that went wrong, in words."""
-
-
-class ManipulationSchedule(Schedule):
+class ManipulationSchedule(WaitingSchedule):
     """A schedule that leads a robot and its things through a demonstration, contact by contact.
 
     The demonstration's clock is stopped for each group of events that happen together and runs on when they are done:
@@ -85,13 +72,9 @@ class ManipulationSchedule(Schedule):
     Attributes:
         clock: Of the demonstration.
         guides: Reference of each of the robot's points that the demonstration leads.
-        com: Reference of the centre of mass.
         sets: The sets E1, E2, E3 now.
         history: When they changed, and to what.
         waits: Times in which the demonstration stood still.
-        carried: Things whose mass counts in the centre of mass now.
-        failure: Why the demonstration was given up; empty while it is not.
-        finished: Whether the run is over.
     """
 
     def __init__(
@@ -100,34 +83,24 @@ class ManipulationSchedule(Schedule):
         contacts: Mapping[SurfacePair, Contact],
         com_shifted_by_hands: bool = True,
     ) -> None:
-        super().__init__()
-        robot = demonstration.system.robot
+        super().__init__(demonstration.system.robot, demonstration.motion.com[0, :2], SHIFT_TIME)
         self.demonstration, self._contacts = demonstration, dict(contacts)
-        self._leg, self._weight = leg_length(robot), robot.mass * GRAVITY
-        self._unit = float(np.sqrt(self._leg / GRAVITY))
         self._shifted = com_shifted_by_hands
-        self.clock = DemonstrationClock(CLOCK_FREQUENCY / self._unit)
+        self.clock = DemonstrationClock(CLOCK_FREQUENCY / self.unit)
         self.guides = {point: PoseGuide(self.clock.pose(path)) for point, path in demonstration.links.items()}
         self.things = {name: PoseGuide(self.clock.pose(path)) for name, path in demonstration.things.items()}
-        self.com = PlaneGuide(fixed_place(demonstration.motion.com[0, :2]), SHIFT_TIME * self._unit)
-        self.carried: tuple[str, ...] = ()
-        self.failure, self.finished = "", False
         self.waits: list[Waiting] = []
         plan = demonstration.contacts
         self._tracked = frozenset(pair.first.surface for pair in plan.pairs() if pair.kind != "thing-world")
         self._happened = 0
         self.sets = plan.sets_after(0, self._tracked)
         self.history: list[tuple[float, ContactSets]] = [(0.0, self.sets)]
-        self._t, self._loads = 0.0, dict[str, float]()
-        self._tick: Tick | None = None
-        self._losses = LossWatch(self._contacts, LOST_TIME * self._unit)
-        self._owner_changed = False
+        self._losses = LossWatch(self._contacts, LOST_TIME * self.unit)
         self._approaching: list[tuple[PoseGuide, pin.SE3]] = []
         pushed = [thing for thing in self.things if not demonstration.system.thing(thing).is_free]
-        self._pushes = Pushes(self._contacts, self.things, pushed, self._leg)
-        self._steps = self._algorithm()
-        groups = simultaneous(plan.events, self._unit)
-        self.extra_time = self._unit * (MAX_WAIT * len(groups) + BACKING_OFF_TIME)
+        self._pushes = Pushes(self._contacts, self.things, pushed, self.leg)
+        groups = simultaneous(plan.events, self.unit)
+        self.extra_time = self.unit * (MAX_WAIT * len(groups) + BACKING_OFF_TIME)
         self._played: list[tuple[tuple[float, float, float], tuple[Array, Array, Array]]] = []
 
     def played(self) -> Motion:
@@ -146,135 +119,110 @@ class ManipulationSchedule(Schedule):
 
     def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:
         """Carry out what is due; returns it in words. Loads are the measured normal forces by the contacts' names."""
-        done = super().apply(t, stack, loads)
-        self._t, self._loads = t, dict(loads or {})
         self.clock.advance(t)
-        if self._tick is None:
-            return done
-        try:
-            if not self.failure:
-                self._check_things(self._tick)
-            next(self._steps)
-        except _GivenUpError as error:
-            self.failure = str(error)
-            self._steps = self._backing_off()
-            done.append(self.failure)
-        if stack.carried != [*self.carried]:
-            stack.carried, self._owner_changed = [*self.carried], True
-        return done
+        return super().apply(t, stack, loads)
 
     def observe(self, tick: Tick) -> None:
-        """Note the state; the centre of mass that is led changes its owner here."""
-        self._tick = tick
-        if self._owner_changed:
-            self.com.restart(tick.com[:2].copy(), tick.com_velocity[:2].copy(), tick.t, COM_TIME * self._unit)
-            self._owner_changed = False
+        """Note the state, and what hands shift the centre of mass by."""
+        super().observe(tick)
         if self._shifted:
             held = [pair for pair in self.sets.pairs if pair.second.entity not in self.carried]
             self.com.shift_by(shift_of_hands(tick, held, self._contacts, self._loads), tick.t)
         clock = self.clock
         self._played.append(((clock.time, clock.rate, clock.acceleration), self.com(tick.t)))
 
-    def _algorithm(self) -> Iterator[None]:
+    def phases(self) -> Iterator[None]:
         """Algorithm 1, a step a tick."""
         self._follow_com()
-        for events in simultaneous(self.demonstration.contacts.events, self._unit):
-            yield from self._until(lambda time=events[0].time: self.clock.stopping_time >= time)  # type: ignore[misc]
-            begun, self.clock.running = self._t, False
-            yield from self._until(lambda: self.clock.rate < CLOCK_AT_REST)
+        for events in simultaneous(self.demonstration.contacts.events, self.unit):
+            yield from self.until(lambda time=events[0].time: self.clock.stopping_time >= time)  # type: ignore[misc]
+            begun, self.clock.running = self.t, False
+            yield from self.until(lambda: self.clock.rate < CLOCK_AT_REST)
             yield from self._made(events) if events[0].change == "make" else self._broken(events)
             self._happened += len(events)
             self._take_sets()
             self._follow_com()
-            self.waits.append(Waiting(", ".join(str(event) for event in events), begun, self._t))
+            self.waits.append(Waiting(", ".join(str(event) for event in events), begun, self.t))
             self.clock.running = True
-        yield from self._until(lambda: self.clock.time >= self.demonstration.motion.duration - 1e-6)
-        self.finished = True
-        while True:
-            yield
+        yield from self.until(lambda: self.clock.time >= self.demonstration.motion.duration - 1e-6)
 
     def _made(self, events: Sequence[ContactEvent]) -> Iterator[None]:
         """Contacts are made: face the surfaces, come on until all have touched, take load, take over what is held."""
         yield from self._approach(events)
-        ramp = LOAD_RAMP * self._unit
-        for event in events:
-            self.mode(self._t, self._contacts[event.pair].name, "fixed", ramp)
-        yield from self._for(ramp + HOLDING_TIME * self._unit)
+        yield from self.take_load(*(self._contacts[event.pair] for event in events))
         after = self.demonstration.contacts.sets_after(self._happened + len(events), self._tracked)
         kind = events[0].pair.kind
         if kind == "robot-world":
-            self._lead_com(after)
+            self._lead_over_supports(after)
         elif kind == "thing-world":
             for thing in {event.pair.first.entity for event in events}:
-                self.things[thing].lead_by(fixed_reference(placement_of(self.things[thing](self._t))), self._t, 0.0)
+                self.things[thing].lead_by(fixed_reference(placement_of(self.things[thing](self.t))), self.t, 0.0)
         else:
             for thing in {event.pair.second.entity for event in events}:
                 self._take_hold(thing, after)
-            yield from self._settled_com(events)
+            yield from self.settled_com(str(events[0]))
 
     def _broken(self, events: Sequence[ContactEvent]) -> Iterator[None]:
         """Contacts are broken: the centre of mass is where it stays without them, they give their load away, and go."""
         after = self.demonstration.contacts.sets_after(self._happened + len(events), self._tracked)
-        kind, ramp = events[0].pair.kind, LOAD_RAMP * self._unit
+        kind = events[0].pair.kind
         if kind == "robot-world":
-            self._lead_com(after)
+            self._lead_over_supports(after)
         held = {pair.second.entity for pair in after.pairs if pair.kind == "robot-thing"}
         if kind == "robot-thing":
             self.carried = tuple(thing for thing in self.carried if thing in held)
         if kind != "thing-world":
-            yield from self._settled_com(events)
-        for event in events:
-            self.mode(self._t + ramp, self._contacts[event.pair].name, "off", ramp)
-        yield from self._for(ramp)
+            yield from self.settled_com(str(events[0]))
+        yield from self.give_load(*(self._contacts[event.pair] for event in events))
         if kind == "robot-thing":
             yield from self._withdraw(events)
         for event in events if kind != "thing-world" else ():
             point = self._point(event.pair)
             if kind == "robot-world":
-                self.guides[point].start_at(self._measured(point))
+                self.guides[point].start_at(self.measured(point))
             path = self.demonstration.links[point]
-            self.guides[point].lead_by(self.clock.pose(path), self._t, GUIDE_FADE * self._unit)
+            self.guides[point].lead_by(self.clock.pose(path), self.t, GUIDE_FADE * self.unit)
 
     def _approach(self, events: Sequence[ContactEvent]) -> Iterator[None]:
         """Go to the standoff, and come on slowly until every one has touched."""
-        longest, unit = 0.0, self._unit
+        longest, unit = 0.0, self.unit
         self._approaching = []
         for event in events:
             target, guide = self.demonstration.targets[event], self._mover(event)
             goal = target.away(self._body(target), target.standoff)
-            way = float(np.linalg.norm(goal.translation - guide(self._t).position))
-            duration = unit * max(MIN_FACING_TIME, way / (FACING_SPEED * self._leg))
-            guide.lead_by(fixed_reference(goal), self._t, duration)
+            way = float(np.linalg.norm(goal.translation - guide(self.t).position))
+            duration = unit * max(MIN_FACING_TIME, way / (FACING_SPEED * self.leg))
+            guide.lead_by(fixed_reference(goal), self.t, duration)
             longest = max(longest, duration)
             self._approaching.append((guide, goal))
-        yield from self._for(longest)
-        begun, speed, left = self._t, CLOSING_SPEED * self._leg / unit, list(events)
+        yield from self.wait(longest)
+        begun, speed, left = self.t, CLOSING_SPEED * self.leg / unit, list(events)
         for event, (guide, goal) in zip(events, self._approaching, strict=True):
             target = self.demonstration.targets[event]
             velocity = -speed * (self._body(target).rotation @ target.normal)
-            guide.lead_by(closing_reference(goal, velocity, self._t, CLOSING_RAMP * unit), self._t, 0.0)
-        farthest = max(self.demonstration.targets[event].standoff for event in events) + OVERTRAVEL * self._leg
+            guide.lead_by(closing_reference(goal, velocity, self.t, CLOSING_RAMP * unit), self.t, 0.0)
+        farthest = max(self.demonstration.targets[event].standoff for event in events) + OVERTRAVEL * self.leg
         while left:
-            for event in [event for event in left if self._is_felt(self._contacts[event.pair])]:
+            for event in [event for event in left if self.is_felt(self._contacts[event.pair])]:
                 guide = self._mover(event)
-                guide.lead_by(fixed_reference(placement_of(guide(self._t))), self._t, 0.0)
+                guide.lead_by(fixed_reference(placement_of(guide(self.t))), self.t, 0.0)
                 left.remove(event)
-            late = self._t - begun > CLOSING_PATIENCE * (farthest / speed + CLOSING_RAMP * unit)
-            if left and (late or self._gap(left[0]) < -OVERTRAVEL * self._leg):
-                raise _GivenUpError(f"{left[0]}: no touch within {self._t - begun:.1f} s of closing in")
+            late = self.t - begun > CLOSING_PATIENCE * (farthest / speed + CLOSING_RAMP * unit)
+            if left and (late or self._gap(left[0]) < -OVERTRAVEL * self.leg):
+                raise GivenUpError(f"{left[0]}: no touch within {self.t - begun:.1f} s of closing in")
             yield
         self._approaching = []
 
     def _take_hold(self, thing: str, after: ContactSets) -> None:
         """Lead what holds a thing by the thing's path, from where both are; a free thing's mass counts from now on."""
-        placement, t = self._measured(thing), self._t
+        placement, t = self.measured(thing), self.t
         self.things[thing].start_at(placement)
-        self.things[thing].lead_by(self.clock.pose(self.demonstration.things[thing]), t, GUIDE_FADE * self._unit)
+        self.things[thing].lead_by(self.clock.pose(self.demonstration.things[thing]), t, GUIDE_FADE * self.unit)
         for pair in after.pairs:
             if pair.kind == "robot-thing" and pair.second.entity == thing:
                 point = self._point(pair)
-                grip = placement.inverse() * self._measured(point)
-                self.guides[point].lead_by(attached_reference(self.things[thing], grip), t, LOAD_RAMP * self._unit)
+                grip = placement.inverse() * self.measured(point)
+                self.guides[point].lead_by(attached_reference(self.things[thing], grip), t, LOAD_RAMP * self.unit)
         if self.demonstration.system.thing(thing).is_free and thing not in self.carried:
             self.carried = (*self.carried, thing)
 
@@ -284,89 +232,59 @@ class ManipulationSchedule(Schedule):
         for event in events:
             target = next(one for other, one in self.demonstration.targets.items() if other.pair == event.pair)
             guide, goal = self._mover(event), target.away(self._body(target), target.standoff)
-            guide.start_at(self._measured(target.mover))
-            duration = self._unit * max(MIN_FACING_TIME, target.standoff / (FACING_SPEED * self._leg))
-            guide.lead_by(fixed_reference(goal), self._t, duration)
+            guide.start_at(self.measured(target.mover))
+            duration = self.unit * max(MIN_FACING_TIME, target.standoff / (FACING_SPEED * self.leg))
+            guide.lead_by(fixed_reference(goal), self.t, duration)
             longest = max(longest, duration)
-        yield from self._for(longest)
+        yield from self.wait(longest)
 
-    def _backing_off(self) -> Iterator[None]:
+    def retreat(self) -> Iterator[None]:
         """After a failure: what was approaching withdraws, what holds nothing any more lets go, all else stays."""
         self.clock.running = False
         for guide, goal in self._approaching:
-            guide.lead_by(fixed_reference(goal), self._t, MIN_FACING_TIME * self._unit)
+            guide.lead_by(fixed_reference(goal), self.t, MIN_FACING_TIME * self.unit)
         for pair in self.sets.pairs:
             if pair.kind == "robot-thing" and self._losses.is_unfelt(pair.second.entity):
-                self.mode(self._t, self._contacts[pair].name, "off", 0.0)
+                self.mode(self.t, self._contacts[pair].name, "off", 0.0)
                 self.carried = tuple(thing for thing in self.carried if thing != pair.second.entity)
                 point = self._point(pair)
-                self.guides[point].lead_by(fixed_reference(self._measured(point)), self._t, 0.0)
-        yield from self._for(BACKING_OFF_TIME * self._unit)
-        self.finished = True
-        while True:
-            yield
+                self.guides[point].lead_by(fixed_reference(self.measured(point)), self.t, 0.0)
+        yield from self.wait(BACKING_OFF_TIME * self.unit)
 
-    def _check_things(self, tick: Tick) -> None:
+    def check(self) -> None:
         """Let go of what runs ahead while it is pushed, and push it again when its path has caught up.
 
         Raises:
-            _GivenUpError: A thing that was carried is lost.
+            GivenUpError: A thing that was carried is lost.
         """
-        if lost := self._losses.loss(self._t, self.carried, self.sets.pairs, self._loads):
-            raise _GivenUpError(lost)
-        ramp = LOAD_RAMP * self._unit
-        for contact in self._pushes.lead(tick, self.sets.pairs, self._is_felt):
+        if lost := self._losses.loss(self.t, self.carried, self.sets.pairs, self._loads):
+            raise GivenUpError(lost)
+        ramp = LOAD_RAMP * self.unit
+        for contact in self._pushes.lead(self.tick, self.sets.pairs, self.is_felt):
             if contact.mode == "off":
-                self.mode(self._t, contact.name, "fixed", ramp)
+                self.mode(self.t, contact.name, "fixed", ramp)
             else:
-                self.mode(self._t + ramp, contact.name, "off", ramp)
+                self.mode(self.t + ramp, contact.name, "off", ramp)
 
-    def _lead_com(self, sets: ContactSets) -> None:
+    def _lead_over_supports(self, sets: ContactSets) -> None:
         """Lead the centre of mass over the middle of the supports, Otani (9)."""
-        assert self._tick is not None
         contacts = [self._contacts[pair] for pair in sets.pairs if pair.kind == "robot-world"]
-        places = [self._tick.frame(contact.point).floor_projection(contact.vertices) for contact in contacts]
-        goal = support_centre(np.vstack(places))
-        way = float(np.linalg.norm(goal - self.com(self._t)[0][:2]))
-        self.com.lead_by(fixed_place(goal), self._t, self._unit * max(COM_TIME, way / (COM_SPEED * self._leg)))
+        places = [self.tick.frame(contact.point).floor_projection(contact.vertices) for contact in contacts]
+        self.lead_com(support_centre(np.vstack(places)))
 
     def _follow_com(self) -> None:
         """Let the centre of mass be among the supports as the human's is, Otani (33)."""
         path = self.demonstration.com[self.sets.supports]
-        self.com.lead_by(self.clock.vector(path), self._t, COM_TIME * self._unit)
-
-    def _settled_com(self, events: Sequence[ContactEvent]) -> Iterator[None]:
-        """Wait until the centre of mass is at its goal and at rest.
-
-        Raises:
-            _GivenUpError: It does not get there in time.
-        """
-        begun, tick = self._t, self._tick
-        assert tick is not None
-        calm = 0
-        while calm < 2 or self._owner_changed:
-            off = float(np.linalg.norm(tick.com[:2] - self.com(self._t)[0][:2]))
-            led = self.com.arrives_at <= self._t
-            still = float(np.linalg.norm(tick.com_velocity[:2])) < COM_REST_SPEED * self._leg / self._unit
-            calm = calm + 1 if led and still and off < COM_TOLERANCE * self._leg else 0
-            if self._t - begun > MAX_WAIT * self._unit:
-                raise _GivenUpError(
-                    f"{events[0]}: the centre of mass is {1e3 * off:.0f} mm off its goal after {self._t - begun:.1f} s"
-                )
-            yield
+        self.com.lead_by(self.clock.vector(path), self.t, COM_TIME * self.unit)
 
     def _take_sets(self) -> None:
         self.sets = self.demonstration.contacts.sets_after(self._happened, self._tracked)
-        self.history.append((self._t, self.sets))
+        self.history.append((self.t, self.sets))
 
     def _gap(self, event: ContactEvent) -> float:
         """Distance of what makes a contact from where it should touch [m]; negative beyond."""
         target = self.demonstration.targets[event]
-        return target.gap(self._body(target), self._measured(target.mover))
-
-    def _is_felt(self, contact: Contact) -> bool:
-        """Whether a contact's surfaces touch, by the measured normal force."""
-        return self._loads.get(contact.name, 0.0) > TOUCH_LOAD * self._weight
+        return target.gap(self._body(target), self.measured(target.mover))
 
     def _mover(self, event: ContactEvent) -> PoseGuide:
         """Reference of what makes the contact of an event."""
@@ -380,18 +298,4 @@ class ManipulationSchedule(Schedule):
 
     def _body(self, target: Target) -> pin.SE3:
         """Where the body is that a contact is made with."""
-        return pin.SE3.Identity() if target.body is None else self._measured(target.body)
-
-    def _measured(self, point: str) -> pin.SE3:
-        """Where a point of the robot or a thing is."""
-        assert self._tick is not None
-        frame = self._tick.frame(point)
-        return pin.SE3(frame.rotation.copy(), frame.position.copy())
-
-    def _until(self, condition: Callable[[], bool]) -> Iterator[None]:
-        while not condition():
-            yield
-
-    def _for(self, duration: float) -> Iterator[None]:
-        begun = self._t
-        yield from self._until(lambda: self._t >= begun + duration - 1e-9)
+        return pin.SE3.Identity() if target.body is None else self.measured(target.body)

@@ -30,8 +30,19 @@ class FrameState:
 
     def floor_projection(self, points: Array) -> Array:
         """Horizontal positions (n, 2) in the world of points (n, 3) of the frame [m]."""
-        places: Array = self.position[:2] + (points @ self.rotation.T)[:, :2]
+        places: Array = _horizontal_places(self.position, self.rotation, points)
         return places
+
+
+@compiled
+def _horizontal_places(position: Array, rotation: Array, points: Array) -> Array:
+    """`FrameState.floor_projection`."""
+    places = np.empty((len(points), 2))
+    for k in range(len(points)):
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        for i in range(2):
+            places[k, i] = position[i] + (rotation[i, 0] * x + rotation[i, 1] * y + rotation[i, 2] * z)
+    return places
 
 
 class RelativeMotion:

@@ -10,7 +10,7 @@ from sot.live.follower import STALE_TIME, Follower, Target
 from sot.live.person import Moment, Person
 from sot.live.reference import LiveReference
 from sot.live.steps.footing import SteppingFooting
-from sot.live.steps.person_steps import PersonSteps
+from sot.live.steps.person_steps import AskedStep, PersonSteps
 from sot.live.steps.placement import SteppingPlacement
 from sot.motion.body.coordinates import to_rotation
 from sot.motion.body.limits import Limits
@@ -44,14 +44,19 @@ class SteppingFollower(Follower):
 
     Attributes:
         footing: the robot's feet.
+        asked: all steps of the persons.
+        way: when a person was where over the floor [s], (2,) [m].
     """
 
     footing: SteppingFooting
+    asked: list[AskedStep]
+    way: list[tuple[float, Array]]
 
     def _new_reference(self, robot: Robot, limits: Limits) -> LiveReference:
         self.footing = SteppingFooting(robot)
         self._cap = MAX_EXTENSION * self._build.leg + float(self._build.ankles[2])
         self._calm, self._calm_rate, self._calm_at = np.zeros(4), np.zeros(4), -np.inf
+        self.asked, self.way = [], []
         self._moments: deque[tuple[float, Moment, float]] = deque()
         return LiveReference(robot, limits, footing=self.footing)
 
@@ -72,7 +77,9 @@ class SteppingFollower(Follower):
             turn = self.footing.face(self._steps.stands)
             self._over_feet = SteppingPlacement(self._build, self._person, turn)
         while self._steps.asked:
-            self.footing.asked.append(self._steps.asked.popleft())
+            self.asked.append(self._steps.asked.popleft())
+            self.footing.asked.append(self.asked[-1])
+        self.way.append((due, self.footing.scale * moment.points["waist"][:2]))
         self._moments.append((due, moment, self._steps.sense.level))
 
     def _take_due(self, t: float) -> None:

@@ -55,6 +55,8 @@ class SteppingFooting:
 
     Attributes:
         asked: the person's steps that the robot has not decided on yet.
+        made: the steps that are over.
+        scale: lengths of the robot over the person's.
         begun: called with foot, lift and landing time [s] of each step that is going to be made.
     """
 
@@ -68,8 +70,9 @@ class SteppingFooting:
         self._time = float(np.sqrt(com[2] / GRAVITY))
         self.stands = {foot: _foothold(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
         self.asked: deque[AskedStep] = deque()
+        self.made: list[DecidedStep] = []
         self.begun: list[Callable[[str, float, float], object]] = []
-        self._scale, self._turn = 1.0, 0.0
+        self.scale, self._turn = 1.0, 0.0
         self._steps: list[DecidedStep] = []
         self._stride: Stride | None = None
         self._strides: dict[str, Stride] = {}
@@ -81,7 +84,7 @@ class SteppingFooting:
 
     def meet(self, scale: float) -> None:
         """Get ready for a new person, of whose lengths the robot's are a share."""
-        self._scale = scale
+        self.scale = scale
         self.asked.clear()
 
     def face(self, stands: Mapping[str, Foothold]) -> float:
@@ -116,8 +119,10 @@ class SteppingFooting:
         return at, flies
 
     def foothold(self, foot: str, t: float) -> Array:
-        """See `Footing`."""
-        return foot_pose(self.stands[foot], self._rest[foot]).translation
+        """See `Footing`; during a swing, the nearest in time."""
+        step = self._steps[0] if self._stride is not None else None
+        lands = step is not None and step.foot == foot and 2.0 * t > step.lift + step.land
+        return foot_pose(step.place if step and lands else self.stands[foot], self._rest[foot]).translation
 
     def phases(self, end: float) -> tuple[Phase, ...]:
         """See `Footing`."""
@@ -216,6 +221,7 @@ class SteppingFooting:
             step = self._steps.pop(0)
             self.stands[step.foot] = step.place
             self._last = step
+            self.made.append(step)
             self._landed_at[step.foot] = step.land
             self._stride = None
             self._phases.append(self._phase(step.land, dict(self.stands)))
@@ -229,7 +235,7 @@ class SteppingFooting:
         if last is None or not last.asked.has_landed or self._steps or self.asked:
             return
         asked, aimed = last.asked, last.aimed
-        moved = float(np.hypot(asked.place.x - aimed.x, asked.place.y - aimed.y)) * self._scale
+        moved = float(np.hypot(asked.place.x - aimed.x, asked.place.y - aimed.y)) * self.scale
         turned = abs(wrapped(asked.place.heading - aimed.heading))
         if moved > MIN_STEP_LENGTH[1] * self.reach.leg_length or turned > MIN_STEP_TURN:
             self.asked.append(replace(asked, lift=t, land=t, start=aimed, height=0.0))
@@ -263,8 +269,8 @@ class SteppingFooting:
         cosine, sine = np.cos(self._turn), np.sin(self._turn)
         x, y = asked.place.x - asked.beside.x, asked.place.y - asked.beside.y
         wanted = Foothold(
-            beside.x + self._scale * float(cosine * x - sine * y),
-            beside.y + self._scale * float(sine * x + cosine * y),
+            beside.x + self.scale * float(cosine * x - sine * y),
+            beside.y + self.scale * float(sine * x + cosine * y),
             start.heading + wrapped(asked.place.heading + self._turn - start.heading),
         )
         return reachable_foothold(self.reach, asked.foot, wanted, start, beside, span)
@@ -294,7 +300,7 @@ class SteppingFooting:
 
     def _is_omissible(self, asked: AskedStep, t: float) -> bool:
         """Whether a step that is late is small enough to be left out."""
-        way = self._scale * float(np.hypot(asked.place.x - asked.start.x, asked.place.y - asked.start.y))
+        way = self.scale * float(np.hypot(asked.place.x - asked.start.x, asked.place.y - asked.start.y))
         small = way < OMISSIBLE_LENGTH_LEGS * self.reach.leg_length
         turned = abs(wrapped(asked.place.heading - asked.start.heading))
         return asked.has_landed and t > asked.lift + MAX_STEP_DELAY and small and turned < MIN_STEP_TURN
@@ -323,7 +329,7 @@ class SteppingFooting:
         """How high a foot gets in a step [m]."""
         low, high = (share * self.reach.leg_length for share in SWING_HEIGHT_RANGE)
         high = min(high, MAX_LIFT_ACCELERATION_G * GRAVITY / BUMP_CURVATURE * (step.land - step.lift) ** 2)
-        return max(min(self._scale * step.asked.height, high), low)
+        return max(min(self.scale * step.asked.height, high), low)
 
     def _begin(self, step: DecidedStep) -> None:
         height = self._lift_height(step)

@@ -3,28 +3,32 @@
 from collections import deque
 from collections.abc import Mapping
 
-from sot.behaviours.stepping import SteppingSchedule
+from sot.behaviours.recovery import RecoverySchedule
 from sot.control.stack import Stack
 from sot.live.steps.footing import SteppingFooting
+from sot.motion.trajectory import Reference
 from sot.robots.robot import Robot
 
 
-class LiveSteppingSchedule(SteppingSchedule):
-    """Leads the contacts through the steps that a footing begins, by the measured loads, as `SteppingSchedule` does.
+class LiveSteppingSchedule(RecoverySchedule):
+    """Leads the contacts through the steps that a footing begins, and catches a disturbed robot, as `RecoverySchedule`
+    does.
 
     Args:
         robot: The robot.
+        reference: What it does.
         footing: Its feet.
         ramp: As for `SteppingSchedule`.
     """
 
-    def __init__(self, robot: Robot, footing: SteppingFooting, ramp: float = 0.04) -> None:
-        super().__init__(robot, footing.phases(float("inf")), ramp)
+    def __init__(self, robot: Robot, reference: Reference, footing: SteppingFooting, ramp: float = 0.04) -> None:
+        swings = {foot: footing.swing_path(foot) for foot in robot.feet}
+        super().__init__(robot, reference, footing.phases(float("inf")), swings, ramp)
         self._begun: deque[tuple[str, float, float]] = deque()
         footing.begun.append(lambda *step: self._begun.append(step))
 
     def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:
-        """As `SteppingSchedule`, with the steps that have been begun since."""
+        """As `RecoverySchedule`, with the steps that have been begun since."""
         while self._begun:
             self.add_step(*self._begun.popleft())
         return super().apply(t, stack, loads)

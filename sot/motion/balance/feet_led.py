@@ -51,7 +51,8 @@ def feet_led(
 ) -> Motion:
     """The motion of a robot whose feet follow paths, its waist upright, its centre of mass as high as at rest.
 
-    Where legs would not reach, it is lower. The waist turns as the feet do.
+    Where legs would not reach, it is lower. The waist turns as the feet do. A load may have it lower, and the waist
+    pitched.
 
     Args:
         robot: who moves.
@@ -76,12 +77,16 @@ def feet_led(
     if load is not None:
         height_at_rest = float(rest.frame(load.point).position[2] + load.place[:, 2].mean())
         wanted = wanted + load.com_shift(height_at_rest, robot.mass * GRAVITY)
+        pitched = np.column_stack([np.zeros((len(load.pitch), 1)), load.pitch])
+        turns = turns @ Rotation.from_euler("xy", pitched).as_matrix()
     nothing = np.zeros((len(middle), 6))
     state = Centroidal(np.tile(rest.com, (len(middle), 1)), nothing, nothing, robot.mass)
     for _ in range(BALANCE_ROUNDS):
         com = plan_balance(state, wanted, supports(robot, phases), period).com.knots
         rise = height(knots, com)
         heights = rest.com[2] + rise - _drop(robot, com - rest.com[:2], rise, heading, paths, period)
+        if load is not None:
+            heights = heights - load.lowered
         q = _configurations_following(
             robot, np.column_stack([com, heights]), turns, paths, phases[0], period, where, load
         )

@@ -25,6 +25,8 @@ class HeldLoad:
         point: the robot's operational point that the load goes with.
         place: its centre of mass in the axes of that point (T, 3) [m].
         force: level force on the robot that acts there (T, 3), world axes [N]; none unless given.
+        lowered: by how much the centre of mass is lower to hold it (T,) [m]; not at all unless given.
+        pitch: of the waist to hold it, forward (T,) [rad]; upright unless given.
     """
 
     joints: Array
@@ -33,6 +35,8 @@ class HeldLoad:
     point: str
     place: Array
     force: Array = field(default_factory=lambda: np.zeros((1, 3)))
+    lowered: Array = field(default_factory=lambda: np.zeros(1))
+    pitch: Array = field(default_factory=lambda: np.zeros(1))
 
     def com_shift(self, height: float, weight: float) -> Array:
         """Of the centre of mass from the middle of the pressure, for the force at a height, (T, 2) or (1, 2) [m]."""

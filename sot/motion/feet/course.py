@@ -57,14 +57,21 @@ def with_slides(course: Course, robot: Robot, slides: Sequence[Slide]) -> Course
 
 
 def stepping_course(
-    human: Human, robot: Robot, build: Build, contacts: Sequence[Step] | None, keep_lifts: bool = False
+    human: Human,
+    robot: Robot,
+    build: Build,
+    contacts: Sequence[Step] | None,
+    keep_lifts: bool = False,
+    as_danced: bool = False,
 ) -> Course:
     """The course of feet that step where and when the human's do.
 
     contacts: the steps to make, in the clip's time, instead of those found.
     keep_lifts: whether high lifts keep the dancer's time in the air.
+    as_danced: whether the dancer's time and way are kept.
     """
-    course = _course_along(plan_travel(human, build, LegReach.of(robot), contacts, keep_lifts), robot)
+    travel = plan_travel(human, build, LegReach.of(robot), contacts, keep_lifts, as_danced)
+    course = _course_along(travel, robot)
     return replace(course, keeps_lifts=keep_lifts)
 
 

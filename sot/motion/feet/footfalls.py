@@ -60,6 +60,13 @@ class Footfalls:
         changed._set_stances((*self.stances[:at], *parts, *self.stances[at + 1 :]))
         return changed
 
+    def with_landing(self, index: int, start: float) -> "Footfalls":
+        """With a stance that begins at another time [s]."""
+        changed = copy(self)
+        earlier = replace(self.stances[index], start=start)
+        changed._set_stances((*self.stances[:index], earlier, *self.stances[index + 1 :]))
+        return changed
+
     def __len__(self) -> int:
         return len(self.stances)
 

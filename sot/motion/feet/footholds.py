@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from solvers.banded import sparse_qp
+from sot.gravity import GRAVITY
 from sot.motion.feet.footwork import Foothold, Step
 from sot.motion.feet.support import ZMP_INSET
 from sot.motion.human.human import SIDES
@@ -34,6 +35,7 @@ SOLE_CLEARANCE = 0.0333  # leg lengths between the soles
 TOE_OUT_SHARE = 0.8  # of the range of both hips' yaw that the feet may use
 SWING_SPEED_SHARE = 0.5  # of the joints' speed limit, in the mean of a swing, which starts and ends at rest
 SWING_ACCELERATION_SHARE = 0.6  # of the joints' acceleration limit, where a swing has most of it
+MAX_LIGHT_ACCELERATION_G = 0.9  # bound of a foot's acceleration in a step that nobody has planned balance for, in g
 LEAST_JERK_PEAK = 5.77  # of a swing's acceleration, over its length and the square of its time: see `smooth.ease`
 TURN_SPEED_SHARE = 0.75  # of the hip's speed limit, in the mean of a turn: the pelvis turns as well
 MIN_PATH_SCALE = 0.25  # of the dancer's path in the robot's size: the shortest that a piece is scaled to
@@ -81,6 +83,10 @@ class LegReach:
     def swing_length(self, time: float) -> float:
         """How far a foot gets in a step of some time [s] within its speed and acceleration [m]."""
         return min(self.swing_speed * time, self.swing_acceleration / LEAST_JERK_PEAK * time**2)
+
+    def light_swing_length(self, time: float) -> float:
+        """The same with an acceleration that the zero-moment point bears, which goes with it [m]."""
+        return min(self.swing_length(time), MAX_LIGHT_ACCELERATION_G * GRAVITY / LEAST_JERK_PEAK * time**2)
 
     def swing_time(self, length: float) -> float:
         """The least time of a step of some length [m] within its speed and acceleration [s]."""
@@ -198,6 +204,7 @@ def reachable_footholds(
     stiffness: Array,
     body: Array,
     travelled: Array,
+    min_scale: float = MIN_PATH_SCALE,
 ) -> tuple[dict[str, list[Foothold]], Array]:
     """The footholds that the legs reach from one another, without crossing or touching, nearest to the wanted ones
     along a path that is scaled by as little as that needs.
@@ -221,9 +228,10 @@ def reachable_footholds(
         stiffness: (K, K) of the scales [m²].
         body: (steps, 2, 2) its place when each foot lifts and when it lands [m].
         travelled: (steps, 2, K) how far each piece of the path carries the body while each foot swings [m].
+        min_scale: least that a piece of the path is scaled to.
 
     Returns:
-        The footholds, and the scales (K,), MIN_PATH_SCALE to 1.
+        The footholds, and the scales (K,), `min_scale` to 1.
     """
     index = _FootholdIndex(wanted)
     shifts = _body_shifts(body, wanted, turned, steps, reach)
@@ -239,7 +247,7 @@ def reachable_footholds(
     least[len(least) - len(swings) :] -= swings.sum(axis=1)
     along[np.abs(along) < ROUNDING_ERROR] = 0.0
     limits = sp.block_array([[rows, sp.csr_array(along)], [None, sp.eye_array(count)]], format="csr")
-    lower = np.concatenate([least - rows @ target, np.full(count, MIN_PATH_SCALE - 1.0)])
+    lower = np.concatenate([least - rows @ target, np.full(count, min_scale - 1.0)])
     upper = np.concatenate([np.full(len(least), np.inf), np.full(count, ROUNDING_ERROR)])
     value = np.ones(index.count)
     while True:
@@ -257,7 +265,7 @@ def reachable_footholds(
     return {
         foot: [Foothold(float(x), float(y), float(yaw)) for (x, y), yaw in zip(found[foot], turned[foot], strict=True)]
         for foot in wanted
-    }, np.clip(1.0 + scale, MIN_PATH_SCALE, 1.0)
+    }, np.clip(1.0 + scale, min_scale, 1.0)
 
 
 def _body_shifts(

@@ -48,12 +48,13 @@ class Tempo:
     clock: Array
 
 
-def step_tempo(moves: Sequence[AskedStep], times: Array) -> Tempo:
+def step_tempo(moves: Sequence[AskedStep], times: Array, max_slowness: float = MAX_SLOWNESS) -> Tempo:
     """The robot's steps and clock, slower than the dancer only where steps would otherwise be off their time.
 
     Args:
         moves: in order of their middles.
         times: (T,) of the dancer's frames, uniform, from zero [s].
+        max_slowness: times slower than the dancer.
     """
     kept, dt, slow = list(moves), times[1] - times[0], np.ones(len(times))
     for _ in range(MAX_ITERATIONS):
@@ -72,7 +73,7 @@ def step_tempo(moves: Sequence[AskedStep], times: Array) -> Tempo:
         late = [
             0.5 * (move.step.lift + move.step.land) for move, by in zip(kept, off, strict=True) if by > MAX_STEP_DELAY
         ]
-        slow = slowness_raised(slow, times, late, SLOWDOWN_FACTOR, MAX_SLOWNESS)
+        slow = slowness_raised(slow, times, late, SLOWDOWN_FACTOR, max_slowness)
     if timed:
         clock[-1] = max(
             clock[-1], dt * round((timed[-1].land + WEIGHT_SHIFT_TIME) / dt)

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sot.motion.feet.footholds import LegReach, reachable_footholds, reachable_headings
+from sot.motion.feet.footholds import MIN_PATH_SCALE, LegReach, reachable_footholds, reachable_headings
 from sot.motion.feet.footwork import Foothold, FootTrack, Step, find_steps, foot_track, footholds, stance_frames
 from sot.motion.feet.path import ScalablePath, path_length
 from sot.motion.feet.stance import LEAD_IN_TIME, STANDING_PERCENTILE, Build
-from sot.motion.feet.tempo import AskedStep, Tempo, step_at_clock, step_tempo
+from sot.motion.feet.tempo import MAX_SLOWNESS, AskedStep, Tempo, step_at_clock, step_tempo
 from sot.motion.feet.timetable import TIME_GRID
 from sot.motion.human.human import SIDES, Human
 from sot.smooth import low_passed
@@ -66,19 +66,24 @@ class Travel:
 
 
 def plan_travel(
-    human: Human, build: Build, reach: LegReach, contacts: Sequence[Step] | None, keep_lifts: bool = False
+    human: Human,
+    build: Build,
+    reach: LegReach,
+    contacts: Sequence[Step] | None,
+    keep_lifts: bool = False,
+    as_danced: bool = False,
 ) -> Travel:
     """The robot's steps and footholds for a human on the motion's time line; high lifts may keep their time in the air.
 
     Its path is scaled down, piece by piece, where its strides are out of reach; footholds are moved by the least, and
-    the body with them.
+    the body with them. As it is danced, nothing is slowed down, and the path keeps its scale.
     """
     ratio = build.leg / human.leg
     human = human.scaled(ratio)
     feet = _foot_tracks(human)
     dancer = find_steps(feet, human.rate, human.leg) if contacts is None else _steps_in_motion_time(contacts)
     asked = _asked_steps(feet, dancer, human, reach, contacts is not None, keep_lifts)
-    pace = step_tempo(asked, human.times)
+    pace = step_tempo(asked, human.times, 1.0 if as_danced else MAX_SLOWNESS)
     human = _human_over_start(human, footholds(feet, dancer, human.rate), build)
     path = path_length(human.points["waist"][:, :2], human.rate)
     human, timed = _human_at_robot_time(human, pace), pace.steps
@@ -103,6 +108,7 @@ def plan_travel(
         way.stiffness,
         human.points["waist"][ends, :2],
         way.carry[ends[:, 1]] - way.carry[ends[:, 0]],
+        min_scale=1.0 if as_danced else MIN_PATH_SCALE,
     )
     scaled = _human_shifted(human, way.shift(scales))
     own = footholds(_foot_tracks(scaled), moves, human.rate)

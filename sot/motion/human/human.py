@@ -50,8 +50,8 @@ class Human:
     Attributes:
         name: of the clip.
         rate: frames per second [Hz].
-        points: name -> (T, 3) position in the world [m]: waist (mid hips), chest, neck, head, head_top, and left_ and
-            right_ shoulder, elbow, wrist, hip, knee, ankle, toe.
+        points: name -> (T, 3) position in the world [m]: waist (mid hips), chest, neck, head, head_top, and `left_` and
+            `right_` shoulder, elbow, wrist, hip, knee, ankle, toe.
         frames: body -> (T, 3, 3) rotation from body to world of pelvis, chest and head: X forward, Y left, Z up when
             the human stands upright and looks ahead.
         start: seconds of the clip before the first frame.

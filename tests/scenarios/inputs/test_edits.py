@@ -32,6 +32,12 @@ def clip(tmp_path_factory):
     return file
 
 
+@pytest.fixture(scope="module")
+def plain(clip):
+    """The run without edits."""
+    return danced(clip).run.log.trimmed()
+
+
 def request(clip, **options):
     return Replay(str(clip), rate=250.0, **options)
 
@@ -70,16 +76,16 @@ def test_the_hand_rises_by_what_was_added_and_the_head_meets_its_way_points(clip
     assert np.all(log.level_place[log.time < 0.19, column] == 0)
 
 
-def test_without_edits_the_run_is_the_unedited_one_tick_for_tick(clip, tmp_path):
+def test_without_edits_the_run_is_the_unedited_one_tick_for_tick(clip, plain, tmp_path):
     (tmp_path / "none.toml").write_text("# nothing left\n")
-    empty, plain = (danced(clip, edits=edits).run.log.trimmed() for edits in (tmp_path / "none.toml", None))
+    empty = danced(clip, edits=tmp_path / "none.toml").run.log.trimmed()
     for column in ("q", "v", "torque"):
         np.testing.assert_array_equal(getattr(empty, column), getattr(plain, column))
 
 
-def test_until_an_edit_begins_the_run_is_the_unedited_one_tick_for_tick(clip, tmp_path):
+def test_until_an_edit_begins_the_run_is_the_unedited_one_tick_for_tick(clip, plain, tmp_path):
     (tmp_path / "edits.toml").write_text(EDITS)
-    edited, plain = (danced(clip, edits=edits).run.log.trimmed() for edits in (tmp_path / "edits.toml", None))
+    edited = danced(clip, edits=tmp_path / "edits.toml").run.log.trimmed()
     before = plain.time < 0.2 - 1e-9  # when its task begins to come
     np.testing.assert_array_equal(edited.torque[before], plain.torque[before])
     assert np.any(edited.torque[~before] != plain.torque[~before])

@@ -19,6 +19,7 @@ def library(tmp_path):
         figures = {"tracking.mpjpe_mm": 5.0 * k, "likeness.segment_deg": None} if outcome != CRASHED else {}
         rows.append(empty_row(job) | {"outcome": outcome, "seconds": 2.0, "figures": figures})
         rows[-1]["remarks"] = [f"The dancer leaps {k} times."]
+        rows[-1]["times"] = {"total_s": 36.0, "plan_s": 4.0, "dance_s": 8.0}
         write_row(rows[-1], job.folder)
         (job.folder / RECORDING_FILE).write_text("")
     (folder / OPTIONS_FILE).write_text("{}")
@@ -40,6 +41,7 @@ def test_the_page_tells_and_links(library, capsys):
     assert cli.main(["report", str(folder)]) == cli.DONE
     page = (folder / "report.html").read_text("utf-8")
     assert "4 clips" in page and "50.0 %" in page and "The dancer leaps … times." in page
+    assert "100 clips and 200 s of motion an hour a core, planned 1800 s of motion an hour, danced 900" in page
     assert 'href="clips/a/run.rrd"' in page and 'href="clips/b%20%3Ci%3E/run.rrd"' in page
     assert "<i>" not in page and "b &lt;i&gt;" in page
 

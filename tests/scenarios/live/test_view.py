@@ -49,5 +49,5 @@ def test_without_a_display_it_is_on_a_page_of_this_machine_while_it_runs(monkeyp
         assert page.startswith("http://127.0.0.1:")
         view(0.0, robot.rest, Follower(groove(), robot))
         assert b"<html" in urllib.request.urlopen(page).read()
-    with pytest.raises(OSError, match="refused"):
+    with pytest.raises(OSError):  # refused or reset, by how far the page's server has gone
         urllib.request.urlopen(page)

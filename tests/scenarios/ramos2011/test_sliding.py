@@ -16,7 +16,9 @@ from sot.motion.feet.slides import SLIDE_FORWARD, SLIDE_SPEED, slide_duration
 from sot.robots.robot import Robot, shipped_robot_names
 
 
-@pytest.mark.parametrize("name", shipped_robot_names())
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "hrp2")) for name in shipped_robot_names()]
+)
 def test_each_foot_slides_ahead_in_its_turn(name):
     robot = Robot.load(name)
     motion = sliding.motion(robot, 100.0)

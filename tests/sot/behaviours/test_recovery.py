@@ -1,9 +1,11 @@
 """Steps are made when balance needs them, to where they help, and never otherwise."""
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
-from sot.behaviours.recovery import RecoverySchedule
+from sot.behaviours.planned_swing import EarlyLanding
+from sot.behaviours.recovery import HOMEWARD_LENGTH, RecoverySchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.control.tick import Tick
@@ -12,9 +14,10 @@ from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
 from tests.sim.runs import still_motion
-from tests.sot.behaviours.stepping import stepping_motion
+from tests.sot.behaviours.stepping import FIRST, SWING, stepping_motion
 
 PERIOD = 0.005
+STEPS_FIRST = "right_foot"
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +44,7 @@ def moving(robot, stack, velocity, t: float = 0.0) -> Tick:
 
 def reacts(robot, motion, velocity, left: float = 0.5) -> tuple[Stack, list[str]]:
     """What happens to a stack of a robot that moves, and stands with that share of its weight on its left foot."""
-    recovery, stack = RecoverySchedule(robot, motion), standing(robot)
+    recovery, stack = RecoverySchedule.of(motion), standing(robot)
     loads = dict(zip(robot.feet, robot.mass * GRAVITY * np.array([left, 1.0 - left]), strict=True))
     done = recovery.apply(0.0, stack, loads)
     recovery.observe(moving(robot, stack, velocity))
@@ -106,7 +109,7 @@ def test_legs_neither_cross_nor_reach_too_far(robot, motion):
 
 
 def test_the_place_follows_until_shortly_before_the_foot_lands(robot, motion):
-    recovery, stack = RecoverySchedule(robot, motion), standing(robot)
+    recovery, stack = RecoverySchedule.of(motion), standing(robot)
     loads = dict.fromkeys(robot.feet, 0.5 * robot.mass * GRAVITY)
     recovery.apply(0.0, stack, loads)
     recovery.observe(moving(robot, stack, (0.6, 0.0)))
@@ -123,6 +126,72 @@ def test_the_place_follows_until_shortly_before_the_foot_lands(robot, motion):
     assert stack.contact(foot).mode == "fixed" and not ways(stack)
 
 
-def test_not_before_the_last_step_of_the_plan(robot):
-    stack, done = reacts(robot, stepping_motion(robot, rate=200.0), (0.65, 0.0))
-    assert done == [] and not ways(stack)
+def test_between_steps_of_the_plan_only_where_it_leaves_time(robot):
+    motion = stepping_motion(robot, rate=200.0)
+    for t, steps in ((0.0, 1), (FIRST - 0.5, 0)):
+        recovery, stack = RecoverySchedule.of(motion), standing(robot)
+        loads = dict.fromkeys(robot.feet, 0.5 * robot.mass * GRAVITY)
+        recovery.apply(t, stack, loads)
+        recovery.observe(moving(robot, stack, (0.65, 0.0), t))
+        recovery.apply(t + PERIOD, stack, loads)
+        assert len(ways(stack)) == steps
+
+
+def swinging(robot, motion, velocity, shift, times) -> tuple[Stack, RecoverySchedule]:
+    """A robot that is where the motion has it at some times, but shifted (2,) [m], and faster by a velocity (2,)."""
+    recovery, stack = RecoverySchedule.of(motion), standing(robot)
+    weight = robot.mass * GRAVITY
+    for t in times:
+        swings = FIRST < t < FIRST + SWING
+        loads = {foot: weight if foot != STEPS_FIRST else 0.0 if swings else 0.5 * weight for foot in robot.feet}
+        recovery.apply(t, stack, loads)
+        now, tick = motion.sample(t), Tick(robot)
+        q, v = now.q.copy(), now.v.copy()
+        q[:2] += shift
+        v[:3] += pin.Quaternion(q[3:7]).matrix().T @ (*velocity, 0.0)
+        tick.contacts = stack.contacts
+        recovery.observe(tick.update(t, q, v))
+    return stack, recovery
+
+
+UP_TO = np.arange(FIRST - 0.1, FIRST + 0.3, PERIOD)
+
+
+def test_a_planned_swing_is_as_planned_without_a_disturbance(robot):
+    motion = stepping_motion(robot, rate=200.0)
+    stack, _ = swinging(robot, motion, (0.05, 0.0), (0.01, 0.0), UP_TO)
+    assert stack.contact(STEPS_FIRST).mode == "off" and not ways(stack)
+
+
+@pytest.mark.parametrize("velocity", [(0.4, 0.0), (-0.4, 0.0), (0.0, -0.35)])
+def test_a_planned_swing_lands_off_its_place_by_what_will_be_off_the_plan(robot, velocity):
+    motion = stepping_motion(robot, rate=200.0)
+    stack, _ = swinging(robot, motion, velocity, (0.0, 0.0), UP_TO)
+    ((foot, way),) = ways(stack).items()
+    assert foot == STEPS_FIRST
+    off = way(way.land).position[:2] - way.planned[:2]
+    np.testing.assert_allclose(off, way.landing_off, atol=1e-9)
+    assert off @ velocity > 0.02 * np.linalg.norm(velocity)
+
+
+def test_where_it_cannot_wait_the_foot_lands_early_and_stands_for_its_planned_place(robot):
+    motion = stepping_motion(robot, rate=200.0)
+    land, weight = FIRST + SWING, robot.mass * GRAVITY
+    stack, recovery = swinging(robot, motion, (0.0, -0.35), (0.0, 0.0), UP_TO)
+    way = stack.contact(STEPS_FIRST).path
+    assert isinstance(way, EarlyLanding) and UP_TO[-1] < way.land < land - 0.05
+    for t in np.arange(UP_TO[-1] + PERIOD, way.land + 0.01, PERIOD):
+        recovery.apply(t, stack, {foot: weight * (foot != STEPS_FIRST or t > way.land) for foot in robot.feet})
+    contact = stack.contact(STEPS_FIRST)
+    assert contact.mode == "fixed" and contact.path is None
+    np.testing.assert_allclose(contact.foothold, motion.pose(STEPS_FIRST)(land).position, atol=2e-3)
+
+
+def test_feet_that_stand_elsewhere_come_home_by_a_little_with_each_step(robot):
+    motion = stepping_motion(robot, rate=200.0)
+    stack, _ = swinging(robot, motion, (0.0, 0.0), (0.1, 0.0), UP_TO)
+    ((_, way),) = ways(stack).items()
+    np.testing.assert_allclose(way.landing_off, (0.1 - HOMEWARD_LENGTH, 0.0), atol=3e-3)
+    lift = way(FIRST + PERIOD)
+    planned = motion.pose(STEPS_FIRST)(FIRST + PERIOD)
+    np.testing.assert_allclose(lift.position[:2] - planned.position[:2], (0.1, 0.0), atol=2e-3)

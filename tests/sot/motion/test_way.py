@@ -4,8 +4,9 @@ import itertools
 
 import numpy as np
 
+from sot.gravity import GRAVITY
 from sot.motion.feet.footwork import Foothold
-from sot.motion.way import MAX_STEP, MAX_TURN, footsteps_along, standing_footholds
+from sot.motion.way import MAX_STEP, MAX_TURN, WAITING_TIME, footsteps_along, standing_footholds
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
 
@@ -32,3 +33,13 @@ def test_no_step_is_longer_or_turns_farther_than_allowed_and_feet_take_turns() -
         assert step.foot != after.foot
         assert step.land < after.lift
     assert walked.end > walked.steps[-1].land
+
+
+def test_the_robot_waits_at_a_stop_for_as_long_as_it_is_told() -> None:
+    robot = Robot.load("hrp2")
+    stops = [Foothold(0.2, 0.0, 0.0), Foothold(0.4, 0.0, 0.0)]
+    usual, longer = footsteps_along(robot, stops), footsteps_along(robot, stops, waits={0: WAITING_TIME + 10.0})
+    unit = np.sqrt(leg_length(robot) / GRAVITY)
+    assert longer.arrivals[0] == usual.arrivals[0]
+    assert abs(longer.arrivals[1] - usual.arrivals[1] - 10.0 * unit) < 1e-9
+    assert longer.arrivals[1] == longer.steps[-1].land

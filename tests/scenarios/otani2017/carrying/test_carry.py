@@ -72,8 +72,8 @@ def test_the_balance_that_is_led_is_the_motions_while_its_clock_runs(demonstrati
 
 @pytest.mark.slow
 def test_a_box_is_carried_around_a_corner(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(study, "BACK_M", 0.35)
-    monkeypatch.setattr(study, "AHEAD_M", 0.4)
+    monkeypatch.setattr(study, "BACK_LEGS", 0.6)
+    monkeypatch.setattr(study, "AHEAD_LEGS", 0.7)
     done = study.perform(Replay("", "hrp2", rate=500.0), study.Carrying(), lambda what, share: None)
     figures = study.carry_figures(done)
     assert done.danced.run.fell_at_s is None and not done.schedule.failure

@@ -60,7 +60,7 @@ def test_a_person_who_steps_lets_the_robot_step_as_far_in_its_size():
     (_, lift, land), stands = begun[0], follower.footing.stands
     assert lift > STEP_AT + 0.5 - 0.05 and land < STEP_AT + STEP_TIME + 0.5 + 0.4
     ahead = stands["left_foot"].x - stands["right_foot"].x
-    assert ahead == pytest.approx(STEP[0] * follower.footing._scale, abs=0.06)
+    assert ahead == pytest.approx(STEP[0] * follower.footing.scale, abs=0.06)
 
 
 def test_frames_are_known_as_long_before_they_are_due_as_the_delay_lets_them_be():

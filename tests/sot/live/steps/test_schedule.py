@@ -15,7 +15,7 @@ def test_a_step_that_is_begun_lifts_and_lands_its_foot():
     footing = SteppingFooting(robot)
     reference = LiveReference(robot, Limits.of(robot), footing=footing)
     stack = live_stack(robot, reference, {foot: footing.swing_path(foot) for foot in robot.feet})
-    schedule = LiveSteppingSchedule(robot, footing)
+    schedule = LiveSteppingSchedule(robot, reference, footing)
     modes = {}
     for k in range(200):
         t = 0.01 * k

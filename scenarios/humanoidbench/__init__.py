@@ -1,0 +1,1 @@
+"""Scenes with the rules of HumanoidBench, in the robot's size."""

@@ -1,0 +1,189 @@
+"""`sot run humanoidbench door`: a door with a lever is unlatched, pushed open and walked through."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from scenarios.humanoidbench.size import scene_scale
+from scenarios.inputs.stack_file import Composition
+from scenarios.replay import Dance, ProgressCallback, Replay, run_motion
+from sim.reporting.objects import object_figures
+from sot.behaviours.stepping import SteppingSchedule
+from sot.control.contact import Contact
+from sot.control.load import KnownWrench
+from sot.control.stack import Stack
+from sot.motion.carrying.pass_door import DoorLayout, DoorPlan, pass_door
+from sot.motion.trajectory import Motion
+from sot.robots.robot import Robot
+from sot.robots.system import System
+from sot.robots.things.thing import Thing
+from tasks import (
+    Balance,
+    JointBounds,
+    LeastForces,
+    OperationalPoint,
+    Posture,
+    SelfCollision,
+    SwingFoot,
+    TorqueBounds,
+)
+
+Array = np.ndarray
+
+DOOR = "door"
+"""Name of the door."""
+AHEAD_M = 0.8
+"""Where the leaf's middle is [m]."""
+HINGE_M, FACE_M = (0.05, 0.5), 0.12
+"""Place of the hinge's axis from there, and distance of the leaf's near face from the axis [m]."""
+BAR_M, PRESS_M = (-0.171, -0.275, 1.22), 0.175
+"""Place on the lever's bar from there that is pressed, and way down until the bolt is back [m]."""
+GRIP_M = 0.876
+"""Distance from the axis, along the leaf, at which it is pushed [m]."""
+FRAME_M = 0.12
+"""Half the depth of the frame [m]."""
+PRESS_N = 22.0
+"""Force on the palm when the lever is down [N]."""
+UNLATCHED_RAD, OPENED_RAD = 0.35, 1.2
+"""Angle at which the bolt is within the frame, and to which the door is opened [rad]."""
+LEVER_REACHED_RAD, HINGE_REACHED_RAD, PAST_REACHED_M = 0.75, 1.0, 0.2
+"""What has to be reached: angles of lever and hinge, and the waist's way past the frame."""
+NOISE_M = 0.003
+"""Standard deviation of where the door stands, with a seed, in each direction [m]: the benchmark's stands still."""
+
+
+@dataclass(frozen=True)
+class DoorScene:
+    """Where the door stands, in the robot's size.
+
+    Attributes:
+        scale: Of its lengths.
+        offset: By how much it is off its place (2,) [m].
+    """
+
+    scale: float
+    offset: Array
+
+    @staticmethod
+    def of(robot: Robot, seed: int) -> "DoorScene":
+        """The scene of a seed."""
+        return DoorScene(scene_scale(robot), NOISE_M * np.random.default_rng(seed).standard_normal(2))
+
+    def thing(self, offset: bool) -> Thing:
+        """The door, where it is told or where it is."""
+        x, y = self.offset if offset else np.zeros(2)
+        return Thing.load("latched_door", DOOR, (self.scale * AHEAD_M + x, y, 0.0), size=[self.scale] * 3)
+
+    def layout(self) -> DoorLayout:
+        """The door as the robot is told of it."""
+        scale, told = self.scale, self.thing(offset=False)
+        x, y = HINGE_M
+        return DoorLayout(
+            hinge=scale * np.array([AHEAD_M + x, y]),
+            face=scale * FACE_M,
+            bar=scale * np.add(BAR_M, [AHEAD_M, 0.0, 0.0]),
+            grip=scale * GRIP_M,
+            stiffness=float(told.stiffness[0]),
+            press_force=PRESS_N,
+            press=scale * PRESS_M,
+            unlatched=UNLATCHED_RAD,
+            opened=OPENED_RAD,
+        )
+
+
+def door_stack(system: System, plan: DoorPlan) -> Stack:
+    """The stack of a robot whose hands are led in the world, and which is told the forces on them.
+
+    The contacts of hands and door are never made: they say what is not kept apart.
+    """
+    robot, motion = system.robot, plan.motion
+    touches = [
+        Contact(robot.surface(own), system.surface(f"{DOOR}/{other}"))
+        for own, other in (("left_hand_end", "front"), ("right_hand_end", "front"), ("right_palm", "bar"))
+    ]
+    for touch in touches:
+        touch.mode, touch.load = "off", 0.0
+    hands = [
+        OperationalPoint(system, point, path, kp=150.0, kd=24.0, weight=10.0) for point, path in plan.hands.items()
+    ]
+    return Stack(
+        contacts=[*(Contact(robot.surface(foot)) for foot in robot.feet), *touches],
+        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(system)],
+        levels={
+            "balance": [Balance(motion.balance, motion.feet, motion.angular_momentum, axes="xy")],
+            "feet": [SwingFoot(system, foot, motion) for foot in robot.feet],
+            "motion": [
+                *hands,
+                OperationalPoint(system, "waist", motion.pose("waist"), axes="zRPY", kp=40.0, weight=1.0),
+                OperationalPoint(system, "chest", motion.pose("chest"), axes="RPY", kp=40.0, weight=1.0),
+                Posture(robot, motion.joints, kp=20.0, weight=0.3),
+            ],
+            "forces": [LeastForces()],
+        },
+        loads=[_told_force(robot, plan, point) for point in plan.hands],
+    )
+
+
+def _told_force(robot: Robot, plan: DoorPlan, point: str) -> KnownWrench:
+    """The force on a hand's end as the plan has it."""
+    tip = robot.surface(f"{point}_end").placement.translation
+    path, forces = plan.hands[point], plan.forces[point]
+
+    def wrench(t: float) -> Array:
+        force = np.array([np.interp(t, plan.knots, column) for column in forces.T])
+        return np.concatenate([force, np.cross(path(t).rotation @ tip, force)])
+
+    return KnownWrench(point, wrench)
+
+
+def perform(request: Replay, seed: int, tell: ProgressCallback) -> tuple[Dance, DoorScene]:
+    """Plan and run; nothing is written."""
+    robot = Robot.load(request.robot)
+    tell("planning", None)
+    scene = DoorScene.of(robot, seed)
+    plan = pass_door(robot, scene.layout(), request.rate)
+    system = System(robot, [scene.thing(offset=False)])
+
+    def compose(robot: Robot, motion: Motion) -> Composition:
+        return Composition(door_stack(system, plan), SteppingSchedule(robot, motion.phases))
+
+    danced = run_motion(request, compose, plan.motion, None, tell, system=system, things=[scene.thing(offset=True)])
+    return danced, scene
+
+
+def figures(danced: Dance, scene: DoorScene) -> dict[str, Any]:
+    """What became of door and robot."""
+    assert danced.system is not None
+    log, robot = danced.run.log.trimmed(), danced.system.robot
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, log.q[-1])
+    frame = scene.scale * (AHEAD_M + FRAME_M) + scene.offset[0]
+    past = float(data.oMf[robot.point("waist")].translation[0] - frame)
+    hinge, lever = log.thing_q.max(axis=0).tolist()
+    own = {
+        "lever_max_rad": lever,
+        "hinge_max_rad": hinge,
+        "hinge_end_rad": float(log.thing_q[-1, 0]),
+        "waist_past_frame_m": past,
+        "reached": lever >= LEVER_REACHED_RAD
+        and hinge >= HINGE_REACHED_RAD
+        and past >= PAST_REACHED_M
+        and danced.run.fell_at_s is None,
+    }
+    return {"objects": object_figures(log, danced.system), "humanoidbench": own}
+
+
+def scene_run(request: Replay, seed: int, tell: ProgressCallback) -> tuple[Dance, dict[str, Any]]:
+    """Plan and run the scene of a seed: the run, and its figures."""
+    done, scene = perform(request, seed, tell)
+    return done, figures(done, scene)
+
+
+def sentence(own: dict[str, Any]) -> str:
+    """What became of it, for a reader."""
+    return (
+        f"lever turned to {own['lever_max_rad']:.2f} rad, door to {own['hinge_max_rad']:.2f} rad,"
+        f" waist {own['waist_past_frame_m']:.2f} m past the frame"
+    )
