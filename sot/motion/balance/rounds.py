@@ -10,6 +10,7 @@ from scipy.ndimage import binary_dilation
 
 from sot.motion.balance.com_reach import ComReach
 from sot.motion.balance.grip import Grip
+from sot.motion.balance.long_stance import centred_on_long_stances
 from sot.motion.balance.programme import plan_balance
 from sot.motion.balance.relief import RelievedBody
 from sot.motion.balance.strain import centroidal_state, feet_strain, strain
@@ -87,7 +88,7 @@ class BalanceRounds:
         self._strain = np.zeros(wanted.length)
         self._rated = np.zeros(wanted.length, bool)  # knots of which the strain is known
         self._fits: dict[int, PartFit] = {}  # by number of knots
-        self._wanted_com = self._state.com[:, :2].copy()
+        self._wanted_com = centred_on_long_stances(robot, phases, feet, self._state.com[:, :2], body_motion.period)
         self._com = Spline.through(self._wanted_com, body_motion.period)
         self._height = Spline.through(wanted.hips[:, 2:], body_motion.period)
         if self._lowers:
