@@ -142,6 +142,14 @@ def test_time_is_stretched_only_where_steps_need_it():
     assert np.abs(np.diff(speed)).max() < 0.1
 
 
+def test_no_time_is_stretched_where_it_must_not_be():
+    times = np.arange(401) * 0.02
+    steps = [Step(f"{'left' if k % 2 else 'right'}_foot", 3.0 + 0.2 * k, 3.18 + 0.2 * k) for k in range(10)]
+    found = step_tempo([AskedStep(step, 0.3, 0.3, omissible=False) for step in steps], times, max_slowness=1.0)
+    np.testing.assert_array_equal(found.clock, times)
+    assert len(found.steps) == 10
+
+
 def test_small_steps_are_left_out_before_time_is_stretched():
     times, found = hurried(0.05, small=True)
     assert 3 <= len(found.steps) < 10
@@ -202,17 +210,13 @@ def test_a_path_is_scaled_where_its_strides_are_too_long(robot):
     wanted = {foot: [Foothold(a + b, across[foot], 0.0) for a, b in pieces] for foot, pieces in ahead.items()}
     carried = {foot: np.array([[list(piece), [0.0, 0.0]] for piece in pieces]) for foot, pieces in ahead.items()}
     moves = [Step(f"{side}_foot", k + 1.0, k + 1.6) for k, side in enumerate(("left", "right", "left", "right"))]
-    found, scales = reachable_footholds(
-        wanted,
-        reachable_headings(wanted, moves, reach),
-        moves,
-        reach,
-        carried,
-        0.15**2 * np.eye(2),
-        between(wanted, moves),
-        standing_body(moves, 2),
-    )
+    turned, over, body = reachable_headings(wanted, moves, reach), between(wanted, moves), standing_body(moves, 2)
+    found, scales = reachable_footholds(wanted, turned, moves, reach, carried, 0.15**2 * np.eye(2), over, body)
     assert scales[0] > 0.9 and scales[1] < 0.5
+    kept = reachable_footholds(wanted, turned, moves, reach, carried, 0.15**2 * np.eye(2), over, body, min_scale=1.0)
+    np.testing.assert_array_equal(kept[1], 1.0)
+    stride = abs(kept[0]["left_foot"][-1].x - kept[0]["right_foot"][-1].x)
+    assert stride < reach.max_stride + 1e-6
     for foot, pieces in ahead.items():
         for stand, piece in zip(found[foot], pieces, strict=True):
             assert (
