@@ -108,7 +108,9 @@ def distributions(rows: Sequence[Row]) -> list[Distribution]:
         values = np.array([v for row in rows if (v := row["figures"].get(place)) is not None], dtype=float) * factor
         if not values.size:
             continue
-        counts, _ = np.histogram(values, bins=BINS)
+        # Values that differ by rounding alone have no room for bins between them.
+        low, high = values.min(), max(values.max(), values.min() + 1e-9 * max(abs(values).max(), 1.0))
+        counts, _ = np.histogram(values, bins=BINS, range=(low, high))
         quantiles = tuple(_number(value) for value in np.quantile(values, (0.0, 0.05, 0.5, 0.95, 1.0)))
         bars = tuple((BAR_HEIGHT * counts / counts.max()).round(1).tolist())
         shown.append(Distribution(words, unit, aim, quantiles, bars))

@@ -203,7 +203,6 @@ def reachable_footholds(
     carried: Mapping[str, Array],
     stiffness: Array,
     body: Array,
-    travelled: Array,
     min_scale: float = MIN_PATH_SCALE,
 ) -> tuple[dict[str, list[Foothold]], Array]:
     """The footholds that the legs reach from one another, without crossing or touching, nearest to the wanted ones
@@ -227,7 +226,6 @@ def reachable_footholds(
         carried: foot -> (n, 2, K), C [m].
         stiffness: (K, K) of the scales [m²].
         body: (steps, 2, 2) its place when each foot lifts and when it lands [m].
-        travelled: (steps, 2, K) how far each piece of the path carries the body while each foot swings [m].
         min_scale: least that a piece of the path is scaled to.
 
     Returns:
@@ -241,10 +239,6 @@ def reachable_footholds(
     # In the changes, p − w − C (s − 1) and s − 1, each limit and each price is about a few neighbours in time.
     spots, count = len(target), C.shape[1]
     along = rows @ C
-    # A swinging foot is fast as seen from the hips, which travel along: the last rows, a block for each step.
-    swings = np.einsum("wi,kij->kwj", directions(), travelled).reshape(-1, count)
-    along[len(along) - len(swings) :] += swings
-    least[len(least) - len(swings) :] -= swings.sum(axis=1)
     along[np.abs(along) < ROUNDING_ERROR] = 0.0
     limits = sp.block_array([[rows, sp.csr_array(along)], [None, sp.eye_array(count)]], format="csr")
     lower = np.concatenate([least - rows @ target, np.full(count, min_scale - 1.0)])

@@ -107,7 +107,6 @@ def plan_travel(
         {foot: way.carry_at(frames) for foot, frames in asked_at.items()},
         way.stiffness,
         human.points["waist"][ends, :2],
-        way.carry[ends[:, 1]] - way.carry[ends[:, 0]],
         min_scale=1.0 if as_danced else MIN_PATH_SCALE,
     )
     scaled = _human_shifted(human, way.shift(scales))

@@ -36,6 +36,12 @@ def test_distributions_of_what_was_measured(library):
     assert shown[0].quantiles[0] == "0" and shown[0].quantiles[-1] == "15" and max(shown[0].bars) == 60.0
 
 
+@pytest.mark.parametrize("values", [(0.3, 0.1 + 0.2), (0.0, 5e-324), (7.0, 7.0)])
+def test_clips_that_agree_but_for_rounding_have_a_distribution(values):
+    (shown,) = distributions([{"figures": {"tracking.mpjpe_mm": value}} for value in values])
+    assert sum(shown.bars) > 0.0
+
+
 def test_the_page_tells_and_links(library, capsys):
     folder, _ = library
     assert cli.main(["report", str(folder)]) == cli.DONE

@@ -170,37 +170,6 @@ def between(wanted, moves):
     return np.array(list(pairwise(middles)))
 
 
-def standing_body(moves, pieces=1):
-    """A body that its path carries nowhere while a foot swings."""
-    return np.zeros((len(moves), 2, pieces))
-
-
-def test_a_swing_gets_as_much_farther_as_the_body_travels_meanwhile(robot):
-    """The speed of a foot in the air is bounded as seen from the hips."""
-    reach, moves = LegReach.of(robot), (Step("left_foot", 1.0, 1.4),)
-    wanted = {
-        "left_foot": [Foothold(0.0, 0.1, 0.0), Foothold(1.0, 0.1, 0.0)],
-        "right_foot": [Foothold(0.3, -0.1, 0.0)],
-    }
-    strides = []
-    for travelled in (0.0, 0.15):
-        body = np.array([[[travelled], [0.0]]])
-        found, scales = reachable_footholds(
-            wanted,
-            reachable_headings(wanted, moves, reach),
-            moves,
-            reach,
-            still(wanted)[0],
-            1e6 * np.eye(1),
-            between(wanted, moves),
-            body,
-        )
-        assert scales[0] == pytest.approx(1.0, abs=1e-3)
-        strides.append(found["left_foot"][1].x - found["left_foot"][0].x)
-    assert strides[0] == pytest.approx(reach.swing_length(0.4), abs=1e-3)
-    assert strides[1] - strides[0] == pytest.approx(0.15, abs=1e-3)
-
-
 def test_a_path_is_scaled_where_its_strides_are_too_long(robot):
     """Two strides of 1.2 m after two of 0.2 m: the first piece of the path keeps its length, the second does not, and
     the footholds stay near their places along it."""
@@ -210,10 +179,10 @@ def test_a_path_is_scaled_where_its_strides_are_too_long(robot):
     wanted = {foot: [Foothold(a + b, across[foot], 0.0) for a, b in pieces] for foot, pieces in ahead.items()}
     carried = {foot: np.array([[list(piece), [0.0, 0.0]] for piece in pieces]) for foot, pieces in ahead.items()}
     moves = [Step(f"{side}_foot", k + 1.0, k + 1.6) for k, side in enumerate(("left", "right", "left", "right"))]
-    turned, over, body = reachable_headings(wanted, moves, reach), between(wanted, moves), standing_body(moves, 2)
-    found, scales = reachable_footholds(wanted, turned, moves, reach, carried, 0.15**2 * np.eye(2), over, body)
+    turned, over = reachable_headings(wanted, moves, reach), between(wanted, moves)
+    found, scales = reachable_footholds(wanted, turned, moves, reach, carried, 0.15**2 * np.eye(2), over)
     assert scales[0] > 0.9 and scales[1] < 0.5
-    kept = reachable_footholds(wanted, turned, moves, reach, carried, 0.15**2 * np.eye(2), over, body, min_scale=1.0)
+    kept = reachable_footholds(wanted, turned, moves, reach, carried, 0.15**2 * np.eye(2), over, min_scale=1.0)
     np.testing.assert_array_equal(kept[1], 1.0)
     stride = abs(kept[0]["left_foot"][-1].x - kept[0]["right_foot"][-1].x)
     assert stride < reach.max_stride + 1e-6
@@ -233,13 +202,7 @@ def test_of_two_feet_that_want_each_others_place_one_gets_it(robot):
     }
     moves = (Step("left_foot", 1.0, 1.6), Step("right_foot", 2.0, 2.6))
     found, _ = reachable_footholds(
-        wanted,
-        reachable_headings(wanted, moves, reach),
-        moves,
-        reach,
-        *still(wanted),
-        between(wanted, moves),
-        standing_body(moves),
+        wanted, reachable_headings(wanted, moves, reach), moves, reach, *still(wanted), between(wanted, moves)
     )
     off = sorted(abs(found[foot][1].y - wanted[foot][1].y) for foot in wanted)
     assert off[0] < 0.15 < off[1]
@@ -263,9 +226,7 @@ def test_footholds_out_of_reach_are_moved_into_it(robot):
     }
     moves = (Step("left_foot", 1.0, 1.5), Step("right_foot", 2.0, 2.5), Step("left_foot", 3.0, 3.5))
     turned = reachable_headings(wanted, moves, reach)
-    found, _ = reachable_footholds(
-        wanted, turned, moves, reach, *still(wanted), between(wanted, moves), standing_body(moves)
-    )
+    found, _ = reachable_footholds(wanted, turned, moves, reach, *still(wanted), between(wanted, moves))
     for left, right in ((0, 0), (1, 0), (1, 1), (2, 1)):
         a, b = found["left_foot"][left], found["right_foot"][right]
         assert reach.toe_out_range[0] - 1e-6 < a.heading - b.heading < reach.toe_out_range[1] + 1e-6
@@ -310,7 +271,7 @@ def test_feet_that_roll_little_stand_closer(robot):
     for degrees in (35.0, 15.0, 1.0):
         reach = LegReach.of(narrow_ankles(robot, degrees))
         turned = reachable_headings(wanted, moves, reach)
-        found, _ = reachable_footholds(wanted, turned, moves, reach, *still(wanted), over_left, standing_body(moves))
+        found, _ = reachable_footholds(wanted, turned, moves, reach, *still(wanted), over_left)
         apart.append([found["left_foot"][0].y - foothold.y for foothold in found["right_foot"]])
     assert min(apart[0]) > 0.3 and 0.2 < max(apart[1]) < 0.3
     assert min(apart[2]) > min_ankle_separation((0.0, 0.0), reach, np.array([0.0, 1.0])) - 1e-6
@@ -345,13 +306,7 @@ def test_footholds_in_reach_stay(robot):
     }
     moves = (Step("left_foot", 1.0, 1.6),)
     found, _ = reachable_footholds(
-        wanted,
-        reachable_headings(wanted, moves, reach),
-        moves,
-        reach,
-        *still(wanted),
-        between(wanted, moves),
-        standing_body(moves),
+        wanted, reachable_headings(wanted, moves, reach), moves, reach, *still(wanted), between(wanted, moves)
     )
     for foot, stands in wanted.items():
         for stand, own in zip(stands, found[foot], strict=True):
