@@ -297,7 +297,7 @@ def test_while_a_foot_catches_the_robot_the_zero_moment_point_is_what_is_command
     robot, rng = Robot.load("hrp2"), np.random.default_rng(3)
     tick = Tick(robot)
     tick.contacts = [Contact(robot.surface(foot)) for foot in robot.feet]
-    tick.contacts[1].mode, tick.contacts[1].path = "off", lambda t: None
+    tick.contacts[1].mode, tick.contacts[1].is_catching = "off", True
     tick.update(0.0, *standing_state(robot, rng))
     reference = lambda t: (tick.com - (0.3, 0.0, 0.0), np.zeros(3), np.zeros(3), tick.com[:2] - (0.3, 0.0))  # noqa: E731
     rows = Balance(reference).rows(tick)
