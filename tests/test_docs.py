@@ -73,6 +73,7 @@ def test_files_that_are_named_exist(page):
         assert (ROOT / name).exists(), name
 
 
+@pytest.mark.slow
 def test_wave_lifts_the_hand_above_the_dance():
     wave = danced(stack=EXAMPLES / "wave.py")
     assert wave.run.fell_at_s is None

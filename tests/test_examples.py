@@ -151,10 +151,12 @@ def assert_bows_and_waves(example, contacts):
     assert np.ptp(hand[:, 2]) > 0.2 and np.ptp(chest[:, 0]) > 0.1
 
 
+@pytest.mark.slow
 def test_10_bows_and_waves_with_a_foot_on_a_block():
     assert_bows_and_waves(ran("10_block.py"), ("left_foot on block/top", "right_foot"))
 
 
+@pytest.mark.slow
 def test_11_bows_and_waves_on_a_slope():
     example = ran("11_slope.py")
     assert_bows_and_waves(example, ("left_foot on slope/top", "right_foot on slope/top"))
@@ -162,6 +164,7 @@ def test_11_bows_and_waves_on_a_slope():
     np.testing.assert_allclose(tilts, np.sin(np.deg2rad(10.0)), atol=1e-6)
 
 
+@pytest.mark.slow
 def test_12_leans_a_hand_on_a_wall():
     example = ran("12_wall.py")
     done = example["done"]
