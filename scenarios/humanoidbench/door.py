@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from scenarios.humanoidbench.size import scene_scale
+from scenarios.humanoidbench.stack import led_hands_stack
 from scenarios.inputs.stack_file import Composition
 from scenarios.replay import Dance, ProgressCallback, Replay, run_motion
 from sim.reporting.objects import object_figures
@@ -19,16 +20,6 @@ from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.robots.system import System
 from sot.robots.things.thing import Thing
-from tasks import (
-    Balance,
-    JointBounds,
-    LeastForces,
-    OperationalPoint,
-    Posture,
-    SelfCollision,
-    SwingFoot,
-    TorqueBounds,
-)
 
 Array = np.ndarray
 
@@ -107,34 +98,15 @@ def door_stack(system: System, plan: DoorPlan) -> Stack:
 
     The contacts of hands and door are never made: they say what is not kept apart.
     """
-    robot, motion = system.robot, plan.motion
+    robot = system.robot
     touches = [
         Contact(robot.surface(own), system.surface(f"{DOOR}/{other}"))
         for own, other in (("left_hand_end", "front"), ("right_hand_end", "front"), ("right_palm", "bar"))
     ]
     for touch in touches:
         touch.mode, touch.load = "off", 0.0
-    hands = [
-        OperationalPoint(system, point, path, axes=axes, kp=150.0, kd=24.0, weight=weight)
-        for point, path in plan.hands.items()
-        for axes, weight in (("xyz", 10.0), ("RPY", AXES_WEIGHT))
-    ]
-    return Stack(
-        contacts=[*(Contact(robot.surface(foot)) for foot in robot.feet), *touches],
-        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(system)],
-        levels={
-            "balance": [Balance(motion.balance, motion.feet, motion.angular_momentum, axes="xy")],
-            "feet": [SwingFoot(system, foot, motion) for foot in robot.feet],
-            "motion": [
-                *hands,
-                OperationalPoint(system, "waist", motion.pose("waist"), axes="zRPY", kp=40.0, weight=1.0),
-                OperationalPoint(system, "chest", motion.pose("chest"), axes="RPY", kp=40.0, weight=1.0),
-                Posture(robot, motion.joints, kp=20.0, weight=0.3),
-            ],
-            "forces": [LeastForces()],
-        },
-        loads=[_told_force(robot, plan, point) for point in plan.hands],
-    )
+    told = [_told_force(robot, plan, point) for point in plan.hands]
+    return led_hands_stack(system, plan.motion, plan.hands, touches, told)
 
 
 def _told_force(robot: Robot, plan: DoorPlan, point: str) -> KnownWrench:

@@ -6,27 +6,17 @@ from typing import Any
 import numpy as np
 
 from scenarios.humanoidbench.size import scene_scale
+from scenarios.humanoidbench.stack import led_hands_stack
 from scenarios.inputs.stack_file import Composition
 from scenarios.replay import Dance, ProgressCallback, Replay, run_motion
 from sim.reporting.objects import object_figures
 from sot.behaviours.stepping import SteppingSchedule
-from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.motion.carrying.slide import SlidePlan, slide
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.robots.system import System
 from sot.robots.things.thing import Thing
-from tasks import (
-    Balance,
-    JointBounds,
-    LeastForces,
-    OperationalPoint,
-    Posture,
-    SelfCollision,
-    SwingFoot,
-    TorqueBounds,
-)
 
 Array = np.ndarray
 
@@ -83,23 +73,7 @@ class PushScene:
 def push_stack(system: System, plan: SlidePlan) -> Stack:
     """The stack of a robot that steps while its hand is led in the world: it keeps clear of the table, and knows of no
     box."""
-    robot, motion = system.robot, plan.motion
-    hand = OperationalPoint(system, plan.hand, plan.path, kp=150.0, kd=24.0, weight=10.0)
-    return Stack(
-        contacts=[Contact(robot.surface(foot)) for foot in robot.feet],
-        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(system)],
-        levels={
-            "balance": [Balance(motion.balance, motion.feet, motion.angular_momentum, axes="xy")],
-            "feet": [SwingFoot(system, foot, motion) for foot in robot.feet],
-            "motion": [
-                hand,
-                OperationalPoint(system, "waist", motion.pose("waist"), axes="zRPY", kp=40.0, weight=1.0),
-                OperationalPoint(system, "chest", motion.pose("chest"), axes="RPY", kp=40.0, weight=1.0),
-                Posture(robot, motion.joints, kp=20.0, weight=0.3),
-            ],
-            "forces": [LeastForces()],
-        },
-    )
+    return led_hands_stack(system, plan.motion, {plan.hand: plan.path})
 
 
 def perform(request: Replay, seed: int, tell: ProgressCallback) -> tuple[Dance, PushScene]:

@@ -5,7 +5,7 @@ import pinocchio as pin
 
 from sot.behaviours.stride import LANDING_DEPTH, lowered_pose, quintic_to_rest, raised_pose, value_and_derivatives
 from sot.control.pose import Pose, PoseReference
-from sot.motion.feet.footfalls import Footfalls, Stance
+from sot.motion.feet.footfalls import Footfalls
 
 Array = np.ndarray
 
@@ -26,14 +26,10 @@ class PlannedSwing:
         heights = [(stance.start, float(stance.pose.translation[2])) for stance in stances.stances]
         self._landing_heights_missing = {start: height - float(path(start).position[2]) for start, height in heights}
 
-    def ends(self, t: float) -> tuple[Stance | None, Stance | None]:
-        """The stances between which the swing is that a time [s] is in or follows, none where there is none."""
-        return self._stances.stances_around(t)
-
     def __call__(self, t: float) -> Pose:
         """Pose of the foot at a time [s]."""
         pose = self._path(t)
-        before, after = self.ends(t)
+        before, after = self._stances.stances_around(t)
         if before is None or after is None:
             return pose
         late, span = t - after.start, after.start - before.end

@@ -192,13 +192,13 @@ class RecoverySchedule(SteppingSchedule):
         home = displaced * max(0.0, 1.0 - HOMEWARD_LENGTH / max(float(np.linalg.norm(displaced)), HOMEWARD_LENGTH))
         calm = CALM_DCM_ERROR if led else DISTURBED_DCM_ERROR
         xi, missing = self._capture.dcm_at_landing(tick, beside, span + self.ramp, calm)
-        place = self._capture.reachable_place(tick, planned[:2] + home + missing, foot, beside)
         if led is None:
             at = tick.frame(foot).position[:2]
             start = np.zeros(2) if foot in self._seen else at - path(tick.t).position[:2]
             if max(np.linalg.norm(start), np.linalg.norm(home), np.linalg.norm(missing)) < HOME_DISTANCE:
                 return
             led = self._led[foot] = LedSwing(path, tick.t, land, start)
+        place = self._capture.reachable_place(tick, planned[:2] + home + missing, foot, beside)
         if isinstance(led, LedSwing) and missing.any():
             depth = self._capture.margin(tick, xi, foot, beside, place)
             if depth < 0.0 and (best := self._deeper_landing(tick, foot, beside, home, depth)):

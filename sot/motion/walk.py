@@ -6,14 +6,11 @@ import numpy as np
 
 from sot.errors import InputError
 from sot.motion.balance.feet_led import feet_led
-from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Foothold
-from sot.motion.feet.swing import contact_phases, foot_paths
 from sot.motion.ground import Ground
 from sot.motion.trajectory import Motion
-from sot.motion.way import STEP_HEIGHT, footsteps_along
+from sot.motion.way import footsteps_along
 from sot.robots.robot import Robot
-from sot.robots.size import leg_length
 from sot.robots.surface import FLOOR, Surface
 
 KNOT_PERIOD = 0.02  # s, between knots
@@ -36,9 +33,7 @@ def walk(robot: Robot, ways: Sequence[float], rate: float = 1000.0, ground: Surf
     stops = [Foothold(float(x), 0.0, 0.0) for x in np.cumsum(ways)]
     walked = footsteps_along(robot, stops)
     times = KNOT_PERIOD * np.arange(np.ceil(walked.end / KNOT_PERIOD) + 1)
-    lifts = [STEP_HEIGHT * leg_length(robot)] * len(walked.steps)
-    phases = contact_phases(robot, walked.stands, walked.steps, float(times[-1]))
-    paths = foot_paths(robot, walked.stands, walked.steps, lifts, LegReach.of(robot), times)
+    phases, paths = walked.feet_at(robot, times)
     plane = Ground(ground)
     return feet_led(
         robot,

@@ -7,9 +7,14 @@ import numpy as np
 import pinocchio as pin
 
 from sot.gravity import GRAVITY
+from sot.motion.feet.contacts import Phase
+from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Foothold, Step
+from sot.motion.feet.swing import FootPath, contact_phases, foot_paths
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
+
+Array = np.ndarray
 
 MAX_STEP = 0.18  # leg lengths, from one foot to where the other one lands beside or ahead of it
 MAX_TURN = np.deg2rad(12.0)  # of a foot, from the other one's heading
@@ -33,6 +38,12 @@ class Footsteps:
     steps: list[Step]
     end: float
     arrivals: list[float]
+
+    def feet_at(self, robot: Robot, knots: Array) -> tuple[tuple[Phase, ...], dict[str, FootPath]]:
+        """Which feet of a robot stand where, and their paths at times (T,) from the start to the end [s]."""
+        lifts = [STEP_HEIGHT * leg_length(robot)] * len(self.steps)
+        phases = contact_phases(robot, self.stands, self.steps, float(knots[-1]))
+        return phases, foot_paths(robot, self.stands, self.steps, lifts, LegReach.of(robot), knots)
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,8 @@ from sot.smooth import minimum_jerk
 
 Array = NDArray[np.float64]
 
-LONG_STANCE = (
-    4.5,
-    7.5,
-)  # time constants of a pendulum of the leg's length: stances so long are centred not at all, fully
+# In time constants of a pendulum of the leg's length: stances so long are centred not at all, fully.
+LONG_STANCE = 4.5, 7.5
 CENTRING_TIME = 2.5  # of these, from the beginning and to the end of a stance, in which the centre of mass moves
 HIGH_LIFT_LEGS = 0.3, 0.5  # leg lengths of the other foot's lift: stances so high are centred not at all, fully
 CENTRED_SHARE = 0.1  # of what the foot can hold, about its middle, within which the centre of mass is to be

@@ -10,11 +10,9 @@ from sot.gravity import GRAVITY
 from sot.motion.balance.feet_led import feet_led
 from sot.motion.balance.held_load import HeldLoad
 from sot.motion.carrying.arms import Arms, palm_places
-from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Foothold
-from sot.motion.feet.swing import contact_phases, foot_paths
 from sot.motion.trajectory import Motion
-from sot.motion.way import STEP_HEIGHT, footsteps_along
+from sot.motion.way import footsteps_along
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
 from sot.smooth import minimum_jerk
@@ -110,10 +108,7 @@ def carry(
     upper = np.tile(robot.rest[7 + kept], (len(knots), 1))
     upper[:, np.searchsorted(kept, arms.joints)] = angles
     load = HeldLoad(kept, upper, mass * carried, "chest", before - arms.chest)
-    paths = foot_paths(
-        robot, walked.stands, walked.steps, [STEP_HEIGHT * leg] * len(walked.steps), LegReach.of(robot), knots
-    )
-    phases = contact_phases(robot, walked.stands, walked.steps, float(knots[-1]))
+    phases, paths = walked.feet_at(robot, knots)
     motion = feet_led(robot, phases, paths, KNOT_PERIOD, rate, where="its way", load=load)
     box = _box_path(motion, load, knots, lifted, placed)
     return CarryPlan(

@@ -20,11 +20,9 @@ from sot.motion.carrying.carry import (
     CarryPlan,
 )
 from sot.motion.carrying.stoop import Stoop, StoopedArms, stooped_way
-from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Foothold
-from sot.motion.feet.swing import contact_phases, foot_paths
 from sot.motion.trajectory import Motion
-from sot.motion.way import STEP_HEIGHT, footsteps_along
+from sot.motion.way import footsteps_along
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
 from sot.smooth import minimum_jerk
@@ -96,10 +94,7 @@ def fetch(
     upper[:, np.searchsorted(kept, arms)] = angles
     carried = share(lifted, lifted + CLOSING_TIME * unit) - share(placed, opening)
     load = HeldLoad(kept, upper, mass * carried, "chest", before, lowered=reach * low, pitch=reach * pitch)
-    paths = foot_paths(
-        robot, walked.stands, walked.steps, [STEP_HEIGHT * leg] * len(walked.steps), LegReach.of(robot), knots
-    )
-    phases = contact_phases(robot, walked.stands, walked.steps, float(knots[-1]))
+    phases, paths = walked.feet_at(robot, knots)
     motion = feet_led(robot, phases, paths, KNOT_PERIOD, rate, where="its way", load=load)
     box = _box_path(motion, load, knots, lifted, placed, 0.5 * size[2])
     hands = palm_places(robot, size[1], HANDS_PITCH, np.array([0.0, 0.0, grip]))

@@ -16,12 +16,11 @@ from sot.motion.balance.feet_led import feet_led
 from sot.motion.balance.held_load import HeldLoad
 from sot.motion.carrying.arms import fist_places
 from sot.motion.carrying.stoop import Stoop, StoopedArms
-from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Foothold
-from sot.motion.feet.swing import FootPath, contact_phases, feet_heading, feet_middle, foot_paths
+from sot.motion.feet.swing import FootPath, feet_heading, feet_middle
 from sot.motion.objects.pose_path import PosePath, blended
 from sot.motion.trajectory import Motion
-from sot.motion.way import STANDING_TIME, STEP_HEIGHT, SWING_TIME, footsteps_along
+from sot.motion.way import STANDING_TIME, SWING_TIME, footsteps_along
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
 from sot.smooth import minimum_jerk
@@ -138,9 +137,7 @@ def pass_door(robot: Robot, door: DoorLayout, rate: float = 1000.0) -> DoorPlan:
     times = _Times(walked.arrivals[0], walked.arrivals[1], unit)
     end = walked.end
     knots = KNOT_PERIOD * np.arange(np.ceil(end / KNOT_PERIOD) + 1)
-    lifts = [STEP_HEIGHT * leg] * len(walked.steps)
-    paths = foot_paths(robot, walked.stands, walked.steps, lifts, LegReach.of(robot), knots)
-    phases = contact_phases(robot, walked.stands, walked.steps, float(knots[-1]))
+    phases, paths = walked.feet_at(robot, knots)
     window = 2.0 * (SWING_TIME + STANDING_TIME) * unit
     body = _body(paths, window)
     share = minimum_jerk((knots - times.pressed) / (times.opened - times.pressed))

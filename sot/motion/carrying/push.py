@@ -10,12 +10,11 @@ from sot.gravity import GRAVITY
 from sot.motion.balance.feet_led import feet_led
 from sot.motion.balance.held_load import HeldLoad
 from sot.motion.carrying.arms import Arms, fist_places
-from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Foothold
 from sot.motion.feet.support import FORCE_RAMP_TIME
-from sot.motion.feet.swing import contact_phases, feet_middle, foot_paths
+from sot.motion.feet.swing import feet_middle
 from sot.motion.trajectory import Motion
-from sot.motion.way import STEP_HEIGHT, Gait, footsteps_along
+from sot.motion.way import Gait, footsteps_along
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
 from sot.smooth import minimum_jerk
@@ -90,10 +89,7 @@ def push(robot: Robot, way: float, speed: float, drag: float, rate: float = 1000
     def share(start: float, end: float) -> Array:
         return np.asarray(minimum_jerk((knots - start) / (end - start)))
 
-    paths = foot_paths(
-        robot, walked.stands, walked.steps, [STEP_HEIGHT * leg] * len(walked.steps), LegReach.of(robot), knots
-    )
-    phases = contact_phases(robot, walked.stands, walked.steps, float(knots[-1]))
+    phases, paths = walked.feet_at(robot, knots)
     force = drag * (share(pressed, pressed + PRESSING_TIME * unit) - share(walked.end, released - unit))
     arms = Arms(robot)
     middle = leg * np.array([HANDS_AHEAD, 0.0, HANDS_HEIGHT])

@@ -12,12 +12,10 @@ from sot.motion.balance.feet_led import feet_led
 from sot.motion.balance.held_load import HeldLoad
 from sot.motion.carrying.arms import fist_places, palm_places
 from sot.motion.carrying.stoop import Stoop, StoopedArms
-from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Foothold
-from sot.motion.feet.swing import contact_phases, foot_paths
 from sot.motion.objects.pose_path import PosePath, blended
 from sot.motion.trajectory import Motion
-from sot.motion.way import STEP_HEIGHT, WAITING_TIME, Gait, footsteps_along
+from sot.motion.way import WAITING_TIME, Gait, footsteps_along
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
 from sot.smooth import minimum_jerk
@@ -164,9 +162,7 @@ class _Planner:
         load = HeldLoad(
             kept, upper, nothing, "chest", np.zeros((len(knots), 3)), lowered=columns[:, -2], pitch=columns[:, -1]
         )
-        lifts = [STEP_HEIGHT * self._leg] * len(walked.steps)
-        paths = foot_paths(robot, walked.stands, walked.steps, lifts, LegReach.of(robot), knots)
-        phases = contact_phases(robot, walked.stands, walked.steps, float(knots[-1]))
+        phases, paths = walked.feet_at(robot, knots)
         motion = feet_led(robot, phases, paths, KNOT_PERIOD, rate, where="its way", load=load)
         before = knots < self._keys[0].time  # the hand goes with the body until it is led
         track, rows = motion.track(self._hand), np.round(knots[before] * rate).astype(int)
