@@ -19,6 +19,9 @@ from tasks import (
     TorqueBounds,
 )
 
+HAND_GAINS = 150.0, 24.0
+"""Gains of hands that move things lighter than an arm: of place [1/s²] and velocity [1/s]."""
+
 
 def led_hands_stack(
     system: System,
@@ -26,6 +29,7 @@ def led_hands_stack(
     hands: Mapping[str, PoseReference],
     touches: Sequence[Contact] = (),
     loads: Sequence[Load] = (),
+    hand_gains: tuple[float, float] = HAND_GAINS,
 ) -> Stack:
     """The stack of a robot whose hands follow paths of their own.
 
@@ -35,9 +39,11 @@ def led_hands_stack(
         hands: Hand -> its path.
         touches: Contacts besides those of the feet.
         loads: What is known to act on the robot.
+        hand_gains: Gains of the hands' places [1/s²] and velocities [1/s].
     """
     robot = system.robot
-    led = [OperationalPoint(system, point, path, kp=150.0, kd=24.0, weight=10.0) for point, path in hands.items()]
+    kp, kd = hand_gains
+    led = [OperationalPoint(system, point, path, kp=kp, kd=kd, weight=10.0) for point, path in hands.items()]
     return Stack(
         contacts=[*(Contact(robot.surface(foot)) for foot in robot.feet), *touches],
         hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(system)],
