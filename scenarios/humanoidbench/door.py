@@ -43,9 +43,6 @@ PRESSED_RAD, UNLATCHED_RAD, OPENED_RAD = 1.05, 0.33, 1.2
 """Angles: of the lever when it is down, of the door when the bolt is within the frame, and to which it is opened."""
 LEVER_REACHED_RAD, HINGE_REACHED_RAD, PAST_REACHED_M = 0.75, 1.0, 0.2
 """What has to be reached: angles of lever and hinge, and the waist's way past the frame."""
-DOOR_HAND_GAINS = 40.0, 12.6
-"""Gains of the hands on the door, of place [1/s²] and velocity [1/s]: friction pulls at a hand that sticks beside its
-place, and so at the robot."""
 NOISE_M = 0.003
 """Standard deviation of where the door stands, with a seed, in each direction [m]: the benchmark's stands still."""
 
@@ -112,7 +109,7 @@ def door_stack(system: System, plan: DoorPlan) -> Stack:
         touch.mode, touch.load = "off", 0.0
     hands = {own.point: motion.pose(own.point) for own in surfaces if own.point is not None}
     loads = [_told_force(own, plan) for own in surfaces]
-    return led_hands_stack(system, motion, hands, touches, loads, DOOR_HAND_GAINS)
+    return led_hands_stack(system, motion, hands, touches, loads)
 
 
 def _told_force(surface: Surface, plan: DoorPlan) -> KnownWrench:

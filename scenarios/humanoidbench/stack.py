@@ -17,10 +17,8 @@ from tasks import (
     SelfCollision,
     SwingFoot,
     TorqueBounds,
+    TorqueRateBounds,
 )
-
-HAND_GAINS = 150.0, 24.0
-"""Gains of hands that move things lighter than an arm: of place [1/s²] and velocity [1/s]."""
 
 
 def led_hands_stack(
@@ -29,7 +27,6 @@ def led_hands_stack(
     hands: Mapping[str, PoseReference],
     touches: Sequence[Contact] = (),
     loads: Sequence[Load] = (),
-    hand_gains: tuple[float, float] = HAND_GAINS,
 ) -> Stack:
     """The stack of a robot whose hands follow paths of their own.
 
@@ -39,14 +36,12 @@ def led_hands_stack(
         hands: Hand -> its path.
         touches: Contacts besides those of the feet.
         loads: What is known to act on the robot.
-        hand_gains: Gains of the hands' places [1/s²] and velocities [1/s].
     """
     robot = system.robot
-    kp, kd = hand_gains
-    led = [OperationalPoint(system, point, path, kp=kp, kd=kd, weight=10.0) for point, path in hands.items()]
+    led = [OperationalPoint(system, point, path, kp=150.0, kd=24.0, weight=10.0) for point, path in hands.items()]
     return Stack(
         contacts=[*(Contact(robot.surface(foot)) for foot in robot.feet), *touches],
-        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(system)],
+        hard=[TorqueBounds(robot), TorqueRateBounds(robot), JointBounds(robot), SelfCollision(system)],
         levels={
             "balance": [Balance(motion.balance, motion.feet, motion.angular_momentum, axes="xy")],
             "feet": [SwingFoot(system, foot, motion) for foot in robot.feet],

@@ -38,7 +38,7 @@ PAST_MARGIN = 0.1  # of the body's end beyond where it has to be
 FOLLOWING_SHARE = 0.5  # of the way of the hand on the leaf, that the body follows it until the door is unlatched
 HEADING_SHARE = 0.6  # of the door's angle, that the body turns
 TOUCHING_TILT, FREE_TILT = 0.2, 1.0  # rad, of a hand's surface off where it should face, that is accepted
-MAX_ERROR = 5e-3  # m, of a hand that touches
+MAX_ERROR = 0.01  # m, of a hand that touches
 MOVING_TIME, CLOSING_TIME, PRESSING_TIME, OPENING_TIME = 7.0, 4.0, 8.0, 16.0  # √(leg / g)
 # After the body stands before the door, and after it has followed the door until it is unlatched.
 WAITING_TIME = 2.0 + 2.0 * MOVING_TIME + CLOSING_TIME + PRESSING_TIME
