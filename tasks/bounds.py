@@ -1,4 +1,4 @@
-"""Limits of motors and joints: torque; range, velocity and acceleration together."""
+"""Limits of motors and joints: torque and its rate; range, velocity and acceleration together."""
 
 import numpy as np
 
@@ -21,7 +21,7 @@ class TorqueBounds(Task):
 
     variable = "torque"
     equality = False
-    gives_way = 2
+    gives_way = 3
 
     def __init__(self, robot: Robot, fraction: float = 1.0) -> None:
         super().__init__("TorqueBounds", "N m", "N m", weight=1.0 / float(np.median(robot.effort)))
@@ -36,6 +36,36 @@ class TorqueBounds(Task):
         return self.make_rows(self._A, self._lower, self._upper)
 
 
+class TorqueRateBounds(Task):
+    """Joint torques that change no faster than drives follow.
+
+    The optimum of strict levels is not continuous in the state: where another set of limits becomes the binding one,
+    the load can go from one way of being shared to another within a tick.
+
+    Args:
+        robot: The robot.
+        rise_time: Time from no torque to a joint's limit [s].
+    """
+
+    variable = "torque"
+    equality = False
+    gives_way = 1
+
+    def __init__(self, robot: Robot, rise_time: float = 0.02) -> None:
+        super().__init__("TorqueRateBounds", "N m", "N m", weight=1.0 / float(np.median(robot.effort)))
+        self.labels = robot.joints
+        self._rate = robot.effort / rise_time
+        self._A, self._unbounded = np.eye(robot.na), np.full(robot.na, np.inf)
+        self.selects = slice(0, robot.na)
+
+    def rows(self, tick: Tick) -> Rows:
+        """Rows about the torque that was commanded a tick ago, without bounds before there was one."""
+        if tick.torque is None:
+            return self.make_rows(self._A, -self._unbounded, self._unbounded)
+        torque, change = tick.torque[: len(self._rate)], tick.period * self._rate
+        return self.make_rows(self._A, torque - change, torque + change)
+
+
 class JointBounds(Task):
     """Range, velocity and acceleration of the joints as bounds on the acceleration, Kim (14) in a viable form.
 
@@ -46,7 +76,7 @@ class JointBounds(Task):
     """
 
     equality = False
-    gives_way = 1
+    gives_way = 2
 
     def __init__(self, robot: Robot, range_margin: float = 0.002, velocity_fraction: float = 0.99) -> None:
         super().__init__("JointBounds", "rad/s²", "rad", weight=1.0 / 100.0)

@@ -18,7 +18,7 @@ from sot.errors import InvalidRowsError
 
 Array = np.ndarray
 
-FRICTION_RELAXATION_ORDER = 3
+FRICTION_RELAXATION_ORDER = 4
 """Place of the friction pyramids in the order in which rows of level 0 are relaxed: the last."""
 _ROWS_NOT_PLACED = slice(0)
 _NO_VARIABLE_START_AND_UNIT = 0, 0.0
