@@ -21,7 +21,7 @@ class TorqueBounds(Task):
 
     variable = "torque"
     equality = False
-    gives_way = 3
+    gives_way = 2
 
     def __init__(self, robot: Robot, fraction: float = 1.0) -> None:
         super().__init__("TorqueBounds", "N m", "N m", weight=1.0 / float(np.median(robot.effort)))
@@ -40,7 +40,8 @@ class TorqueRateBounds(Task):
     """Joint torques that change no faster than drives follow.
 
     The optimum of strict levels is not continuous in the state: where another set of limits becomes the binding one,
-    the load can go from one way of being shared to another within a tick.
+    the load can go from one way of being shared to another within a tick. A posture can wait for a few ticks; balance
+    and limits of joints cannot, so that rates are optional.
 
     Args:
         robot: The robot.
@@ -49,7 +50,7 @@ class TorqueRateBounds(Task):
 
     variable = "torque"
     equality = False
-    gives_way = 1
+    optional = True
 
     def __init__(self, robot: Robot, rise_time: float = 0.02) -> None:
         super().__init__("TorqueRateBounds", "N m", "N m", weight=1.0 / float(np.median(robot.effort)))
@@ -76,7 +77,7 @@ class JointBounds(Task):
     """
 
     equality = False
-    gives_way = 2
+    gives_way = 1
 
     def __init__(self, robot: Robot, range_margin: float = 0.002, velocity_fraction: float = 0.99) -> None:
         super().__init__("JointBounds", "rad/s²", "rad", weight=1.0 / 100.0)

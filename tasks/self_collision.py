@@ -59,7 +59,7 @@ class SelfCollision(Task):
     """
 
     equality = False
-    gives_way = 2
+    gives_way = 1
 
     def __init__(self, robot: Robot | System, min_distance: float | None = None, weight: float = 0.1) -> None:
         super().__init__("SelfCollision", "m/s²", "m", weight)

@@ -18,7 +18,7 @@ from sot.errors import InvalidRowsError
 
 Array = np.ndarray
 
-FRICTION_RELAXATION_ORDER = 4
+FRICTION_RELAXATION_ORDER = 3
 """Place of the friction pyramids in the order in which rows of level 0 are relaxed: the last."""
 _ROWS_NOT_PLACED = slice(0)
 _NO_VARIABLE_START_AND_UNIT = 0, 0.0
@@ -79,7 +79,14 @@ class Layout:
                 k, own = next(asked)
                 check_rows(task, own, form.counts[task.variable])
                 block = Block(
-                    task.name, task.unit, task.weight, task.equality, _ROWS_NOT_PLACED, task.gives_way, task.labels
+                    task.name,
+                    task.unit,
+                    task.weight,
+                    task.equality,
+                    _ROWS_NOT_PLACED,
+                    task.gives_way,
+                    task.labels,
+                    task.optional,
                 )
                 start, unit = form.variables.get(task.variable, _NO_VARIABLE_START_AND_UNIT)
                 if task.equality:

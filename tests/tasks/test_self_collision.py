@@ -140,7 +140,7 @@ def test_as_many_rows_as_were_ever_needed(robot):
 
 def test_is_a_limit_of_level_0_that_gives_way_with_the_joint_bounds(robot):
     task = SelfCollision(robot)
-    assert not task.equality and task.variable == "acceleration" and task.gives_way == 2
+    assert not task.equality and task.variable == "acceleration" and task.gives_way == 1
 
 
 def test_pairs_that_are_left_alone_are_watched_in_time(robot):
