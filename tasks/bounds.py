@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from solvers.compiled import compiled
 from solvers.rows import Rows
 from sot.acceleration_bounds import SOFT_BRAKING_RANGE, AccelerationBounds
 from sot.control.task import Task
@@ -56,15 +57,15 @@ class TorqueRateBounds(Task):
         super().__init__("TorqueRateBounds", "N m", "N m", weight=1.0 / float(np.median(robot.effort)))
         self.labels = robot.joints
         self._rate = robot.effort / rise_time
-        self._A, self._unbounded = np.eye(robot.na), np.full(robot.na, np.inf)
+        self._A = np.eye(robot.na)
+        self._lower, self._upper = np.full(robot.na, -np.inf), np.full(robot.na, np.inf)
         self.selects = slice(0, robot.na)
 
     def rows(self, tick: Tick) -> Rows:
         """Rows about the torque that was commanded a tick ago, without bounds before there was one."""
-        if tick.torque is None:
-            return self.make_rows(self._A, -self._unbounded, self._unbounded)
-        torque, change = tick.torque[: len(self._rate)], tick.period * self._rate
-        return self.make_rows(self._A, torque - change, torque + change)
+        if tick.torque is not None:
+            _write_bounds_about(tick.torque, self._rate, tick.period, self._lower, self._upper)
+        return self.make_rows(self._A, self._lower, self._upper)
 
 
 class JointBounds(Task):
@@ -98,3 +99,10 @@ class JointBounds(Task):
         lower, upper = self._bounds(tick.joint_positions, tick.joint_velocities, tick.period)
         self.error = self._bounds.outside
         return self.make_rows(self._A, lower, upper)
+
+
+@compiled
+def _write_bounds_about(torque: Array, rate: Array, period: float, lower: Array, upper: Array) -> None:
+    """Bounds that leave the torques, the robot's first, room for a period at a rate."""
+    for k in range(len(rate)):
+        lower[k], upper[k] = torque[k] - period * rate[k], torque[k] + period * rate[k]
