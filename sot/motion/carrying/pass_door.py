@@ -32,7 +32,7 @@ PRESSING_SURFACE, PUSHING_SURFACE = "left_palm", "right_hand_end"
 KNOT_PERIOD = 0.02  # s, between knots
 # In leg lengths.
 PUSHING_HEIGHT = 1.33  # of the pushing hand's end
-STANDING_BEHIND, STANDING_ASIDE = 0.52, 0.24  # of the body from the lever, before the door
+STANDING_BEHIND, STANDING_ASIDE = 0.52, 0.21  # of the body from the lever, before the door
 STANDOFF = 0.16  # of a hand from what it touches, before it closes in
 PAST_MARGIN = 0.1  # of the body's end beyond where it has to be
 FOLLOWING_SHARE = 0.5  # of the way of the hand on the leaf, that the body follows it until the door is unlatched
