@@ -16,25 +16,26 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-APPROACH_RATE = 12.0
-"""Rate at which an error dies out while it is small [1/s]."""
-VELOCITY_GAIN = 48.0
-"""Rate at which the velocity goes to the wanted one [1/s]: four times the other, critically damped."""
+APPROACH_RATE, LIGHT_APPROACH_RATE = 12.0, 25.0
+"""Rates at which an error dies out while it is small [1/s]: of what carries the body, and of arms and head."""
+DAMPING_PER_APPROACH_RATE = 4.0
+"""Rate at which the velocity goes to the wanted one, in rates at which the error dies out: critically damped."""
 BRAKING_SHARE = 0.65
 """Share of the acceleration limit that is relied upon to stop at a target or at the end of the range."""
 USABLE_VELOCITY_SHARE = 0.96
 """Share of the velocity limits that is gone for: an acceleration does not end at once."""
 END_MARGIN = 0.01
 """Part at the ends of a joint's range where no target is put [rad]: bounds that act all the time make it tremble."""
-JERK_TIME = 0.03
+JERK_TIME = 0.02
 """Time in which an acceleration goes from nothing to its limit [s]."""
 MAX_RISING_SPEED, MAX_RISING_ACCELERATION = 1.0, 3.0
 """Bounds of the pelvis' vertical velocity [m/s] and acceleration [m/s²]."""
 MAX_SHIFT_SPEED, MAX_SHIFT_ACCELERATION = 2.0, 9.0
 """The same of its horizontal ones: it shifts against what the upper body does, and would else have to tilt for that."""
-MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION = 4.0, 6.0
-"""Bounds of the pelvis' velocity [rad/s] and acceleration [rad/s²]: the whole upper body turns with it."""
-MAX_CHEST_ACCELERATION = 8.0
+MAX_PELVIS_SPEED, MAX_PELVIS_TILT_ACCELERATION, MAX_PELVIS_TURN_ACCELERATION = 4.0, 6.0, 16.0
+"""Bounds of the pelvis' velocity [rad/s] and of its accelerations [rad/s²]: the whole upper body turns with it. What
+tilts moves the zero-moment point; what turns about the vertical asks the soles for no more than friction."""
+MAX_CHEST_TILT_ACCELERATION, MAX_CHEST_TURN_ACCELERATION = 8.0, 40.0
 """The same of the joints below the chest, which carry arms and head."""
 ACCEPTED_LEG_EXCESS = 0.1
 """Acceleration of a leg's joint beyond its bounds that costs as much as the whole acceleration of the pelvis [rad/s²]:
@@ -72,9 +73,10 @@ class Governor:
         velocity, acceleration = USABLE_VELOCITY_SHARE * limits.velocity, limits.acceleration.copy()
         velocity[:2], acceleration[:2] = MAX_SHIFT_SPEED, MAX_SHIFT_ACCELERATION
         velocity[2], acceleration[2] = MAX_RISING_SPEED, MAX_RISING_ACCELERATION
-        velocity[3:6], acceleration[3:6] = MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION
+        velocity[3:6], acceleration[3:6] = MAX_PELVIS_SPEED, MAX_PELVIS_TILT_ACCELERATION
+        acceleration[5] = MAX_PELVIS_TURN_ACCELERATION
         chest = 6 + np.array(robot.groups["chest"], dtype=int)
-        acceleration[chest] = np.minimum(acceleration[chest], MAX_CHEST_ACCELERATION)
+        acceleration[chest] = np.minimum(acceleration[chest], _chest_accelerations(robot))
         self._lower, self._upper, self._velocity, self._acceleration = (
             limits.lower,
             limits.upper,
@@ -82,9 +84,14 @@ class Governor:
             acceleration,
         )
         brake = acceleration.copy()
-        brake[legs.columns] = np.minimum(brake[legs.columns], MAX_PELVIS_ACCELERATION)  # it has to slow down with them
+        brake[legs.columns] = np.minimum(
+            brake[legs.columns], MAX_PELVIS_TILT_ACCELERATION
+        )  # it has to slow down with them
         self._bounds = AccelerationBounds(limits.lower, limits.upper, velocity, BRAKING_SHARE * brake, acceleration)
         self._scale = acceleration[:6]
+        light = [6 + joint for group in ("arms", "head") for joint in robot.groups[group]]
+        self._approach_rate = np.full(robot.nv, APPROACH_RATE)
+        self._approach_rate[light] = LIGHT_APPROACH_RATE
         self._model, self._data = robot.model, robot.model.createData()
         self._free = np.setdiff1d(np.arange(2, robot.nv), legs.columns)  # neither shifts nor follows from the others
         limited = velocity[self._free], acceleration[self._free]
@@ -124,6 +131,7 @@ class Governor:
             low,
             high,
             self._acceleration,
+            self._approach_rate,
         )
         if self._planned is not None:
             wanted[self._free] = self._planned
@@ -180,23 +188,41 @@ class Governor:
         base[:, 3:] = base[:, 3:] @ rate_matrix(self.y[None, 3:6])[0]
         pin.centerOfMass(self._model, self._data, q, v, a)
         place, rate, drift = (vectors[0][:2] for vectors in (self._data.com, self._data.vcom, self._data.acom))
-        wanted = com[2] + VELOCITY_GAIN * (com[1] - rate + APPROACH_RATE * (com[0] - place))
+        wanted = com[2] + DAMPING_PER_APPROACH_RATE * APPROACH_RATE * (com[1] - rate + APPROACH_RATE * (com[0] - place))
         return base + J[:, legs] @ A, wanted - drift
+
+
+def _chest_accelerations(robot: Robot) -> Array:
+    """Bounds of the joints below the chest (k,), by how much each of them tilts and turns [rad/s²]."""
+    model = robot.model
+    J = pin.computeJointJacobians(model, model.createData(), robot.rest)
+    axes = np.abs(J[3:, 6 + np.array(robot.groups["chest"], dtype=int)])
+    tilt, turn = np.hypot(axes[0], axes[1]) / MAX_CHEST_TILT_ACCELERATION, axes[2] / MAX_CHEST_TURN_ACCELERATION
+    return np.asarray(1.0 / np.hypot(tilt, turn))
 
 
 @compiled
 def _wanted_accelerations(
-    y: Array, dy: Array, ddy: Array, target: Array, velocity: Array, low: Array, high: Array, acceleration: Array
+    y: Array,
+    dy: Array,
+    ddy: Array,
+    target: Array,
+    velocity: Array,
+    low: Array,
+    high: Array,
+    acceleration: Array,
+    approach_rate: Array,
 ) -> Array:
     """The accelerations (nv,) that go after the targets within bounds."""
     wanted = np.empty_like(y)
     for k in range(len(y)):
-        brake = BRAKING_SHARE * acceleration[k]
+        brake, approach = BRAKING_SHARE * acceleration[k], approach_rate[k]
         # what the velocity will be once the acceleration of now has come to an end
         ahead = dy[k] - velocity[k] + 0.5 * ddy[k] * JERK_TIME
         error = target[k] - y[k]
         size = abs(error)
-        bend = brake / APPROACH_RATE**2  # where the root takes over from the line, with the same slope
-        speed = APPROACH_RATE * size if size < bend else np.sqrt(2.0 * brake * (size - 0.5 * bend))
-        wanted[k] = min(max(VELOCITY_GAIN * ((speed if error > 0.0 else -speed) - ahead), low[k]), high[k])
+        bend = brake / approach**2  # where the root takes over from the line, with the same slope
+        speed = approach * size if size < bend else np.sqrt(2.0 * brake * (size - 0.5 * bend))
+        gain = DAMPING_PER_APPROACH_RATE * approach
+        wanted[k] = min(max(gain * ((speed if error > 0.0 else -speed) - ahead), low[k]), high[k])
     return wanted
