@@ -16,10 +16,10 @@ from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-APPROACH_RATE, LIGHT_APPROACH_RATE = 12.0, 25.0
-"""Rates at which an error dies out while it is small [1/s]: of what carries the body, and of arms and head."""
-DAMPING_PER_APPROACH_RATE = 4.0
-"""Rate at which the velocity goes to the wanted one, in rates at which the error dies out: critically damped."""
+APPROACH_RATE = 12.0
+"""Rate at which an error dies out while it is small [1/s]."""
+VELOCITY_GAIN = 48.0
+"""Rate at which the velocity goes to the wanted one [1/s]: four times the other, critically damped."""
 BRAKING_SHARE = 0.65
 """Share of the acceleration limit that is relied upon to stop at a target or at the end of the range."""
 USABLE_VELOCITY_SHARE = 0.96
@@ -87,9 +87,6 @@ class Governor:
         brake[legs.columns] = np.minimum(brake[legs.columns], MAX_PELVIS_ACCELERATION)  # it has to slow down with them
         self._bounds = AccelerationBounds(limits.lower, limits.upper, velocity, BRAKING_SHARE * brake, acceleration)
         self._scale = acceleration[:6]
-        light = [6 + joint for group in ("arms", "head") for joint in robot.groups[group]]
-        self._approach_rate = np.full(robot.nv, APPROACH_RATE)
-        self._approach_rate[light] = LIGHT_APPROACH_RATE
         self._model, self._data = robot.model, robot.model.createData()
         self._free = np.setdiff1d(np.arange(2, robot.nv), legs.columns)  # neither shifts nor follows from the others
         limited = velocity[self._free], acceleration[self._free]
@@ -129,7 +126,6 @@ class Governor:
             low,
             high,
             self._acceleration,
-            self._approach_rate,
         )
         if self._planned is not None:
             wanted[self._free] = self._planned
@@ -186,7 +182,7 @@ class Governor:
         base[:, 3:] = base[:, 3:] @ rate_matrix(self.y[None, 3:6])[0]
         pin.centerOfMass(self._model, self._data, q, v, a)
         place, rate, drift = (vectors[0][:2] for vectors in (self._data.com, self._data.vcom, self._data.acom))
-        wanted = com[2] + DAMPING_PER_APPROACH_RATE * APPROACH_RATE * (com[1] - rate + APPROACH_RATE * (com[0] - place))
+        wanted = com[2] + VELOCITY_GAIN * (com[1] - rate + APPROACH_RATE * (com[0] - place))
         return base + J[:, legs] @ A, wanted - drift
 
 
@@ -201,26 +197,17 @@ def _chest_accelerations(robot: Robot) -> Array:
 
 @compiled
 def _wanted_accelerations(
-    y: Array,
-    dy: Array,
-    ddy: Array,
-    target: Array,
-    velocity: Array,
-    low: Array,
-    high: Array,
-    acceleration: Array,
-    approach_rate: Array,
+    y: Array, dy: Array, ddy: Array, target: Array, velocity: Array, low: Array, high: Array, acceleration: Array
 ) -> Array:
     """The accelerations (nv,) that go after the targets within bounds."""
     wanted = np.empty_like(y)
     for k in range(len(y)):
-        brake, approach = BRAKING_SHARE * acceleration[k], approach_rate[k]
+        brake = BRAKING_SHARE * acceleration[k]
         # what the velocity will be once the acceleration of now has come to an end
         ahead = dy[k] - velocity[k] + 0.5 * ddy[k] * JERK_TIME
         error = target[k] - y[k]
         size = abs(error)
-        bend = brake / approach**2  # where the root takes over from the line, with the same slope
-        speed = approach * size if size < bend else np.sqrt(2.0 * brake * (size - 0.5 * bend))
-        gain = DAMPING_PER_APPROACH_RATE * approach
-        wanted[k] = min(max(gain * ((speed if error > 0.0 else -speed) - ahead), low[k]), high[k])
+        bend = brake / APPROACH_RATE**2  # where the root takes over from the line, with the same slope
+        speed = APPROACH_RATE * size if size < bend else np.sqrt(2.0 * brake * (size - 0.5 * bend))
+        wanted[k] = min(max(VELOCITY_GAIN * ((speed if error > 0.0 else -speed) - ahead), low[k]), high[k])
     return wanted
