@@ -33,11 +33,9 @@ MAX_RISING_SPEED, MAX_RISING_ACCELERATION = 1.0, 3.0
 MAX_SHIFT_SPEED, MAX_SHIFT_ACCELERATION = 2.0, 9.0
 """The same of its horizontal ones: it shifts against what the upper body does, and would else have to tilt for that."""
 MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION = 4.0, 6.0
-"""Bounds of the pelvis' velocity [rad/s] and acceleration [rad/s²]: the whole upper body turns with it, and the legs
-follow from it. One that turned faster about the vertical ended a boxer's clip in a fall."""
-MAX_CHEST_TILT_ACCELERATION, MAX_CHEST_TURN_ACCELERATION = 8.0, 40.0
-"""Bounds of the joints below the chest, which carry arms and head [rad/s²]. What tilts moves the zero-moment point;
-what turns about the vertical asks the soles for no more than friction."""
+"""Bounds of the pelvis' velocity [rad/s] and acceleration [rad/s²]: the whole upper body turns with it."""
+MAX_CHEST_ACCELERATION = 8.0
+"""The same of the joints below the chest, which carry arms and head."""
 ACCEPTED_LEG_EXCESS = 0.1
 """Acceleration of a leg's joint beyond its bounds that costs as much as the whole acceleration of the pelvis [rad/s²]:
 there always is an answer."""
@@ -76,7 +74,7 @@ class Governor:
         velocity[2], acceleration[2] = MAX_RISING_SPEED, MAX_RISING_ACCELERATION
         velocity[3:6], acceleration[3:6] = MAX_PELVIS_SPEED, MAX_PELVIS_ACCELERATION
         chest = 6 + np.array(robot.groups["chest"], dtype=int)
-        acceleration[chest] = np.minimum(acceleration[chest], _chest_accelerations(robot))
+        acceleration[chest] = np.minimum(acceleration[chest], MAX_CHEST_ACCELERATION)
         self._lower, self._upper, self._velocity, self._acceleration = (
             limits.lower,
             limits.upper,
@@ -184,15 +182,6 @@ class Governor:
         place, rate, drift = (vectors[0][:2] for vectors in (self._data.com, self._data.vcom, self._data.acom))
         wanted = com[2] + VELOCITY_GAIN * (com[1] - rate + APPROACH_RATE * (com[0] - place))
         return base + J[:, legs] @ A, wanted - drift
-
-
-def _chest_accelerations(robot: Robot) -> Array:
-    """Bounds of the joints below the chest (k,), by how much each of them tilts and turns [rad/s²]."""
-    model = robot.model
-    J = pin.computeJointJacobians(model, model.createData(), robot.rest)
-    axes = np.abs(J[3:, 6 + np.array(robot.groups["chest"], dtype=int)])
-    tilt, turn = np.hypot(axes[0], axes[1]) / MAX_CHEST_TILT_ACCELERATION, axes[2] / MAX_CHEST_TURN_ACCELERATION
-    return np.asarray(1.0 / np.hypot(tilt, turn))
 
 
 @compiled
