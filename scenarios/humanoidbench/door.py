@@ -15,9 +15,11 @@ from sot.behaviours.stepping import SteppingSchedule
 from sot.control.contact import Contact
 from sot.control.load import KnownWrench
 from sot.control.stack import Stack
-from sot.motion.carrying.pass_door import DoorLayout, DoorPlan, pass_door
+from sot.motion.carrying.door_layout import DoorLayout
+from sot.motion.carrying.pass_door import DoorPlan, pass_door
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
+from sot.robots.surface import Surface
 from sot.robots.system import System
 from sot.robots.things.thing import Thing
 
@@ -29,20 +31,18 @@ AHEAD_M = 0.8
 """Where the leaf's middle is [m]."""
 HINGE_M, FACE_M = (0.05, 0.5), 0.12
 """Place of the hinge's axis from there, and distance of the leaf's near face from the axis [m]."""
-BAR_M, PRESS_M = (-0.171, -0.275, 1.22), 0.175
-"""Place on the lever's bar from there that is pressed, and way down until the bolt is back [m]."""
-GRIP_M = 0.876
+LEVER_M, BAR_M, BAR_RADIUS_M = (-0.141, -0.4, 1.2), 0.2, 0.02
+"""Place of the lever's axis from there, where the bar is; length and radius of the bar [m]."""
+GRIP_M = 0.86
 """Distance from the axis, along the leaf, at which it is pushed [m]."""
+PRESS_SHARE = 0.6
+"""Share of the bar's length at which it is pressed."""
 FRAME_M = 0.12
 """Half the depth of the frame [m]."""
-PRESS_N = 22.0
-"""Force on the palm when the lever is down [N]."""
-UNLATCHED_RAD, OPENED_RAD = 0.35, 1.2
-"""Angle at which the bolt is within the frame, and to which the door is opened [rad]."""
+PRESSED_RAD, UNLATCHED_RAD, OPENED_RAD = 1.05, 0.33, 1.2
+"""Angles: of the lever when it is down, of the door when the bolt is within the frame, and to which it is opened."""
 LEVER_REACHED_RAD, HINGE_REACHED_RAD, PAST_REACHED_M = 0.75, 1.0, 0.2
 """What has to be reached: angles of lever and hinge, and the waist's way past the frame."""
-AXES_WEIGHT = 0.5
-"""Weight of a hand's axes beside 10 of its place, which arms at the ends of their ranges are to follow first."""
 NOISE_M = 0.003
 """Standard deviation of where the door stands, with a seed, in each direction [m]: the benchmark's stands still."""
 
@@ -83,13 +83,17 @@ class DoorScene:
         return DoorLayout(
             hinge=scale * np.array([AHEAD_M + x, y]),
             face=scale * FACE_M,
-            bar=scale * np.add(BAR_M, [AHEAD_M, 0.0, 0.0]),
             grip=scale * GRIP_M,
+            lever=scale * np.add(LEVER_M, [AHEAD_M, 0.0, 0.0]),
+            press=scale * PRESS_SHARE * BAR_M,
+            bar=scale * BAR_RADIUS_M,
             stiffness=float(door.stiffness[0]),
-            press_force=PRESS_N,
-            press=scale * PRESS_M,
+            inertia=float(pin.crba(door.model, door.model.createData(), pin.neutral(door.model))[0, 0]),
+            lever_stiffness=float(door.stiffness[1]),
+            pressed=PRESSED_RAD,
             unlatched=UNLATCHED_RAD,
             opened=OPENED_RAD,
+            exit=scale * (AHEAD_M + FRAME_M) + PAST_REACHED_M,
         )
 
 
@@ -98,27 +102,26 @@ def door_stack(system: System, plan: DoorPlan) -> Stack:
 
     The contacts of hands and door are never made: they say what is not kept apart.
     """
-    robot = system.robot
-    touches = [
-        Contact(robot.surface(own), system.surface(f"{DOOR}/{other}"))
-        for own, other in (("left_hand_end", "front"), ("right_hand_end", "front"), ("right_palm", "bar"))
-    ]
+    robot, motion = system.robot, plan.motion
+    surfaces = [robot.surface(own) for own in plan.forces]
+    touches = [Contact(own, system.surface(f"{DOOR}/{other}")) for own in surfaces for other in ("front", "bar")]
     for touch in touches:
         touch.mode, touch.load = "off", 0.0
-    told = [_told_force(robot, plan, point) for point in plan.hands]
-    return led_hands_stack(system, plan.motion, plan.hands, touches, told)
+    hands = {own.point: motion.pose(own.point) for own in surfaces if own.point is not None}
+    loads = [_told_force(own, plan) for own in surfaces]
+    return led_hands_stack(system, motion, hands, touches, loads)
 
 
-def _told_force(robot: Robot, plan: DoorPlan, point: str) -> KnownWrench:
-    """The force on a hand's end as the plan has it."""
-    tip = robot.surface(f"{point}_end").placement.translation
-    path, forces = plan.hands[point], plan.forces[point]
+def _told_force(surface: Surface, plan: DoorPlan) -> KnownWrench:
+    """The force on a hand's surface as the plan has it."""
+    assert surface.point is not None
+    path, forces, arm = plan.motion.pose(surface.point), plan.forces[surface.name], surface.placement.translation
 
     def wrench(t: float) -> Array:
         force = np.array([np.interp(t, plan.knots, column) for column in forces.T])
-        return np.concatenate([force, np.cross(path(t).rotation @ tip, force)])
+        return np.concatenate([force, np.cross(path(t).rotation @ arm, force)])
 
-    return KnownWrench(point, wrench)
+    return KnownWrench(surface.point, wrench)
 
 
 def perform(request: Replay, seed: int, tell: ProgressCallback) -> tuple[Dance, DoorScene]:

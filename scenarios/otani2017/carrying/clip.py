@@ -16,7 +16,8 @@ from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import Targets
 from sot.motion.carrying.arms import palm_places
-from sot.motion.carrying.carry import CLOSING_TIME, STANDOFF, CarryPlan
+from sot.motion.carrying.carry import STANDOFF, CarryPlan
+from sot.motion.carrying.handling_times import CLOSING_TIME
 from sot.motion.carrying.held_arms import HeldBox, held_places, with_box_held
 from sot.motion.feet.stance import Build
 from sot.motion.human.formats.omomo import read_omomo, read_omomo_object

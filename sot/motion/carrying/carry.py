@@ -10,22 +10,20 @@ from sot.gravity import GRAVITY
 from sot.motion.balance.feet_led import feet_led
 from sot.motion.balance.held_load import HeldLoad
 from sot.motion.carrying.arms import Arms, palm_places
+from sot.motion.carrying.handling_times import CLOSING_TIME, KNOT_PERIOD, REACHING_TIME, HandlingTimes
 from sot.motion.feet.footwork import Foothold
 from sot.motion.trajectory import Motion
 from sot.motion.way import footsteps_along
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
-from sot.smooth import minimum_jerk
 
 Array = np.ndarray
 
-KNOT_PERIOD = 0.02  # s, between knots
 HELD_AHEAD, HELD_HEIGHT = 0.62, 0.3  # leg lengths, of the box's middle from the waist, ahead and up, while it is held
 LIFT = 0.12  # leg lengths, from where the box lies to where it is carried
 HANDS_PITCH = 0.3  # rad, by which the fingers point down
 STANDOFF = 0.16  # leg lengths, of the palms from the box before they touch it and when they have let go
-REACHING_TIME, LIFTING_TIME = 8.0, 6.0  # √(leg / g): of the arms from rest to beside the box, and of lifting it
-CLOSING_TIME = 2.0  # √(leg / g), of the arms from beside the box to it
+LIFTING_TIME = 6.0  # √(leg / g), of lifting it
 
 
 @dataclass(frozen=True)
@@ -53,6 +51,19 @@ class CarryPlan:
     hands: dict[str, pin.SE3]
     size: tuple[float, float, float]
 
+    @staticmethod
+    def of(
+        motion: Motion,
+        box: Sequence[pin.SE3],
+        knots: Array,
+        times: HandlingTimes,
+        hands: dict[str, pin.SE3],
+        size: tuple[float, float, float],
+    ) -> "CarryPlan":
+        """The plan with the times at which the box is handled."""
+        t = times
+        return CarryPlan(motion, box, knots, t.gripped, t.lifted, t.arrived, t.placed, t.released, hands, size)
+
 
 def carry(
     robot: Robot, size: tuple[float, float, float], mass: float, stops: Sequence[Foothold], rate: float = 1000.0
@@ -73,23 +84,13 @@ def carry(
     """
     leg = leg_length(robot)
     unit = float(np.sqrt(leg / GRAVITY))
-    gripped = (REACHING_TIME + 1.0) * unit
-    lifted = gripped + CLOSING_TIME * unit
-    raised = lifted + LIFTING_TIME * unit
+    raised = (1.0 + REACHING_TIME + CLOSING_TIME + LIFTING_TIME) * unit
     walked = footsteps_along(robot, stops, raised + unit)
-    arrived = walked.end
-    placed = arrived + LIFTING_TIME * unit
-    opening = placed + CLOSING_TIME * unit
-    released = opening + CLOSING_TIME * unit
-    end = released + (REACHING_TIME + 1.0) * unit
-    knots = KNOT_PERIOD * np.arange(np.ceil(end / KNOT_PERIOD) + 1)
-
-    def share(start: float, end: float) -> Array:
-        return np.asarray(minimum_jerk((knots - start) / (end - start)))
-
+    times = HandlingTimes.of(unit, walked.end, LIFTING_TIME, unit)
+    knots = times.knots()
     arms = Arms(robot)
     kept = np.setdiff1d(np.arange(robot.na), robot.joint_numbers("legs"))
-    height = HELD_HEIGHT * leg - LIFT * leg * (1.0 - share(lifted, raised) + share(arrived, placed))
+    height = HELD_HEIGHT * leg - LIFT * leg * (1.0 - times.raised_share(knots))
 
     def palms(height: float, gap: float = 0.0) -> dict[str, pin.SE3]:
         return palm_places(robot, size[1] + 2.0 * gap, HANDS_PITCH, np.array([HELD_AHEAD * leg, 0.0, height]))
@@ -99,21 +100,17 @@ def carry(
         held[k] = held[k - 1] if height[k] == height[k - 1] else arms.reaching(palms(height[k]), held[k - 1])
     beside = arms.reaching(palms(height[0], STANDOFF * leg), low)
     rest = robot.rest[7 + arms.joints]
-    reach = share(unit, gripped) - share(released, end - unit)
-    close = share(gripped, lifted) - share(opening, released)
-    angles = rest + reach[:, None] * (beside - rest) + close[:, None] * (held - beside)
-    carried = share(lifted, raised) - share(placed, opening)
+    reach, close = times.reach_share(knots)[:, None], times.close_share(knots)[:, None]
+    angles = rest + reach * (beside - rest) + close * (held - beside)
     before = np.tile([HELD_AHEAD * leg, 0.0, 0.0], (len(knots), 1))
     before[:, 2] = height
     upper = np.tile(robot.rest[7 + kept], (len(knots), 1))
     upper[:, np.searchsorted(kept, arms.joints)] = angles
-    load = HeldLoad(kept, upper, mass * carried, "chest", before - arms.chest)
+    load = HeldLoad(kept, upper, mass * times.carried_share(knots, times.raised), "chest", before - arms.chest)
     phases, paths = walked.feet_at(robot, knots)
     motion = feet_led(robot, phases, paths, KNOT_PERIOD, rate, where="its way", load=load)
-    box = _box_path(motion, load, knots, lifted, placed)
-    return CarryPlan(
-        motion, box, knots, gripped, lifted, arrived, placed, released, palm_places(robot, size[1], HANDS_PITCH), size
-    )
+    box = _box_path(motion, load, knots, times.lifted, times.placed)
+    return CarryPlan.of(motion, box, knots, times, palm_places(robot, size[1], HANDS_PITCH), size)
 
 
 def _box_path(motion: Motion, load: HeldLoad, knots: Array, lifted: float, placed: float) -> list[pin.SE3]:

@@ -10,22 +10,14 @@ from sot.gravity import GRAVITY
 from sot.motion.balance.feet_led import feet_led
 from sot.motion.balance.held_load import HeldLoad
 from sot.motion.carrying.arms import palm_places
-from sot.motion.carrying.carry import (
-    CLOSING_TIME,
-    HELD_AHEAD,
-    HELD_HEIGHT,
-    KNOT_PERIOD,
-    REACHING_TIME,
-    STANDOFF,
-    CarryPlan,
-)
+from sot.motion.carrying.carry import HELD_AHEAD, HELD_HEIGHT, STANDOFF, CarryPlan
+from sot.motion.carrying.handling_times import CLOSING_TIME, KNOT_PERIOD, REACHING_TIME, HandlingTimes
 from sot.motion.carrying.stoop import Stoop, StoopedArms, stooped_way
 from sot.motion.feet.footwork import Foothold
 from sot.motion.trajectory import Motion
 from sot.motion.way import footsteps_along
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
-from sot.smooth import minimum_jerk
 
 Array = np.ndarray
 
@@ -67,38 +59,25 @@ def fetch(
     taking = REACHING_TIME + CLOSING_TIME + RAISING_TIME + 2.0
     walked = footsteps_along(robot, [*approach, *way], waits={len(approach) - 1: taking + 1.0})
     begin = walked.arrivals[len(approach) - 1] + unit
-    gripped = begin + REACHING_TIME * unit
-    lifted = gripped + CLOSING_TIME * unit
-    raised = lifted + RAISING_TIME * unit
-    arrived = walked.arrivals[-1] + unit
-    placed = arrived + RAISING_TIME * unit
-    opening = placed + CLOSING_TIME * unit
-    released = opening + CLOSING_TIME * unit
-    end = released + (REACHING_TIME + 1.0) * unit
-    knots = KNOT_PERIOD * np.arange(np.ceil(end / KNOT_PERIOD) + 1)
-
-    def share(start: float, end: float) -> Array:
-        return np.asarray(minimum_jerk((knots - start) / (end - start)))
-
+    times = HandlingTimes.of(begin, walked.arrivals[-1] + unit, RAISING_TIME, unit)
+    knots = times.knots()
     grip = 0.5 * size[2] - GRIP_BELOW_TOP * leg
     lifting = _Lifting(robot, size, grip)
     arms = robot.joint_numbers("arms")
-    reach = share(begin, gripped) - share(released, end - unit)
-    close = share(gripped, lifted) - share(opening, released)
-    up = share(lifted, raised) - share(arrived, placed)
-    held, low, pitch, before = lifting.at(up)
+    reach, close = times.reach_share(knots), times.close_share(knots)
+    held, low, pitch, before = lifting.at(times.raised_share(knots))
     rest = robot.rest[7 + arms]
     angles = rest + reach[:, None] * (lifting.beside - rest) + close[:, None] * (held - lifting.beside)
     kept = np.setdiff1d(np.arange(robot.na), robot.joint_numbers("legs"))
     upper = np.tile(robot.rest[7 + kept], (len(knots), 1))
     upper[:, np.searchsorted(kept, arms)] = angles
-    carried = share(lifted, lifted + CLOSING_TIME * unit) - share(placed, opening)
+    carried = times.carried_share(knots, times.lifted + CLOSING_TIME * unit)
     load = HeldLoad(kept, upper, mass * carried, "chest", before, lowered=reach * low, pitch=reach * pitch)
     phases, paths = walked.feet_at(robot, knots)
     motion = feet_led(robot, phases, paths, KNOT_PERIOD, rate, where="its way", load=load)
-    box = _box_path(motion, load, knots, lifted, placed, 0.5 * size[2])
+    box = _box_path(motion, load, knots, times.lifted, times.placed, 0.5 * size[2])
     hands = palm_places(robot, size[1], HANDS_PITCH, np.array([0.0, 0.0, grip]))
-    return CarryPlan(motion, box, knots, gripped, lifted, arrived, placed, released, hands, size)
+    return CarryPlan.of(motion, box, knots, times, hands, size)
 
 
 class _Lifting:

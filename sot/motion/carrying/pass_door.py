@@ -6,90 +6,44 @@ from itertools import pairwise
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import convolve1d
-from scipy.spatial.transform import Rotation, Slerp
 
 from sot.errors import InputError
 from sot.gravity import GRAVITY
 from sot.motion.balance.feet_led import feet_led
 from sot.motion.balance.held_load import HeldLoad
-from sot.motion.carrying.arms import fist_places
-from sot.motion.carrying.stoop import Stoop, StoopedArms
+from sot.motion.body.coordinates import from_configuration
+from sot.motion.body.limits import Limits
+from sot.motion.body.spline import Spline
+from sot.motion.carrying.door_layout import DoorLayout
+from sot.motion.carrying.led_arms import LedSurface, led_surfaces, with_hands_led
 from sot.motion.feet.footwork import Foothold
 from sot.motion.feet.swing import FootPath, feet_heading, feet_middle
-from sot.motion.objects.pose_path import PosePath, blended
 from sot.motion.trajectory import Motion
 from sot.motion.way import STANDING_TIME, SWING_TIME, footsteps_along
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
+from sot.robots.surface import Surface
 from sot.smooth import minimum_jerk
 
-Array = np.ndarray
+Array = NDArray[np.float64]
 
+PRESSING_SURFACE, PUSHING_SURFACE = "left_palm", "right_hand_end"
 KNOT_PERIOD = 0.02  # s, between knots
 # In leg lengths.
-FIST_HEIGHT = 1.25  # of the hands' ends on the leaf
-PARKED = (0.40, 0.42, 1.25)  # of the other hand's end from the body, ahead, aside and up, while the robot walks
-RAISED = (0.33, -0.46, 1.72)  # of the pressing hand's end from the body, before it goes above the lever
-BACK = 0.33  # of the pressing hand from above the lever, before it goes down to the leaf
-ABOVE = 0.24  # of the palm from the lever before it presses, and when it has
-STANDOFF = 0.16  # of a hand from what it touches
-HELPING_ASIDE = 0.335  # of the other hand's end from the body's middle, while it pushes until the bolt is past
-# Where the pushing hand's end is from the body, by the angle of the door: first the body keeps clear of the frame.
-ANGLES = (0.0, 0.35, 0.6, 1.2)  # rad
-AHEAD, ASIDE = (0.61, 0.65, 0.68, 0.595), (0.42, 0.47, 0.58, 0.257)
+PUSHING_HEIGHT = 1.33  # of the pushing hand's end
+STANDING_BEHIND, STANDING_ASIDE = 0.52, 0.24  # of the body from the lever, before the door
+STANDOFF = 0.16  # of a hand from what it touches, before it closes in
+PAST_MARGIN = 0.1  # of the body's end beyond where it has to be
+FOLLOWING_SHARE = 0.5  # of the way of the hand on the leaf, that the body follows it until the door is unlatched
 HEADING_SHARE = 0.6  # of the door's angle, that the body turns
+TOUCHING_TILT, FREE_TILT = 0.2, 1.0  # rad, of a hand's surface off where it should face, that is accepted
+MAX_ERROR = 0.01  # m, of a hand that touches
 MOVING_TIME, CLOSING_TIME, PRESSING_TIME, OPENING_TIME = 7.0, 4.0, 8.0, 16.0  # √(leg / g)
-UNLATCHING_TIME = 3.0 * MOVING_TIME + 3.0 * CLOSING_TIME + PRESSING_TIME + OPENING_TIME
-HANDING_TIME = 2.0 * MOVING_TIME + 2.0 * CLOSING_TIME
-POSTURE_PERIOD = 0.3  # s, between postures of the arms
-STOPS = 4  # of the body between where it stands before the door and where it ends
-
-
-@dataclass(frozen=True)
-class DoorLayout:
-    """A door as a robot at the origin sees it: the hinge on the left, and it opens away.
-
-    Attributes:
-        hinge: place of its axis (2,) [m].
-        face: distance of the leaf's near face from the axis, towards the robot [m].
-        bar: middle of the part of the lever's bar that is pressed (3,), on top of it [m].
-        grip: distance from the axis, along the leaf, at which it is pushed [m].
-        stiffness: spring of the hinge [N m/rad].
-        press_force: on the palm when the lever is down [N].
-        press: way of the bar down until the bolt is back [m].
-        unlatched: angle at which the bolt is past the frame [rad].
-        opened: angle to which it is opened [rad].
-    """
-
-    hinge: Array
-    face: float
-    bar: Array
-    grip: float
-    stiffness: float
-    press_force: float
-    press: float
-    unlatched: float
-    opened: float
-
-    def leaf(self, angle: float) -> pin.SE3:
-        """Placement of the leaf, relative to where it is closed."""
-        turn = pin.utils.rotate("z", angle)
-        axis = np.array([*self.hinge, 0.0])
-        return pin.SE3(turn, axis - turn @ axis)
-
-    def on_face(self, along: float, height: float) -> Array:
-        """A point of the closed leaf's near face (3,), at a distance from the axis and a height [m]."""
-        return np.array([self.hinge[0] - self.face, self.hinge[1] - along, height])
-
-    def body(self, angle: float, leg: float) -> Foothold:
-        """Where the body is while the pushing hand is on the leaf."""
-        place = self.leaf(angle).act(self.on_face(self.grip, 0.0))
-        heading = HEADING_SHARE * angle
-        off = leg * np.array([np.interp(angle, ANGLES, AHEAD), -np.interp(angle, ANGLES, ASIDE), 0.0])
-        x, y, _ = place - pin.utils.rotate("z", heading) @ off
-        return Foothold(float(x), float(y), heading)
+# After the body stands before the door, and after it has followed the door until it is unlatched.
+WAITING_TIME = 2.0 + 2.0 * MOVING_TIME + CLOSING_TIME + PRESSING_TIME
+LEAVING_TIME = OPENING_TIME + 2.0 * MOVING_TIME + 2.0 * CLOSING_TIME
+ARM_ROUNDS = 3  # of the body's balance and the arms, which shift one another
 
 
 @dataclass(frozen=True)
@@ -98,26 +52,24 @@ class DoorPlan:
 
     Attributes:
         motion: of the robot; its ZMP counts the push.
-        hands: hand -> its path in the world.
         knots: times (T,) [s].
         angle: of the door at these times (T,) [rad].
-        forces: hand -> force on it at these times (T, 3), world axes [N].
-        opened: when the walk is over [s].
+        forces: surface of a hand -> force on it at these times (T, 3), world axes [N].
     """
 
     motion: Motion
-    hands: dict[str, PosePath]
     knots: Array
     angle: Array
     forces: dict[str, Array]
-    opened: float
 
 
 def pass_door(robot: Robot, door: DoorLayout, rate: float = 1000.0) -> DoorPlan:
     """The motion of a robot that opens a door and walks through.
 
-    It steps up to the door, presses the lever with the right palm, pushes the leaf with the end of the left hand until
-    the bolt is past the frame, and then with the end of the right hand while it walks.
+    It steps up to the door, presses the lever with the left palm and pushes the leaf with the end of the right hand,
+    until the bolt is past the frame. The left hand leaves the lever, and the robot walks through, its right hand on
+    the leaf. Its balance is planned with the force on the hand, so that it leans against the door, and its arms with
+    the body that leans.
 
     Args:
         robot: who passes.
@@ -129,218 +81,217 @@ def pass_door(robot: Robot, door: DoorLayout, rate: float = 1000.0) -> DoorPlan:
     """
     leg = leg_length(robot)
     unit = float(np.sqrt(leg / GRAVITY))
-    before = door.body(0.0, leg)
-    angles = np.linspace(door.unlatched, door.opened, STOPS)
-    stops = [before, *(door.body(float(angle), leg) for angle in angles)]
-    waits = {0: UNLATCHING_TIME + 2.0, 1: HANDING_TIME + 2.0} | dict.fromkeys(range(2, STOPS), STANDING_TIME)
-    walked = footsteps_along(robot, stops, waits=waits)
-    times = _Times(walked.arrivals[0], walked.arrivals[1], unit)
-    end = walked.end
-    knots = KNOT_PERIOD * np.arange(np.ceil(end / KNOT_PERIOD) + 1)
+    height = PUSHING_HEIGHT * leg
+    shoulder, rest_hands = _rest_places(robot)
+    bar = door.on_lever(0.0)[0]
+    before = Foothold(float(bar[0]) - STANDING_BEHIND * leg, float(bar[1]) + STANDING_ASIDE * leg, 0.0)
+    followed = FOLLOWING_SHARE * float(door.pushed(door.unlatched)[0] - door.pushed(0.0)[0])
+    closer = Foothold(before.x + followed, before.y, before.heading)
+    after = _end(door, before, closer, shoulder, leg)
+    walked = footsteps_along(robot, [before, closer, after], waits={0: WAITING_TIME, 1: LEAVING_TIME})
+    times = _Times(walked.arrivals[0], unit)
+    knots = KNOT_PERIOD * np.arange(np.ceil(walked.end / KNOT_PERIOD) + 1)
     phases, paths = walked.feet_at(robot, knots)
-    window = 2.0 * (SWING_TIME + STANDING_TIME) * unit
-    body = _body(paths, window)
-    share = minimum_jerk((knots - times.pressed) / (times.opened - times.pressed))
-    angle = door.unlatched * share + _walked_angle(door, leg, body, knots > times.handed, window)
-    down = minimum_jerk((knots - times.touched) / (times.pressed - times.touched))
-    tips = {
-        "right_hand": robot.surface("right_hand_end").placement.translation,
-        "left_hand": robot.surface("left_hand_end").placement.translation,
+    stride = (SWING_TIME + STANDING_TIME) * unit
+    body = _smoothed(_body(paths), 2.0 * stride)
+
+    def share(start: float, end: float) -> Array:
+        return np.asarray(minimum_jerk((knots - start) / (end - start)))
+
+    opening = share(times.pressed, times.opened)
+    walked_angle = _smoothed(_walked_angle(door, closer, shoulder, body), stride)
+    angle = np.where(knots < times.tucked, door.unlatched * opening, walked_angle)
+    lever = door.pressed * (share(times.touched, times.pressed) - share(times.opened, times.off_lever))
+    forces = {
+        PRESSING_SURFACE: door.lever_force(angle, lever),
+        PUSHING_SURFACE: door.leaf_force(angle, Spline.through(angle[:, None], KNOT_PERIOD).accelerations[:, 0]),
     }
-    tracks = _hand_tracks(robot, door, leg, times, knots, body, angle, down)
-    forces = _forces(door, leg, before, times, knots, angle, down)
-    touching = ((knots > times.near) & (knots < times.off_bar)) | (knots > times.before_leaf)
-    posture, tracks = _postures(robot, tracks, tips, body, knots, touching)
+    hands = [
+        _pressing(
+            robot.surface(PRESSING_SURFACE), rest_hands[PRESSING_SURFACE], door, leg, times, knots, body, angle, lever
+        ),
+        _pushing(robot.surface(PUSHING_SURFACE), rest_hands[PUSHING_SURFACE], door, leg, times, knots, body, angle),
+    ]
     kept = np.setdiff1d(np.arange(robot.na), robot.joint_numbers("legs"))
     upper = np.tile(robot.rest[7 + kept], (len(knots), 1))
-    upper[:, np.searchsorted(kept, robot.joint_numbers("arms"))] = posture
-    place = np.tile(leg * np.array([AHEAD[0], 0.0, FIST_HEIGHT]) - _chest(robot), (len(knots), 1))
+    place = np.tile([0.0, 0.0, height] - _chest(robot), (len(knots), 1))
     level = np.sum([force * [1.0, 1.0, 0.0] for force in forces.values()], axis=0)
-    load = HeldLoad(kept, upper, np.zeros(len(knots)), "chest", place, level)
-    motion = feet_led(robot, phases, paths, KNOT_PERIOD, rate, where="its way", load=load)
-    hands = {hand: PosePath.through(knots, position, rotation, rate) for hand, (position, rotation) in tracks.items()}
-    return DoorPlan(motion, hands, knots, angle, forces, walked.arrivals[-1])
+    limits, nothing = Limits.of(robot), np.zeros(len(knots))
+    for _ in range(ARM_ROUNDS):
+        load = HeldLoad(kept, upper, nothing, "chest", place, level)
+        motion = feet_led(robot, phases, paths, KNOT_PERIOD, rate, where="its way", load=load)
+        y = from_configuration(motion.q[np.minimum(np.round(knots * rate).astype(int), len(motion.q) - 1)])
+        upper = with_hands_led(robot, limits, Spline.through(y, KNOT_PERIOD), hands).knots[:, 6 + kept]
+    found = led_surfaces(robot, y, hands)
+    errors = np.column_stack([np.linalg.norm(a.place - b.place, axis=1) for a, b in zip(found, hands, strict=True)])
+    touching = np.column_stack(
+        [(knots > times.touched) & (knots < times.opened), (knots > times.touched) & (knots < np.inf)]
+    )
+    if (worst := float(errors[touching].max())) > MAX_ERROR:
+        raise InputError(f"{robot.label} does not reach where its hands should be on the door, by {worst:.3f} m")
+    return DoorPlan(motion, knots, angle, forces)
 
 
 class _Times:
     """When what is done before the walk through the door."""
 
-    def __init__(self, arrived: float, behind: float, unit: float) -> None:
+    def __init__(self, arrived: float, unit: float) -> None:
         self.begin = arrived + unit
         self.raised = self.begin + MOVING_TIME * unit
         self.near = self.raised + MOVING_TIME * unit
         self.touched = self.near + CLOSING_TIME * unit
         self.pressed = self.touched + PRESSING_TIME * unit
         self.opened = self.pressed + OPENING_TIME * unit
-        self.off_bar = self.opened + CLOSING_TIME * unit
-        self.back = self.off_bar + CLOSING_TIME * unit
+        self.off_lever = self.opened + CLOSING_TIME * unit
+        self.above = self.off_lever + CLOSING_TIME * unit
+        self.back = self.above + MOVING_TIME * unit
         self.tucked = self.back + MOVING_TIME * unit
-        self.following = behind + unit
-        self.before_leaf = self.following + MOVING_TIME * unit
-        self.on_leaf = self.before_leaf + CLOSING_TIME * unit
-        self.handed = self.on_leaf + CLOSING_TIME * unit
-        self.parked = self.handed + MOVING_TIME * unit
 
 
-def _body(paths: dict[str, FootPath], window: float) -> Array:
-    """Place and heading of the body (T, 3), without its steps."""
+def _end(door: DoorLayout, before: Foothold, closer: Foothold, shoulder: Array, leg: float) -> Foothold:
+    """Where the body is at the end: past the door, its arm half as far stretched again as before the closed door and
+    when the door was unlatched."""
+    heading = HEADING_SHARE * door.opened
+    stances = ((0.0, before), (door.unlatched, closer))
+    reach = np.mean([np.linalg.norm(door.pushed(a)[:2] - [one.x, one.y] - shoulder) for a, one in stances])
+    arm = pin.utils.rotate("z", heading)[:2, :2] @ shoulder
+    x = door.exit + PAST_MARGIN * leg
+    hand = door.pushed(door.opened)
+    ahead = float(hand[0] - x - arm[0])
+    return Foothold(x, float(hand[1] - arm[1] - np.sqrt(max(reach**2 - ahead**2, 0.0))), heading)
+
+
+def _walked_angle(door: DoorLayout, closer: Foothold, shoulder: Array, body: Array) -> Array:
+    """Angle of the door (T,) at which the hand on it is as far from the shoulder as the body's way asks [rad].
+
+    The arm stays as far stretched as when the door was unlatched until the door is open; then the body comes on.
+
+    body: place and heading (T, 3).
+    """
+    grid = np.linspace(door.unlatched, door.opened, 400)
+    hands = np.array([door.pushed(a)[:2] for a in grid.tolist()])
+
+    def shoulders(places: Array) -> Array:
+        c, s = np.cos(places[:, 2]), np.sin(places[:, 2])
+        return places[:, :2] + np.column_stack([c * shoulder[0] - s * shoulder[1], s * shoulder[0] + c * shoulder[1]])
+
+    wanted = np.linalg.norm(hands[0] - shoulders(np.array([[closer.x, closer.y, closer.heading]]))[0])
+    distance = np.linalg.norm(hands - shoulders(body)[:, None], axis=2)
+    enough = distance >= wanted
+    first = np.where(enough.any(axis=1), enough.argmax(axis=1), len(grid) - 1)
+    before_first = np.maximum(first - 1, 0)
+    rows = np.arange(len(body))
+    low, high = distance[rows, before_first], distance[rows, first]
+    part = np.clip((wanted - low) / np.maximum(high - low, 1e-9), 0.0, 1.0)
+    found: Array = np.maximum.accumulate(grid[before_first] + part * (grid[first] - grid[before_first]))
+    return found
+
+
+def _pressing(
+    surface: Surface,
+    rest: tuple[Array, Array],
+    door: DoorLayout,
+    leg: float,
+    times: _Times,
+    knots: Array,
+    body: Array,
+    angle: Array,
+    lever: Array,
+) -> LedSurface:
+    """The palm that presses the lever: over it from the side, down and along with it, and back the same way."""
+    on_lever = np.array(
+        [door.leaf(a).act(door.on_lever(b)[0]) for a, b in zip(angle.tolist(), lever.tolist(), strict=True)]
+    )
+    half_width = np.array([0.0, np.abs(surface.corners).max(axis=0)[0], 0.0])
+    beside = np.array([door.leaf(a).rotation @ half_width for a in angle.tolist()])
+    on_lever = on_lever + beside  # The bar slopes: the edge towards its axis presses.
+    up, down = leg * np.array([0.0, 0.0, STANDOFF]), np.tile([0.0, 0.0, -1.0], (len(knots), 1))
+    aside = leg * np.array([-1.5 * STANDOFF, 3.0 * STANDOFF, 0.0])
+    place, facing = _with_body(body, *rest)
+    keys = [
+        (times.begin, place, facing, FREE_TILT),
+        (times.raised, on_lever + up + aside, down, FREE_TILT),
+        (times.near, on_lever + up, down, TOUCHING_TILT),
+        (times.touched, on_lever, down, TOUCHING_TILT),
+        (times.off_lever, on_lever, down, TOUCHING_TILT),
+        (times.above, on_lever + up, down, FREE_TILT),
+        (times.back, on_lever + up + aside, down, FREE_TILT),
+        (times.tucked, place, facing, FREE_TILT),
+    ]
+    return LedSurface(surface, *_track(knots, keys))
+
+
+def _pushing(
+    surface: Surface,
+    rest: tuple[Array, Array],
+    door: DoorLayout,
+    leg: float,
+    times: _Times,
+    knots: Array,
+    body: Array,
+    angle: Array,
+) -> LedSurface:
+    """The hand's end that pushes the leaf."""
+    height = np.array([0.0, 0.0, PUSHING_HEIGHT * leg])
+    on_leaf = np.array([door.pushed(a) for a in angle.tolist()]) + height
+    normal = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(len(knots))])
+    keys = [
+        (times.raised, *_with_body(body, *rest), FREE_TILT),
+        (times.near, on_leaf - STANDOFF * leg * normal, normal, TOUCHING_TILT),
+        (times.touched, on_leaf, normal, TOUCHING_TILT),
+    ]
+    return LedSurface(surface, *_track(knots, keys))
+
+
+def _with_body(body: Array, place: Array, facing: Array) -> tuple[Array, Array]:
+    """Places and directions (T, 3) that go with the body, place and heading (T, 3)."""
+    turns = np.array([pin.utils.rotate("z", h) for h in body[:, 2].tolist()])
+    shifted = np.column_stack([body[:, :2], np.zeros(len(body))])
+    return shifted + turns @ place, turns @ facing
+
+
+def _track(knots: Array, keys: list[tuple[float, Array, Array, float]]) -> tuple[Array, Array, Array]:
+    """What goes from one moving place to the next, at each from its time on until it leaves for the next one.
+
+    keys: time, places (T, 3), directions (T, 3) and accepted tilt.
+    """
+    _, place, facing, first = keys[0]
+    tilt = np.full(len(knots), first)
+    for (start, *_), (end, places, directions, accepted) in pairwise(keys):
+        part = np.asarray(minimum_jerk((knots - start) / (end - start)))[:, None]
+        place = place + part * (places - place)
+        facing = facing + part * (directions - facing)
+        tilt = tilt + part[:, 0] * (accepted - tilt)
+    return place, facing / np.linalg.norm(facing, axis=1, keepdims=True), tilt
+
+
+def _body(paths: dict[str, FootPath]) -> Array:
+    """Place and heading of the middle of the feet (T, 3)."""
     way = np.column_stack([feet_middle(paths), feet_heading(paths)])
     way[:, :2] -= way[0, :2]
-    return _smoothed(way, window)
+    return way
 
 
 def _smoothed(values: Array, window: float) -> Array:
+    """Values (T, ...) without what is faster than a window [s]."""
     count = 2 * round(0.5 * window / KNOT_PERIOD) + 1
     weights = np.hanning(count + 2)[1:-1]
     smooth: Array = convolve1d(values, weights / weights.sum(), axis=0, mode="nearest")
     return smooth
 
 
-def _walked_angle(door: DoorLayout, leg: float, body: Array, walking: Array, window: float) -> Array:
-    """By how much the door is further open than unlatched (T,): as far as the body has come [rad]."""
-    grid = np.linspace(door.unlatched, door.opened, 400)
-    places = np.array([[one.x, one.y] for one in (door.body(float(angle), leg) for angle in grid)])
-    nearest = np.linalg.norm(body[:, None, :2] - places, axis=2).argmin(axis=1)
-    found = np.where(walking, grid[nearest] - door.unlatched, 0.0)
-    return _smoothed(np.maximum.accumulate(found), 0.5 * window)
-
-
-def _hand_tracks(
-    robot: Robot, door: DoorLayout, leg: float, times: _Times, knots: Array, body: Array, angle: Array, down: Array
-) -> dict[str, tuple[Array, Array]]:
-    """Places (T, 3) and axes (T, 3, 3) of both hands' frames in the world."""
+def _rest_places(robot: Robot) -> tuple[Array, dict[str, tuple[Array, Array]]]:
+    """Of a robot at rest: the level place (2,) of the shoulder whose hand pushes, and where hands' surfaces are and
+    face."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.rest)
-    rest = {f"{side}_hand": data.oMf[robot.point(f"{side}_hand")].copy() for side in ("left", "right")}
-    bodies = [pin.SE3(pin.utils.rotate("z", h), np.array([x, y, 0.0])) for x, y, h in body]
-    leaves = [door.leaf(a) for a in angle.tolist()]
-    before = door.body(0.0, leg)
-
-    def fist(side: str, tip: Array, yaw: float = 0.0) -> pin.SE3:
-        turn = pin.utils.rotate("z", yaw) @ fist_places(robot, 0.0, np.zeros(3))[f"{side}_hand"].rotation
-        return pin.SE3(turn, tip - turn @ robot.surface(f"{side}_hand_end").placement.translation)
-
-    def with_body(place: pin.SE3) -> list[pin.SE3]:
-        return [one * place for one in bodies]
-
-    def with_leaf(place: pin.SE3) -> list[pin.SE3]:
-        return [one * place for one in leaves]
-
-    def fixed(place: pin.SE3) -> list[pin.SE3]:
-        return [place] * len(knots)
-
-    def shifted(place: pin.SE3, *shift: float) -> pin.SE3:
-        return pin.SE3(place.rotation, place.translation + leg * np.array(shift))
-
-    # Palm down: fingers ahead, the palm's face below.
-    palm, tip = robot.surface("right_palm"), robot.surface("right_hand_end")
-    own, end = palm.placement.rotation[:, 2], tip.placement.rotation[:, 2]
-    face, fingers = np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
-    turn = np.column_stack([face, fingers, np.cross(face, fingers)])
-    turn = turn @ np.column_stack([own, end, np.cross(own, end)]).T
-    on_bar = pin.SE3(turn, door.bar - turn @ palm.placement.translation)
-    pressing = [
-        pin.SE3(turn, leaf.act(door.bar - [0.0, 0.0, door.press * share]) - turn @ palm.placement.translation)
-        for leaf, share in zip(leaves, down.tolist(), strict=True)
-    ]
-    pressed = [pin.SE3(turn, p.translation) for p in pressing]
-    above = [shifted(place, 0.0, 0.0, ABOVE + door.press / leg) for place in pressed]
-    away = [shifted(place, -BACK, 0.0, 0.0) for place in above]
-    pushing = fist("right", door.on_face(door.grip, FIST_HEIGHT * leg))
-    helped = before.y + HELPING_ASIDE * leg
-    helping = fist("left", door.on_face(float(door.hinge[1] - helped), FIST_HEIGHT * leg))
-    parked = fist("left", leg * np.array(PARKED))
-    tucked = fist("right", leg * np.array([PARKED[0], -PARKED[1], PARKED[2]]))
-    raised = fist("right", leg * np.array(RAISED))
-    right = [
-        (times.begin, with_body(rest["right_hand"])),
-        (times.raised, with_body(raised)),
-        (times.near, fixed(shifted(on_bar, 0.0, 0.0, ABOVE))),
-        (times.touched, pressing),
-        (times.opened, pressing),
-        (times.off_bar, above),
-        (times.back, away),
-        (times.tucked, with_body(tucked)),
-        (times.following, with_body(tucked)),
-        (times.before_leaf, with_leaf(shifted(pushing, -STANDOFF, 0.0, 0.0))),
-        (times.on_leaf, with_leaf(pushing)),
-    ]
-    left = [
-        (times.begin, with_body(rest["left_hand"])),
-        (times.raised, with_body(parked)),
-        (times.near, fixed(shifted(helping, -STANDOFF, 0.0, 0.0))),
-        (times.touched, with_leaf(helping)),
-        (times.handed, with_leaf(helping)),
-        (times.parked, with_body(parked)),
-    ]
-    return {"right_hand": _track(knots, right), "left_hand": _track(knots, left)}
-
-
-def _track(knots: Array, keys: list[tuple[float, list[pin.SE3]]]) -> tuple[Array, Array]:
-    """What goes from one moving place to the next, at each from its time on until it leaves for the next one."""
-    places = keys[0][1]
-    for (start, _), (end, goals) in pairwise(keys):
-        position, rotation = blended(places, goals, minimum_jerk((knots - start) / (end - start)))
-        places = [pin.SE3(turn, place) for turn, place in zip(rotation, position, strict=True)]
-    return np.array([place.translation for place in places]), np.array([place.rotation for place in places])
-
-
-def _forces(
-    door: DoorLayout, leg: float, before: Foothold, times: _Times, knots: Array, angle: Array, down: Array
-) -> dict[str, Array]:
-    """Forces (T, 3) on the hands: of the leaf's spring, and of the lever's."""
-    normal = -np.column_stack([np.cos(angle), np.sin(angle), np.zeros(len(knots))])
-    moment = door.stiffness * angle
-    helped = float(door.hinge[1]) - before.y - HELPING_ASIDE * leg
-    handed = minimum_jerk((knots - times.on_leaf) / (times.handed - times.on_leaf))
-    lift = down * (1.0 - minimum_jerk((knots - times.opened) / (times.off_bar - times.opened)))
-    right = (handed * moment / door.grip)[:, None] * normal
-    right[:, 2] = door.press_force * lift
-    return {"left_hand": ((1.0 - handed) * moment / helped)[:, None] * normal, "right_hand": right}
-
-
-def _postures(
-    robot: Robot,
-    tracks: dict[str, tuple[Array, Array]],
-    tips: dict[str, Array],
-    body: Array,
-    knots: Array,
-    touching: NDArray[np.bool_],
-) -> tuple[Array, dict[str, tuple[Array, Array]]]:
-    """Angles of the arms (T, k), and the tracks of the hands as far as the arms can follow.
-
-    Axes give way where arms cannot turn that far. On their way through the air arms that do not reach stay as they are.
-
-    Raises:
-        InputError: hands that touch (T,) do not reach.
-    """
-    solver, arms = StoopedArms(robot), robot.joint_numbers("arms")
-    data, every = robot.model.createData(), max(round(POSTURE_PERIOD / KNOT_PERIOD), 1)
-    rows = np.unique([*range(0, len(knots), every), len(knots) - 1])
-    found, q = [], robot.rest
-    turns, shifts = ({hand: list[Array]() for hand in tracks} for _ in range(2))
-    for k in rows:
-        x, y, heading = body[k]
-        world = pin.SE3(pin.utils.rotate("z", float(heading)), np.array([x, y, 0.0]))
-        goals = {hand: world.actInv(pin.SE3(turn[k], place[k])) for hand, (place, turn) in tracks.items()}
-        try:
-            q = solver.reaching(goals, Stoop(), q, tips)
-        except InputError:
-            if touching[k]:
-                raise
-        found.append(q[7 + arms])
-        pin.framesForwardKinematics(robot.model, data, q)
-        for hand, goal in goals.items():
-            own = data.oMf[robot.point(hand)]
-            turns[hand].append(world.rotation @ own.rotation)
-            shifts[hand].append(world.rotation @ (own.act(tips[hand]) - goal.act(tips[hand])))
-    angles: Array = PchipInterpolator(knots[rows], np.array(found))(knots)
-    reached = {}
-    for hand, (place, turn) in tracks.items():
-        turned = Slerp(knots[rows], Rotation.from_matrix(np.array(turns[hand])))(knots).as_matrix()
-        shift = PchipInterpolator(knots[rows], np.array(shifts[hand]))(knots)
-        reached[hand] = place + shift + (turn - turned) @ tips[hand], turned
-    return angles, reached
+    found = {}
+    for name in (PRESSING_SURFACE, PUSHING_SURFACE):
+        surface = robot.surface(name)
+        assert surface.point is not None
+        at = data.oMf[robot.point(surface.point)] * surface.placement
+        found[name] = at.translation.copy(), at.rotation[:, 2].copy()
+    return data.oMf[robot.point("right_shoulder")].translation[:2].copy(), found
 
 
 def _chest(robot: Robot) -> Array:

@@ -15,7 +15,6 @@ Array = np.ndarray
 NEWTON_STEPS = 60  # of inverse kinematics, at most
 MAX_STEP = 0.2  # m and rad, of a joint or the waist in a Newton step
 HOMEWARD_SHARE = 0.05  # of the way to the posture before in a step, within the null space of all that is asked
-AXES_WEIGHT = 0.01  # m/rad, of axes that may give way
 DAMPING = 1e-6  # beside squared lengths [m²]
 TOLERANCE, ROUNDING = 5e-3, 1e-8  # m and rad
 
@@ -59,7 +58,6 @@ class StoopedArms:
         hands: Mapping[str, pin.SE3],
         stoop: Stoop,
         start: Array | None = None,
-        tips: Mapping[str, Array] | None = None,
     ) -> Array:
         """Configuration (nq,) of a robot at the origin whose hands are where they should be.
 
@@ -67,8 +65,6 @@ class StoopedArms:
             hands: hand -> place of its frame in the world.
             stoop: how it stoops.
             start: configuration (nq,) near which it is; at rest unless given.
-            tips: hand -> its point (3,), in its frame, that has to be where it should be, while its axes may give way
-                where the arm cannot turn that far.
 
         Raises:
             InputError: the hands do not reach.
@@ -78,8 +74,9 @@ class StoopedArms:
         q, wrong = near.copy(), np.inf
         for _ in range(NEWTON_STEPS):
             self._tick.update(0.0, q, np.zeros(robot.nv))
-            J, error, wrong = self._rows(hands, stoop, tips or {})
-            if np.abs(error).max() < ROUNDING:
+            J, error = self._rows(hands, stoop)
+            wrong = float(np.abs(error).max())
+            if wrong < ROUNDING:
                 break
             home = np.concatenate([np.zeros(6), HOMEWARD_SHARE * (near[7:] - q[7:])])
             q = pin.integrate(robot.model, q, self._step(q, J, error, home))
@@ -87,34 +84,19 @@ class StoopedArms:
             raise InputError(f"{robot.label} does not reach where its hands should be, by {wrong:.2f} m or rad")
         return q
 
-    def _rows(
-        self, hands: Mapping[str, pin.SE3], stoop: Stoop, tips: Mapping[str, Array]
-    ) -> tuple[Array, Array, float]:
-        """Jacobian and error of all that is asked, and the greatest error of what may not give way."""
+    def _rows(self, hands: Mapping[str, pin.SE3], stoop: Stoop) -> tuple[Array, Array]:
+        """Jacobian and error of all that is asked."""
         waist = self._tick.frame("waist")
         rows = [self._tick.com_jacobian, waist.jacobian[3:]]
         errors = [
             self.com - [0.0, 0.0, stoop.lowered] - self._tick.com,
             pin.log3(stoop.turn() @ waist.rotation.T),
         ]
-        soft = []
         for point, place in (*self._feet.items(), *hands.items()):
             frame = self._tick.frame(point)
-            turn, tip = pin.log3(place.rotation @ frame.rotation.T), tips.get(point)
-            if tip is None:
-                rows.append(frame.jacobian)
-                errors += [place.translation - frame.position, turn]
-            else:
-                arm = frame.rotation @ tip
-                rows.append(frame.jacobian[:3] - pin.skew(arm) @ frame.jacobian[3:])
-                errors.append(place.act(tip) - frame.position - arm)
-                soft.append((AXES_WEIGHT * frame.jacobian[3:], AXES_WEIGHT * turn))
-        wrong = float(np.abs(np.concatenate(errors)).max())
-        return (
-            np.vstack([*rows, *(J for J, _ in soft)]),
-            np.concatenate([*errors, *(error for _, error in soft)]),
-            wrong,
-        )
+            rows.append(frame.jacobian)
+            errors += [place.translation - frame.position, pin.log3(place.rotation @ frame.rotation.T)]
+        return np.vstack(rows), np.concatenate(errors)
 
     def _step(self, q: Array, J: Array, error: Array, home: Array) -> Array:
         """A damped Newton step (nv,), and home where nothing is asked; joints stay within their ranges."""

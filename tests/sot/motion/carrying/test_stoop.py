@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 
 from sot.errors import InputError
-from sot.motion.carrying.arms import fist_places, palm_places
+from sot.motion.carrying.arms import palm_places
 from sot.motion.carrying.stoop import Stoop, StoopedArms, stooped_way
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
@@ -38,18 +38,6 @@ def test_hands_feet_waist_and_centre_of_mass_are_where_they_should_be(robot: Rob
     com = [pin.centerOfMass(robot.model, robot.model.createData(), one) for one in (robot.rest, q)]
     np.testing.assert_allclose(com[0] - com[1], [0.0, 0.0, 0.1], atol=1e-6)
     assert (q[7:] >= robot.lower - 1e-12).all() and (q[7:] <= robot.upper + 1e-12).all()
-
-
-def test_only_the_tip_has_to_be_there_where_the_arm_cannot_turn_that_far(robot: Robot) -> None:
-    tip = np.array([0.33, -0.1, 0.87])
-    goal = fist_places(robot, 0.0, tip)["right_hand"]
-    arms, own = StoopedArms(robot), robot.surface("right_hand_end").placement.translation
-    with pytest.raises(InputError, match="does not reach"):
-        arms.reaching({"right_hand": goal}, Stoop())
-    q = arms.reaching({"right_hand": goal}, Stoop(), tips={"right_hand": own})
-    place = _frames(robot, q).oMf[robot.point("right_hand")]
-    assert np.linalg.norm(place.act(own) - tip) < 5e-3
-    assert np.linalg.norm(pin.log3(place.rotation.T @ goal.rotation)) > 0.1
 
 
 def test_a_place_out_of_reach_is_told(robot: Robot) -> None:
