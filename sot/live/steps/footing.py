@@ -15,7 +15,7 @@ from sot.live.steps.foot_sense import wrapped
 from sot.live.steps.leg_momentum import zmp_shift_of_swing
 from sot.live.steps.person_steps import AskedStep
 from sot.live.steps.preview import KNOT_PERIOD, StepPreview
-from sot.live.steps.reachable import reachable_foothold
+from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, reachable_foothold
 from sot.live.steps.step_plan import DecidedStep, Room, Rooms, rooms_at
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footholds import LegReach
@@ -24,6 +24,7 @@ from sot.motion.feet.support import FORCE_RAMP_TIME
 from sot.motion.feet.swing import SWING_HEIGHT_RANGE, feet_at_rest, foot_pose
 from sot.motion.feet.tempo import MAX_STEP_DELAY
 from sot.motion.feet.travel import OMISSIBLE_LENGTH_LEGS
+from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
 from sot.smooth import minimum_jerk, minimum_jerk_curve
 
@@ -39,10 +40,16 @@ ACCEPTED_PLAN_EXCESS = 0.004
 """Distance of the zero-moment point beyond its room with which a step may be decided [m]."""
 MAX_PLAN_EXCESS = 0.02
 """The same with which a decided step, not yet begun, is put off [m]."""
+MAX_BACKLOG_TIME = 0.6
+"""Time by which the robot is late at most before it leaves out steps that later ones have made needless [s]."""
 MAX_TRIALS = 8
 """Times of a lift that are tried, KNOT_PERIOD apart, before the step waits for the next plan."""
 MAX_LIFT_ACCELERATION_G = 0.5
 """Bound of a foot's acceleration upward in a step, unless it has to clear the floor, in g."""
+REDIRECTED_PARTS = (1.0, 0.5, 0.25)
+"""Parts of a change of a foothold that are tried, before the foot goes on to where it was led."""
+HASTY_TURN_FACTOR = 1.875
+"""Greatest speed of a foot's turn over its greatest mean: that of a minimum-jerk path."""
 MIN_REDIRECTION = 0.002
 """Change of a foothold that a swing is led elsewhere for [m, rad]."""
 
@@ -64,10 +71,13 @@ class SteppingFooting:
     def __init__(self, robot: Robot) -> None:
         (self.start,) = planted_phases(robot, np.inf)
         self._robot, self._rest, self.reach = robot, feet_at_rest(robot), LegReach.of(robot)
-        com = pin.centerOfMass(robot.model, robot.model.createData(), robot.rest).copy()
+        data = robot.model.createData()
+        com = pin.centerOfMass(robot.model, data, robot.rest).copy()
+        pin.framesForwardKinematics(robot.model, data, robot.rest)
+        hips = np.mean([data.oMf[robot.point(f"{side}_hip")].translation for side in SIDES], axis=0)
         self._zmp_shift = zmp_shift_of_swing(robot)
         self._preview = StepPreview(com[:2], float(com[2]), self._zmp_shift.along)
-        self._rooms = Rooms(robot)
+        self._rooms = Rooms(robot, self.reach, (hips - com)[:2])
         self._time = float(np.sqrt(com[2] / GRAVITY))
         self.stands = {foot: _foothold(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
         self.asked: deque[AskedStep] = deque()
@@ -178,7 +188,7 @@ class SteppingFooting:
     def _plan(self, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
         self._land(t)
         if self._steps and self._stride is not None:
-            self._redirect(t)
+            self._redirect(t, wanted, future)
         self._catch_up(t)
         self._decide(t, wanted, future)
         if len(self._steps) > (0 if self._stride is None else 1):
@@ -240,17 +250,29 @@ class SteppingFooting:
             self.asked.append(replace(asked, lift=t, land=t, start=aimed, height=0.0))
             self._last = None
 
-    def _redirect(self, t: float) -> None:
-        """Lead the foot in the air to where its step is expected to end by now."""
+    def _redirect(self, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
+        """Lead the foot in the air to where its step is expected to end by now, as far as it and the balance can."""
         step = self._steps[0]
         if t > step.land - FREEZE_TIME:
             return
-        step.aimed = step.asked.place
+        step.aimed, before, accepted = step.asked.place, step.place, max(ACCEPTED_PLAN_EXCESS, self.excess)
         place = self._place(step.asked, step.start, self._beside(step), step.land - step.lift)
-        moved = max(abs(place.x - step.place.x), abs(place.y - step.place.y), abs(place.heading - step.place.heading))
-        if moved > MIN_REDIRECTION:
-            step.place = place
-            self._lead(step, t)
+        for part in REDIRECTED_PARTS:
+            step.place = _between(before, place, part)
+            moved = max(abs(step.place.x - before.x), abs(step.place.y - before.y))
+            if max(moved, abs(step.place.heading - before.heading)) < MIN_REDIRECTION:
+                break
+            if self._is_within_reach(step, t) and self._solved(t, self._steps, wanted, future)[1] < accepted:
+                self._lead(step, t)
+                return
+        step.place = before
+
+    def _is_within_reach(self, step: DecidedStep, t: float) -> bool:
+        """Whether the foot in the air gets to where its step is to end without haste."""
+        assert self._stride is not None
+        pose = foot_pose(step.place, self._rest[step.foot])
+        speed, acceleration = self._stride.haste(t, pose.translation[:2], step.place.heading - step.start.heading)
+        return acceleration < MAX_SWING_ACCELERATION_G * GRAVITY and speed < HASTY_TURN_FACTOR * self.reach.turn_speed
 
     def _lead(self, step: DecidedStep, t: float) -> None:
         assert self._stride is not None
@@ -282,6 +304,8 @@ class SteppingFooting:
             self.asked.popleft()
         if not self.asked:
             return
+        if t > self.asked[0].lift + MAX_BACKLOG_TIME:
+            self._leave_out_superseded()
         asked = self.asked[0]
         if self._steps and self._steps[0].foot == asked.foot:
             return
@@ -303,6 +327,12 @@ class SteppingFooting:
         small = way < OMISSIBLE_LENGTH_LEGS * self.reach.leg_length
         turned = abs(wrapped(asked.place.heading - asked.start.heading))
         return asked.has_landed and t > asked.lift + MAX_STEP_DELAY and small and turned < MIN_STEP_TURN
+
+    def _leave_out_superseded(self) -> None:
+        """Leave out each foot's first steps where both feet have landed elsewhere since: the robot is far behind."""
+        feet = [asked.foot for asked in self.asked]
+        while len(set(feet)) > 1 and min(feet.count(foot) for foot in set(feet)) > 1:
+            feet.remove(self.asked.popleft().foot)
 
     def _step(self, asked: AskedStep, lift: float) -> DecidedStep:
         least, most = MIN_SWING_TIME * self._time, MAX_SWING_TIME * self._time
@@ -339,6 +369,15 @@ class SteppingFooting:
         self._phases.append(self._phase(step.lift, {foot: at for foot, at in self.stands.items() if foot != step.foot}))
         for tell in self.begun:
             tell(step.foot, step.lift, step.land)
+
+
+def _between(one: Foothold, other: Foothold, share: float) -> Foothold:
+    """The foothold a share of the way from one to another one."""
+    x, y, heading = (
+        before + share * (after - before)
+        for before, after in ((one.x, other.x), (one.y, other.y), (one.heading, other.heading))
+    )
+    return Foothold(x, y, heading)
 
 
 def _on_grid(t: float) -> float:

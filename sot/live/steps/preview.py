@@ -25,6 +25,12 @@ ACCEPTED_END_SPEED = 0.02
 """Speed at the end of the horizon that costs as much [m/s]."""
 ACCEPTED_EXCESS = 1e-4
 """The same of the zero-moment point beyond its room, so that there always is a plan [m]."""
+ACCEPTED_STRETCH = 2e-3
+"""The same of the centre of mass beyond where the legs of all feet that stand reach [m]."""
+REACH_TOLERANCE = 1e-3
+"""Distance beyond their reach that is not looked at [m]."""
+MAX_CUTS = 2
+"""How often a plan is made again with what it was beyond the legs' reach by."""
 
 
 class StepPreview:
@@ -35,8 +41,8 @@ class StepPreview:
 
         Σ |z − z_wish|² + Σ |jerk|² + |ċ_end|²,    z in its room at every knot,
 
-    and c + ċ/ω in the room over the feet as they stand in the end: from there the robot can come to rest whatever
-    comes next.
+    c where the legs of all feet that stand reach, and c + ċ/ω in the room over the feet as they stand in the end: from
+    there the robot can come to rest whatever comes next.
 
     Args:
         place: where the centre of mass is at the start, at rest (2,) [m].
@@ -82,9 +88,9 @@ class StepPreview:
         H = self._zmp.T @ self._zmp / ACCEPTED_ZMP_ERROR**2 + self._jerk_price
         H += np.outer(self._rate[-1], self._rate[-1]) / ACCEPTED_END_SPEED**2
         size = len(H)
-        self._H = np.zeros((2 * size + 1, 2 * size + 1))
-        self._H[:-1, :-1] = np.kron(np.eye(2), H)
-        self._H[-1, -1] = 1.0 / ACCEPTED_EXCESS**2
+        self._H = np.zeros((2 * size + 2, 2 * size + 2))
+        self._H[:-2, :-2] = np.kron(np.eye(2), H)
+        self._H[-2, -2], self._H[-1, -1] = ACCEPTED_EXCESS**-2, ACCEPTED_STRETCH**-2
 
     def solve(self, rooms: Sequence[Room], wish: Array, end: Room, swings: Array) -> tuple[Array, float]:
         """Jerks (2, blocks), and by how much the zero-moment point is beyond its room at most [m].
@@ -96,21 +102,37 @@ class StepPreview:
             swings: how far the foot in the air moves the zero-moment point at the knots (n, 2) [m].
         """
         state = np.stack([self.c, self.dc, self.ddc])
-        free = self._free @ state - self._over * (self._free_curve @ state) + swings
+        places = self._free @ state
+        free = places - self._over * (self._free_curve @ state) + swings
         rate = self._free_rate[-1] @ state
-        final = self._free[-1] @ state + self._time * rate
+        final = places[-1] + self._time * rate
         pull = self._zmp.T @ (wish - free) / ACCEPTED_ZMP_ERROR**2
         pull -= np.outer(self._rate[-1], rate) / ACCEPTED_END_SPEED**2
-        size, regions = len(self._rate[-1]), [*(room.inside for room in rooms), end.inside]
+        regions = [*(room.inside for room in rooms), end.inside]
         knots = np.repeat(np.arange(len(regions)), [len(region.offsets) for region in regions])
         normals, offsets = (np.concatenate([getattr(one, name) for one in regions]) for name in ("normals", "offsets"))
         moves, unmoved = np.vstack([self._zmp, self._end]), np.vstack([free, final])
-        A = np.zeros((len(knots) + 1, 2 * size + 1))
-        A[:-1, :size], A[:-1, size:-1] = normals[:, :1] * moves[knots], normals[:, 1:] * moves[knots]
-        A[:, -1] = -1.0
-        b = np.append(offsets - np.einsum("ij,ij->i", normals, unmoved[knots]), 0.0)
-        x = quadprog.solve_qp(self._H, np.append(pull.T.ravel(), 0.0), -A.T, -b)[0]
-        return x[:-1].reshape(2, -1), float(x[-1])
+        rows, bounds = _rows(normals, offsets, moves[knots], unmoved[knots])
+        A, b = [np.eye(2, rows.shape[1] + 2, rows.shape[1])], [np.zeros(2)]
+        A.append(np.hstack([rows, np.tile([-1.0, 0.0], (len(rows), 1))]))
+        b.append(bounds)
+        for cut in range(MAX_CUTS + 1):
+            x = quadprog.solve_qp(
+                self._H,
+                np.append(pull.T.ravel(), [0.0, 0.0]),
+                np.vstack([A[0], *(-one for one in A[1:])]).T,
+                -np.concatenate(b),
+            )[0]
+            jerk = x[:-2].reshape(2, -1)
+            if cut == MAX_CUTS:
+                break
+            normals, offsets, beyond = _stretched(rooms, places + self._position @ jerk.T)
+            if not beyond.any():
+                break
+            rows, bounds = _rows(normals[beyond], offsets[beyond], self._position[beyond], places[beyond])
+            A.append(np.hstack([rows, np.tile([0.0, -1.0], (len(rows), 1))]))
+            b.append(bounds)
+        return jerk, float(x[-2])
 
     def follow(self, jerk: Array) -> None:
         """Take up jerks (2, blocks) that were solved for the state of now."""
@@ -123,3 +145,24 @@ class StepPreview:
         self.c = self.c + period * self.dc + 0.5 * period**2 * self.ddc + period**3 / 6.0 * jerk
         self.dc = self.dc + period * self.ddc + 0.5 * period**2 * jerk
         self.ddc = self.ddc + period * jerk
+
+
+def _rows(normals: Array, offsets: Array, moves: Array, unmoved: Array) -> tuple[Array, Array]:
+    """Rows (n, 2 blocks) and bounds (n,) on the jerks, with which n places are inside edges, one each.
+
+    moves: (n, blocks) of what jerks change; unmoved: (n, 2) where the places are without.
+    """
+    rows = np.hstack([normals[:, :1] * moves, normals[:, 1:] * moves])
+    return rows, offsets - np.einsum("ij,ij->i", normals, unmoved)
+
+
+def _stretched(rooms: Sequence[Room], places: Array) -> tuple[Array, Array, Array]:
+    """The edge (n, 2), (n,) of the legs' reach that each place is nearest to or farthest behind, and if it is behind."""
+    normals, offsets, beyond = np.zeros_like(places), np.zeros(len(places)), np.zeros(len(places), bool)
+    for room in set(rooms):
+        at = np.array([one is room for one in rooms])
+        over = places[at] @ room.reach.normals.T - room.reach.offsets
+        worst = over.argmax(axis=1)
+        normals[at], offsets[at] = room.reach.normals[worst], room.reach.offsets[worst]
+        beyond[at] = over.max(axis=1) > REACH_TOLERANCE
+    return normals, offsets, beyond

@@ -8,10 +8,12 @@ from numpy.typing import NDArray
 
 from sot.live.steps.person_steps import AskedStep
 from sot.motion.feet.contacts import Phase
+from sot.motion.feet.footholds import LegReach, body_axes
 from sot.motion.feet.footwork import Foothold
 from sot.motion.feet.support import FORCE_RAMP_TIME, support_over
 from sot.motion.feet.swing import feet_at_rest, foot_pose
 from sot.polygon import Polygon
+from sot.robots.leg_range import normals
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -41,21 +43,23 @@ class DecidedStep:
     aimed: Foothold
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Room:
-    """Where the zero-moment point may be, and what it is nearest to by choice.
+    """Where the zero-moment point and the centre of mass may be, and what the former is nearest to by choice.
 
     Attributes:
         inside: room that a plan may use.
         centre: (2,) of the soles that carry [m].
         middle: (2,) place inside that is nearest to it [m].
         is_single: whether one foot carries alone.
+        reach: where the legs of these feet allow the centre of mass to be.
     """
 
     inside: Polygon
     centre: Array
     middle: Array
     is_single: bool
+    reach: Polygon
 
 
 class Rooms:
@@ -63,10 +67,12 @@ class Rooms:
 
     Args:
         robot: whose feet.
+        reach: of its legs.
+        hips: middle of its hips from the centre of mass at rest (2,) [m].
     """
 
-    def __init__(self, robot: Robot) -> None:
-        self._robot, self._rest = robot, feet_at_rest(robot)
+    def __init__(self, robot: Robot, reach: LegReach, hips: Array) -> None:
+        self._robot, self._rest, self._reach, self._hips = robot, feet_at_rest(robot), reach, hips
         self._known: dict[tuple[tuple[str, Foothold], ...], Room] = {}
 
     def __call__(self, stands: Mapping[str, Foothold]) -> Room:
@@ -80,8 +86,18 @@ class Rooms:
             soles = [pose.act(self._robot.sole(foot).mean(axis=0))[:2] for foot, pose in phase.feet.items()]
             centre = np.mean(soles, axis=0)
             middle = support.inset.nearest_point(centre)
-            self._known[key] = Room(support.inset, centre, middle, len(stands) == 1)
+            self._known[key] = Room(support.inset, centre, middle, len(stands) == 1, self._reach_of(stands))
         return self._known[key]
+
+    def _reach_of(self, stands: Mapping[str, Foothold]) -> Polygon:
+        """Where the centre of mass may be so that each of some feet is in its hip's reach, the pelvis between them."""
+        heading = float(np.angle(np.sum([np.exp(1j * at.heading) for at in stands.values()])))
+        axes = body_axes(heading, heading)
+        ways, found = normals() @ axes, []
+        for foot, at in stands.items():
+            hip = self._hips + np.array([0.0, (0.5 if foot == "left_foot" else -0.5) * self._reach.hip_width])
+            found.append(self._reach.carrying[foot] - ways @ (np.array([at.x, at.y]) - hip @ axes))
+        return Polygon(np.tile(-ways, (len(stands), 1)), np.concatenate(found))
 
 
 def rooms_at(
