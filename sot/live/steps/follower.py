@@ -91,8 +91,8 @@ class SteppingFollower(Follower):
             assert self._over_feet is not None
             targets = self._over_feet(moment, level, feet)
             elapsed = due - (self._last or due)
-            lowered = max(self._highest_hips() - self._cap, -MAX_CAP_SINKING * elapsed)
-            self._cap += min(lowered, MAX_CAP_RISE * elapsed)
+            sunk = min(self._cap, self._hips_height) - MAX_CAP_SINKING * elapsed
+            self._cap = min(max(self._highest_hips(), sunk), self._cap + MAX_CAP_RISE * elapsed)
             targets.hips[2] = min(targets.hips[2], self._cap)
             self._future.append(self._calmed(self._solved(targets, due)))
         super()._take_due(t)
@@ -110,7 +110,18 @@ class SteppingFollower(Follower):
             self._calm = y[PELVIS] + share * (off + elapsed * slope)
             self._calm_rate = share * (self._calm_rate - elapsed * slope / CALMING_TIME)
         y[PELVIS], velocity[PELVIS] = self._calm, self._calm_rate
+        y[2] = min(y[2], self._cap - self._hips_above_base)
         return replace(target, y=y, velocity=velocity)
+
+    @property
+    def _hips_above_base(self) -> float:
+        """How much higher the middle of the hips is than the base now [m]."""
+        return float((to_rotation(self.reference.now[None, 3:6])[0] @ self._build.hips)[2])
+
+    @property
+    def _hips_height(self) -> float:
+        """How high it is now [m]."""
+        return float(self.reference.now[2]) + self._hips_above_base
 
     def _highest_hips(self, extension: float = MAX_EXTENSION) -> float:
         """How high the hips may be so that no leg has to be longer than it is while they are lowered [m]: by the last
@@ -129,8 +140,7 @@ class SteppingFollower(Follower):
         leg, highest = extension * self._build.leg, np.inf
         for sign, foot in zip((0.5, -0.5), self.robot.feet, strict=True):
             hip = places + middle + sign * hip_width * base[:2, 1]
-            at, flies = self.footing.places_ahead(foot)
-            far = np.where(flies, 0.0, np.linalg.norm(hip - at, axis=1))
+            far = np.linalg.norm(hip - self.footing.places_ahead(foot), axis=1)
             reached = self._build.ankles[2] + np.sqrt(np.maximum(leg**2 - far**2, 0.0))
             highest = min(highest, float((reached + 0.5 * LOWERING_ACCELERATION * later**2).min()))
         return highest

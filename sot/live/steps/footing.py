@@ -20,7 +20,6 @@ from sot.live.steps.step_plan import DecidedStep, Room, Rooms, rooms_at
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import MIN_STEP_LENGTH, MIN_STEP_TURN, Foothold
-from sot.motion.feet.support import FORCE_RAMP_TIME
 from sot.motion.feet.swing import SWING_HEIGHT_RANGE, feet_at_rest, foot_pose
 from sot.motion.feet.tempo import MAX_STEP_DELAY
 from sot.motion.feet.travel import OMISSIBLE_LENGTH_LEGS
@@ -118,16 +117,15 @@ class SteppingFooting:
         """Times from the last plan on (n,) [s], and where the centre of mass will be then (n, 2) [m]."""
         return self._preview.times, self._preview.places
 
-    def places_ahead(self, foot: str) -> tuple[Array, Array]:
-        """Where a foot is over the floor at the times of `com_ahead` (n, 2) [m], and whether it is in the air (n,)."""
+    def places_ahead(self, foot: str) -> Array:
+        """Where a foot is over the floor at the times of `com_ahead` (n, 2) [m]."""
         times = self.planned_at + self._preview.times
-        at, flies = np.tile((self.stands[foot].x, self.stands[foot].y), (len(times), 1)), np.zeros(len(times), bool)
+        at = np.tile((self.stands[foot].x, self.stands[foot].y), (len(times), 1))
         for step in self._steps:
             if step.foot == foot:
                 way = np.array([step.place.x - step.start.x, step.place.y - step.start.y])
                 at += minimum_jerk((times - step.lift) / (step.land - step.lift))[:, None] * way
-                flies |= (times > step.lift + FORCE_RAMP_TIME) & (times < step.land - FORCE_RAMP_TIME)
-        return at, flies
+        return at
 
     def foothold(self, foot: str, t: float) -> Array:
         """See `Footing`; during a swing, the nearest in time."""
