@@ -47,8 +47,8 @@ MAX_LIFT_ACCELERATION_G = 0.5
 """Bound of a foot's acceleration upward in a step, unless it has to clear the floor, in g."""
 REDIRECTED_PARTS = (1.0, 0.5, 0.25)
 """Parts of a change of a foothold that are tried, before the foot goes on to where it was led."""
-HASTY_TURN_FACTOR = 1.875
-"""Greatest speed of a foot's turn over its greatest mean: that of a minimum-jerk path."""
+PEAK_OVER_MEAN_SPEED = 1.875
+"""Greatest speed over the mean of a minimum-jerk path."""
 MIN_REDIRECTION = 0.002
 """Change of a foothold that a swing is led elsewhere for [m, rad]."""
 
@@ -260,17 +260,19 @@ class SteppingFooting:
             moved = max(abs(step.place.x - before.x), abs(step.place.y - before.y))
             if max(moved, abs(step.place.heading - before.heading)) < MIN_REDIRECTION:
                 break
-            if self._is_within_reach(step, t) and self._solved(t, self._steps, wanted, future)[1] < accepted:
+            if self._can_be_led(step, t) and self._solved(t, self._steps, wanted, future)[1] < accepted:
                 self._lead(step, t)
                 return
         step.place = before
 
-    def _is_within_reach(self, step: DecidedStep, t: float) -> bool:
-        """Whether the foot in the air gets to where its step is to end without haste."""
+    def _can_be_led(self, step: DecidedStep, t: float) -> bool:
+        """Whether the foot in the air gets to where its step is to end as fast as feet may go."""
         assert self._stride is not None
         pose = foot_pose(step.place, self._rest[step.foot])
-        speed, acceleration = self._stride.haste(t, pose.translation[:2], step.place.heading - step.start.heading)
-        return acceleration < MAX_SWING_ACCELERATION_G * GRAVITY and speed < HASTY_TURN_FACTOR * self.reach.turn_speed
+        speed, acceleration = self._stride.peak_rates(t, pose.translation[:2], step.place.heading - step.start.heading)
+        return (
+            acceleration < MAX_SWING_ACCELERATION_G * GRAVITY and speed < PEAK_OVER_MEAN_SPEED * self.reach.turn_speed
+        )
 
     def _lead(self, step: DecidedStep, t: float) -> None:
         assert self._stride is not None

@@ -25,12 +25,12 @@ ACCEPTED_END_SPEED = 0.02
 """Speed at the end of the horizon that costs as much [m/s]."""
 ACCEPTED_EXCESS = 1e-4
 """The same of the zero-moment point beyond its room, so that there always is a plan [m]."""
-ACCEPTED_STRETCH = 2e-3
+ACCEPTED_STRETCH = 2e-4
 """The same of the centre of mass beyond where the legs of all feet that stand reach [m]."""
 REACH_TOLERANCE = 1e-3
 """Distance beyond their reach that is not looked at [m]."""
 MAX_CUTS = 2
-"""How often a plan is made again with what it was beyond the legs' reach by."""
+"""How often a plan is made again with the edges of the legs' reach that it was beyond."""
 
 
 class StepPreview:
@@ -113,26 +113,23 @@ class StepPreview:
         normals, offsets = (np.concatenate([getattr(one, name) for one in regions]) for name in ("normals", "offsets"))
         moves, unmoved = np.vstack([self._zmp, self._end]), np.vstack([free, final])
         rows, bounds = _rows(normals, offsets, moves[knots], unmoved[knots])
-        A, b = [np.eye(2, rows.shape[1] + 2, rows.shape[1])], [np.zeros(2)]
-        A.append(np.hstack([rows, np.tile([-1.0, 0.0], (len(rows), 1))]))
-        b.append(bounds)
-        for cut in range(MAX_CUTS + 1):
-            x = quadprog.solve_qp(
-                self._H,
-                np.append(pull.T.ravel(), [0.0, 0.0]),
-                np.vstack([A[0], *(-one for one in A[1:])]).T,
-                -np.concatenate(b),
-            )[0]
-            jerk = x[:-2].reshape(2, -1)
-            if cut == MAX_CUTS:
+        size = rows.shape[1]
+        A, b = (
+            [np.hstack([rows, np.tile([-1.0, 0.0], (len(rows), 1))]), -np.eye(2, size + 2, size)],
+            [bounds, np.zeros(2)],
+        )
+        linear = np.append(pull.T.ravel(), [0.0, 0.0])
+        x = quadprog.solve_qp(self._H, linear, -np.vstack(A).T, -np.concatenate(b))[0]
+        for _ in range(MAX_CUTS):
+            planned = places + self._position @ x[:-2].reshape(2, -1).T
+            beyond, normals, offsets = _stretched(rooms, planned, x[-1] + REACH_TOLERANCE)
+            if not len(beyond):
                 break
-            normals, offsets, beyond = _stretched(rooms, places + self._position @ jerk.T)
-            if not beyond.any():
-                break
-            rows, bounds = _rows(normals[beyond], offsets[beyond], self._position[beyond], places[beyond])
+            rows, bounds = _rows(normals, offsets, self._position[beyond], places[beyond])
             A.append(np.hstack([rows, np.tile([0.0, -1.0], (len(rows), 1))]))
             b.append(bounds)
-        return jerk, float(x[-2])
+            x = quadprog.solve_qp(self._H, linear, -np.vstack(A).T, -np.concatenate(b))[0]
+        return x[:-2].reshape(2, -1), float(x[-2])
 
     def follow(self, jerk: Array) -> None:
         """Take up jerks (2, blocks) that were solved for the state of now."""
@@ -156,13 +153,15 @@ def _rows(normals: Array, offsets: Array, moves: Array, unmoved: Array) -> tuple
     return rows, offsets - np.einsum("ij,ij->i", normals, unmoved)
 
 
-def _stretched(rooms: Sequence[Room], places: Array) -> tuple[Array, Array, Array]:
-    """The edge (n, 2), (n,) of the legs' reach that each place is nearest to or farthest behind, and if it is behind."""
-    normals, offsets, beyond = np.zeros_like(places), np.zeros(len(places)), np.zeros(len(places), bool)
-    for room in set(rooms):
-        at = np.array([one is room for one in rooms])
-        over = places[at] @ room.reach.normals.T - room.reach.offsets
-        worst = over.argmax(axis=1)
-        normals[at], offsets[at] = room.reach.normals[worst], room.reach.offsets[worst]
-        beyond[at] = over.max(axis=1) > REACH_TOLERANCE
-    return normals, offsets, beyond
+def _stretched(rooms: Sequence[Room], places: Array, accepted: float) -> tuple[NDArray[np.int_], Array, Array]:
+    """Edges of the legs' reach that a place of some (n, 2), one a room, is beyond by more than is accepted [m]: for all
+    places in that room, their numbers (m,), the edges' normals (m, 2) and offsets (m,)."""
+    numbers, normals, offsets = [np.zeros(0, int)], [np.zeros((0, 2))], [np.zeros(0)]
+    for room in dict.fromkeys(rooms):
+        at = np.flatnonzero([one is room for one in rooms])
+        over = (places[at] @ room.reach.normals.T - room.reach.offsets).max(axis=0)
+        for edge in np.flatnonzero(over > accepted):
+            numbers.append(at)
+            normals.append(np.tile(room.reach.normals[edge], (len(at), 1)))
+            offsets.append(np.full(len(at), room.reach.offsets[edge]))
+    return np.concatenate(numbers), np.concatenate(normals), np.concatenate(offsets)
