@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from sot.live.clip_source import ClipSource
 from sot.live.frame import Frame
 from sot.live.streams.address import Sender, StreamAddress, clip_for
+from sot.live.streams.datagrams import DatagramSource
 from sot.motion.human.capture import Capture
 
 Array = NDArray[np.float64]
@@ -28,6 +29,7 @@ class PacedStream:
 
     def __init__(self, scheme: str, capture: Capture, rate: float = 50.0, fault: Fault | None = None) -> None:
         self._source = StreamAddress(scheme, "127.0.0.1", 0).open()
+        assert isinstance(self._source, DatagramSource)
         address = StreamAddress(scheme, "127.0.0.1", self._source.port)
         self._clip, self._sender = ClipSource(clip_for(address, capture), rate), Sender(address)
         self.name, self.counts = self._source.name, self._source.counts

@@ -220,7 +220,7 @@ class SteppingFooting:
         return self._preview.solve(rooms, wish, end, swings)
 
     def _wish(self, room: Room, lean: Array) -> Array:
-        return room.middle if room.is_single else room.inside.nearest_point(room.centre + lean)
+        return room.middle if room.is_single else room.restful.nearest_point(room.centre + lean)
 
     def _land(self, t: float) -> None:
         """Let a swing that is over be over."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sot.live.com_preview import COM_MARGIN_PER_SOLE, shrunk_within
 from sot.live.steps.person_steps import AskedStep
 from sot.motion.feet.contacts import Phase
 from sot.motion.feet.footholds import LegReach, body_axes
@@ -51,6 +52,7 @@ class Room:
         inside: room that a plan may use.
         centre: (2,) of the soles that carry [m].
         middle: (2,) place inside that is nearest to it [m].
+        restful: where the centre of mass may be for long.
         is_single: whether one foot carries alone.
         reach: where the legs of these feet allow the centre of mass to be.
     """
@@ -58,6 +60,7 @@ class Room:
     inside: Polygon
     centre: Array
     middle: Array
+    restful: Polygon
     is_single: bool
     reach: Polygon
 
@@ -73,6 +76,7 @@ class Rooms:
 
     def __init__(self, robot: Robot, reach: LegReach, hips: Array) -> None:
         self._robot, self._rest, self._reach, self._hips = robot, feet_at_rest(robot), reach, hips
+        self._sole = np.ptp(robot.sole(robot.feet[0])[:, :2], axis=0)
         self._known: dict[tuple[tuple[str, Foothold], ...], Room] = {}
 
     def __call__(self, stands: Mapping[str, Foothold]) -> Room:
@@ -86,12 +90,14 @@ class Rooms:
             soles = [pose.act(self._robot.sole(foot).mean(axis=0))[:2] for foot, pose in phase.feet.items()]
             centre = np.mean(soles, axis=0)
             middle = support.inset.nearest_point(centre)
-            self._known[key] = Room(support.inset, centre, middle, len(stands) == 1, self._reach_of(stands))
+            heading = float(np.angle(np.sum([np.exp(1j * at.heading) for at in stands.values()])))
+            restful = shrunk_within(support.polygon, self._sole * COM_MARGIN_PER_SOLE, heading)
+            reach = self._reach_of(stands, heading)
+            self._known[key] = Room(support.inset, centre, middle, restful, len(stands) == 1, reach)
         return self._known[key]
 
-    def _reach_of(self, stands: Mapping[str, Foothold]) -> Polygon:
+    def _reach_of(self, stands: Mapping[str, Foothold], heading: float) -> Polygon:
         """Where the centre of mass may be so that each of some feet is in its hip's reach, the pelvis between them."""
-        heading = float(np.angle(np.sum([np.exp(1j * at.heading) for at in stands.values()])))
         axes = body_axes(heading, heading)
         ways, found = normals() @ axes, []
         for foot, at in stands.items():
