@@ -58,7 +58,7 @@ napoleon_use_ivar = True
 # Looks
 html_theme = "furo"
 html_math_renderer = "mathml"
-html_title = f"humanoid-sot {release}"
+html_title = "humanoid-sot " + release.partition("+")[0]  # without the commit of a version between two tags
 html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_show_sphinx = False

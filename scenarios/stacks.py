@@ -19,6 +19,7 @@ from tasks import (
     SelfCollision,
     SwingFoot,
     TorqueBounds,
+    TorqueRateBounds,
 )
 
 
@@ -33,7 +34,7 @@ def planted_stack(robot: Robot, motion: Motion, on: Mapping[str, Surface] | None
     under = dict.fromkeys(robot.feet, FLOOR) | dict(motion.phases[0].surfaces) | dict(on or {})
     return Stack(
         contacts=[Contact(robot.surface(foot), under[foot]) for foot in robot.feet],
-        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
+        hard=[TorqueBounds(robot), TorqueRateBounds(robot), JointBounds(robot), SelfCollision(robot)],
         levels={
             "balance": [Balance(motion.balance, motion.feet, motion.angular_momentum)],
             "waist": [OperationalPoint(robot, "waist", motion.pose("waist"), axes="RPY")],

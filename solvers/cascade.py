@@ -21,6 +21,9 @@ satisfies them, levels up to j are done. Only what follows needs quadratic progr
 levels above held at the chain's optimum, is tried first: if it has a solution, the levels above have theirs. If not,
 the QPs start higher.
 
+*Optional rows* of level 0 are kept only where they cost no level above the last two anything: else all of it is solved
+without them.
+
 There is no regularisation, so that no later level has to preserve one.
 """
 
@@ -71,6 +74,20 @@ class Cascade:
         If level 0 has no solution, its rows give way in the order they name, each step a level of its own right below
         level 0; the solution's status is then RELAXED and `relaxed` names what gave way.
         """
+        solution = self._solve_with_optional(levels)
+        if self._has_paid(solution) and levels[0].leave_out_optional():
+            return self._solve_with_optional(levels)
+        return solution
+
+    def _has_paid(self, solution: Solution) -> bool:
+        """Whether level 0, or a level above the last two, is not met."""
+        above = solution.levels[1:-2]
+        return solution.levels[0].status >= Status.RELAXED or any(
+            not result.all_rows_met and result.error > 10.0 * self.tolerance for result in above
+        )
+
+    def _solve_with_optional(self, levels: Sequence[Level]) -> Solution:
+        """Solve the hierarchy with the optional rows that it has."""
         if len(levels) == 1:  # somebody has to ask for a point that satisfies level 0
             levels = [levels[0], Level.stack("any", [], levels[0].size)]
             solution = self.solve(levels)

@@ -48,6 +48,8 @@ class Rows:
         weight: Scale of the rows' violation within their level.
         gives_way: For rows of level 0 only: 0 if they must always hold, otherwise their place in the order in which
             level 0 is relaxed when it has no solution (1 gives way first).
+        optional: For rows of level 0 only: whether they are left out where a level above the last two would pay for
+            them.
         selects: If A is a run of rows of the identity, which ones: who multiplies by A may then take rows instead.
     """
 
@@ -58,6 +60,7 @@ class Rows:
     upper: Array
     weight: float = 1.0
     gives_way: int = 0
+    optional: bool = False
     selects: slice | None = None
 
 
@@ -75,6 +78,7 @@ class Block:
     rows: slice
     gives_way: int = 0
     labels: Sequence[str] = ()
+    optional: bool = False
 
 
 @dataclass(slots=True)
@@ -178,6 +182,16 @@ class Level:
         """Number of leading variables that the equalities involve; all of them if there are none."""
         return max((e.start + e.A.shape[1] for e in self.equalities), default=self.size)
 
+    def leave_out_optional(self) -> bool:
+        """Take the bounds of optional inequalities away; returns whether any had one."""
+        had_any = False
+        for block in self.blocks:
+            if block.optional and not block.equality:
+                lower, upper = self.lower[block.rows], self.upper[block.rows]
+                had_any = had_any or bool((lower > -np.inf).any() or (upper < np.inf).any())
+                lower[:], upper[:] = -np.inf, np.inf
+        return had_any
+
     def copy(self) -> "Level":
         """A copy that shares no arrays with this level."""
         C, lower, upper = self.C.copy(), self.lower.copy(), self.upper.copy()
@@ -209,14 +223,14 @@ class Level:
                 equalities.append(Equality(A[equal], row.weight * lower[equal], row.weight))
                 count = int(equal.sum())
                 where = slice(n_equal, n_equal + count)
-                blocks.append(Block(row.name, row.unit, row.weight, True, where, row.gives_way))
+                blocks.append(Block(row.name, row.unit, row.weight, True, where, row.gives_way, optional=row.optional))
                 n_equal += count
             if not equal.all():
                 keep = ~equal
                 inequalities.append((row.weight * A[keep], row.weight * lower[keep], row.weight * upper[keep]))
                 count = int(keep.sum())
                 where = slice(n_unequal, n_unequal + count)
-                blocks.append(Block(row.name, row.unit, row.weight, False, where, row.gives_way))
+                blocks.append(Block(row.name, row.unit, row.weight, False, where, row.gives_way, optional=row.optional))
                 n_unequal += count
         none = np.zeros((0, size))
         return cls(

@@ -1,7 +1,7 @@
 """What a stack is made of: one file a task."""
 
 from tasks.balance import Balance
-from tasks.bounds import AccelerationBounds, JointBounds, TorqueBounds
+from tasks.bounds import AccelerationBounds, JointBounds, TorqueBounds, TorqueRateBounds
 from tasks.center_of_mass import CenterOfMass
 from tasks.contact_forces import LeastForces
 from tasks.foot_sliding import FootSliding
@@ -26,4 +26,5 @@ __all__ = [
     "SelfCollision",
     "SwingFoot",
     "TorqueBounds",
+    "TorqueRateBounds",
 ]

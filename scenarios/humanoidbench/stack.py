@@ -17,6 +17,7 @@ from tasks import (
     SelfCollision,
     SwingFoot,
     TorqueBounds,
+    TorqueRateBounds,
 )
 
 
@@ -40,7 +41,7 @@ def led_hands_stack(
     led = [OperationalPoint(system, point, path, kp=150.0, kd=24.0, weight=10.0) for point, path in hands.items()]
     return Stack(
         contacts=[*(Contact(robot.surface(foot)) for foot in robot.feet), *touches],
-        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(system)],
+        hard=[TorqueBounds(robot), TorqueRateBounds(robot), JointBounds(robot), SelfCollision(system)],
         levels={
             "balance": [Balance(motion.balance, motion.feet, motion.angular_momentum, axes="xy")],
             "feet": [SwingFoot(system, foot, motion) for foot in robot.feet],

@@ -23,7 +23,7 @@ from sot.control.tick import Tick
 from sot.motion import plan, read, recognise
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from tasks import CenterOfMass, JointBounds, LeastForces, OperationalPoint, Posture, TorqueBounds
+from tasks import CenterOfMass, JointBounds, LeastForces, OperationalPoint, Posture, TorqueBounds, TorqueRateBounds
 
 Array = np.ndarray
 
@@ -64,7 +64,7 @@ def stack(robot: Robot, motion: Motion) -> Stack:
     """Table 1 under dynamics: the feet are contacts."""
     return Stack(
         contacts=[Contact(robot.surface(foot)) for foot in robot.feet],
-        hard=[TorqueBounds(robot), JointBounds(narrowed_robot(robot, motion))],
+        hard=[TorqueBounds(robot), TorqueRateBounds(robot), JointBounds(narrowed_robot(robot, motion))],
         levels={**task_levels(robot, motion), "forces": [LeastForces()]},
     )
 

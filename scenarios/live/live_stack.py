@@ -11,7 +11,17 @@ from sot.control.stack import Stack
 from sot.gravity import GRAVITY
 from sot.motion.trajectory import Reference
 from sot.robots.robot import Robot
-from tasks import Balance, FreePoint, JointBounds, LeastForces, OperationalPoint, Posture, SelfCollision, TorqueBounds
+from tasks import (
+    Balance,
+    FreePoint,
+    JointBounds,
+    LeastForces,
+    OperationalPoint,
+    Posture,
+    SelfCollision,
+    TorqueBounds,
+    TorqueRateBounds,
+)
 
 HEIGHT_STIFFNESS_PER_OMEGA_SQUARED = 1.32
 """Stiffness of the centre of mass' height in g / height: one that is followed at once makes the robot bounce."""
@@ -49,7 +59,7 @@ def live_stack(robot: Robot, reference: Reference, swings: Mapping[str, PoseRefe
             Contact(robot.surface(foot), inset=SOLE_MARGIN_SHARE * float(np.ptp(robot.sole(foot)[:, 0])))
             for foot in robot.feet
         ],
-        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot)],
+        hard=[TorqueBounds(robot), TorqueRateBounds(robot), JointBounds(robot), SelfCollision(robot)],
         levels={
             "balance": [
                 Balance(

@@ -17,6 +17,7 @@ from tasks import (
     Posture,
     SelfCollision,
     TorqueBounds,
+    TorqueRateBounds,
 )
 
 HAND_FRICTION = 0.6
@@ -64,7 +65,7 @@ def handling_stack(
     waist, chest = clock.pose(motion.pose("waist")), clock.pose(motion.pose("chest"))
     return Stack(
         contacts=list(contacts.values()),
-        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(system)],
+        hard=[TorqueBounds(robot), TorqueRateBounds(robot), JointBounds(robot), SelfCollision(system)],
         levels={
             "balance": [CenterOfMass(schedule.com, axes="xy", kp=60.0)],
             "motion": [

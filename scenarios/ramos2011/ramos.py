@@ -50,7 +50,7 @@ from sot.motion.human.oscillation import find_oscillations
 from sot.motion.plan import CAPTURE_NOISE_HZ, Plan, sampled_motion
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from tasks import Balance, FootSliding, JointBounds, LeastForces, Posture, SelfCollision, TorqueBounds
+from tasks import Balance, FootSliding, JointBounds, LeastForces, Posture, SelfCollision, TorqueBounds, TorqueRateBounds
 
 Array = NDArray[np.float64]
 
@@ -210,7 +210,7 @@ def posture_stack(clearance: float, edits: Sequence[Edit] = ()) -> Composer:
     def compose(robot: Robot, motion: Motion) -> Composition:
         stack = Stack(
             contacts=[Contact(robot.surface(foot)) for foot in robot.feet],
-            hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(robot, clearance)],
+            hard=[TorqueBounds(robot), TorqueRateBounds(robot), JointBounds(robot), SelfCollision(robot, clearance)],
             levels={
                 "balance": [Balance(motion.balance, motion.feet, axes="xy")],
                 "posture": [Posture(robot, motion.joints, kp=POSTURE_STIFFNESS, feedforward=False)],

@@ -13,6 +13,7 @@ from sot.behaviours.support_height import support_height
 from sot.control.pose import PoseReference
 from sot.control.stack import Stack
 from sot.control.tick import Tick
+from sot.gravity import GRAVITY
 from sot.motion.feet.contacts import Phase
 from sot.motion.feet.footfalls import Footfalls
 from sot.motion.trajectory import Motion, Reference
@@ -21,32 +22,33 @@ from sot.robots.robot import Robot
 
 Array = np.ndarray
 
-DISTURBED_DCM_ERROR, CALM_DCM_ERROR = 0.03, 0.015
-"""Distance of the divergent component from its plan beyond which it is disturbed, and within which it is calm [m]."""
-MIN_SWING_TIME, RETURN_SWING_TIME = 0.25, 0.3
-"""Shortest swing that catches the robot, and the swing back to the planned place [s]."""
-MIN_TIME_BETWEEN_STEPS = 0.3
-"""Least time between two steps, unless balance needs the second one [s]."""
-FOOTHOLD_FREEZE_TIME = 0.08
-"""Time before touchdown from which on the foothold stays [s]."""
-STEP_HEIGHT = 0.05
-"""Height of an unplanned step [m]."""
-DCM_MARGIN_AFTER_STEP = 0.04
-"""Distance from the support's edges that the divergent component should have after a step [m]."""
-MIN_LANDING_TIME, LANDINGS_TRIED = 0.15, 6
-"""Least time in which a foot in the air gets to the floor [s], and how many times up to the planned one are tried."""
+DISTURBED_DCM_ERROR, CALM_DCM_ERROR = 0.05, 0.025
+"""Distance of the divergent component from its plan beyond which it is disturbed, within which it is calm [legs]."""
+MIN_SWING_TIME, RETURN_SWING_TIME = 1.01, 1.21
+"""Shortest swing that catches the robot, and the swing back to the planned place [√(leg / g)]."""
+MIN_TIME_BETWEEN_STEPS = 1.21
+"""Least time between two steps, unless balance needs the second one [√(leg / g)]."""
+FOOTHOLD_FREEZE_TIME = 0.323
+"""Time before touchdown from which on the foothold stays [√(leg / g)]."""
+STEP_HEIGHT = 0.083
+"""Height of an unplanned step [legs]."""
+DCM_MARGIN_AFTER_STEP = 0.067
+"""Distance from the support's edges that the divergent component should have after a step [legs]."""
+MIN_LANDING_TIME, LANDINGS_TRIED = 0.606, 6
+"""Least time in which a foot in the air gets to the floor [√(leg / g)], and how many times up to the planned one are
+tried."""
 CHECK_INTERVAL = 0.01
 """Interval between two checks whether a step is needed [s]."""
 FOOTHOLD_ITERATIONS = 5
 """Iterations that find a foothold."""
-MIN_MARGIN_GAIN = 0.01
-"""Least gain of a step over none, in the distance of the divergent component from the support's edges [m]."""
-HOME_DISTANCE = 0.02
-"""Distance from its planned place within which a foot stays where it is [m]."""
-HOMEWARD_LENGTH = 0.03
-"""Length by which a planned step leads back, of what the foot beside it is off its place [m]: less disturbs nobody."""
-MIN_REDIRECTION = 0.004
-"""Change of where a planned swing is to land for which it is led elsewhere [m]."""
+MIN_MARGIN_GAIN = 0.017
+"""Least gain of a step over none, in the distance of the divergent component from the support's edges [legs]."""
+HOME_DISTANCE = 0.033
+"""Distance from its planned place within which a foot stays where it is [legs]."""
+HOMEWARD_LENGTH = 0.05
+"""Length by which a planned step leads back, of what the foot beside it is off its place [legs]: it disturbs nobody."""
+MIN_REDIRECTION = 0.0067
+"""Change of where a planned swing is to land for which it is led elsewhere [legs]."""
 
 
 @dataclass(slots=True)
@@ -108,6 +110,9 @@ class RecoverySchedule(SteppingSchedule):
     ) -> None:
         super().__init__(robot, phases, ramp)
         self._robot, self._swings, self._capture = robot, swings, Capture(robot, reference)
+        self._leg = self._capture.reach.leg_length
+        self._time = float(np.sqrt(self._leg / GRAVITY))
+        self._min_swing_time, self._return_time = MIN_SWING_TIME * self._time, RETURN_SWING_TIME * self._time
         self._step: _Step | None = None
         self._rest_until = np.inf  # until when no foot goes back to its place: for ever, unless one has left it
         self._checked_at = -np.inf
@@ -128,7 +133,7 @@ class RecoverySchedule(SteppingSchedule):
             if not 0.0 < tick.t - self._checked_at < CHECK_INTERVAL:
                 self._checked_at, self._step = tick.t, self._needed_step(tick) if self._all_feet_carry(tick) else None
                 self._lead_planned_swings(tick)
-        elif tick.t < step.trajectory.land - FOOTHOLD_FREEZE_TIME:
+        elif tick.t < step.trajectory.land - FOOTHOLD_FREEZE_TIME * self._time:
             xi, _ = self._capture.dcm_and_deviation(tick)
             step.trajectory.redirect(
                 tick.t, self._foothold_and_margin(tick, xi, step.foot, step.beside, step.trajectory.land - tick.t)[0]
@@ -140,7 +145,7 @@ class RecoverySchedule(SteppingSchedule):
         if step is not None and step.trajectory is None:
             lift, land = t + self.ramp, t + self.ramp + step.swing_time
             step.trajectory = stack.contact(step.foot).path = Stride(
-                step.start, step.rotation, lift, land, STEP_HEIGHT, step.ground
+                step.start, step.rotation, lift, land, STEP_HEIGHT * self._leg, step.ground
             )
             step.trajectory.redirect(lift, step.place)
             stack.contact(step.foot).is_catching = True
@@ -164,13 +169,14 @@ class RecoverySchedule(SteppingSchedule):
         if step is not None and self.stances_begun(step.foot) > step.stances_before:
             stack.contact(step.foot).path = self._step = None
             stack.contact(step.foot).is_catching = False
-            self._rest_until = t + MIN_TIME_BETWEEN_STEPS
+            self._rest_until = t + MIN_TIME_BETWEEN_STEPS * self._time
         return done
 
     def _all_feet_carry(self, tick: Tick) -> bool:
         """Whether all feet stand with all their load, and by the plan for long enough for a step."""
         stand = all(contact.mode == "fixed" and contact.load >= 1.0 for contact in tick.contacts)
-        return stand and self.next_lift() > tick.t + self.ramp + RETURN_SWING_TIME + MIN_TIME_BETWEEN_STEPS
+        rest = MIN_TIME_BETWEEN_STEPS * self._time
+        return stand and self.next_lift() > tick.t + self.ramp + self._return_time + rest
 
     def _lead_planned_swings(self, tick: Tick) -> None:
         """Lead the foot that swings by the plan, if the robot is disturbed or does not stand where it should."""
@@ -184,18 +190,19 @@ class RecoverySchedule(SteppingSchedule):
     def _lead_planned_swing(self, tick: Tick, foot: str, beside: str) -> None:
         land = self.next_landing(foot)
         span = land - tick.t
-        if span < FOOTHOLD_FREEZE_TIME:
+        if span < FOOTHOLD_FREEZE_TIME * self._time:
             return
         led, path = self._led.get(foot), self._swings[foot]
         planned = led.planned if led else path(land).position
         displaced = self._capture.displacement(tick, beside)
-        home = displaced * max(0.0, 1.0 - HOMEWARD_LENGTH / max(float(np.linalg.norm(displaced)), HOMEWARD_LENGTH))
-        calm = CALM_DCM_ERROR if led else DISTURBED_DCM_ERROR
+        back = HOMEWARD_LENGTH * self._leg
+        home = displaced * max(0.0, 1.0 - back / max(float(np.linalg.norm(displaced)), back))
+        calm = (CALM_DCM_ERROR if led else DISTURBED_DCM_ERROR) * self._leg
         xi, missing = self._capture.dcm_at_landing(tick, beside, span + self.ramp, calm)
         if led is None:
             at = tick.frame(foot).position[:2]
             start = np.zeros(2) if foot in self._seen else at - path(tick.t).position[:2]
-            if max(np.linalg.norm(start), np.linalg.norm(home), np.linalg.norm(missing)) < HOME_DISTANCE:
+            if max(np.linalg.norm(start), np.linalg.norm(home), np.linalg.norm(missing)) < HOME_DISTANCE * self._leg:
                 return
             led = self._led[foot] = LedSwing(path, tick.t, land, start)
         place = self._capture.reachable_place(tick, planned[:2] + home + missing, foot, beside)
@@ -208,7 +215,7 @@ class RecoverySchedule(SteppingSchedule):
                 return
         way = place - planned[:2] - led.landing_off
         length, most = float(np.linalg.norm(way)), self._capture.reach.light_swing_length(span)
-        if length > MIN_REDIRECTION:
+        if length > MIN_REDIRECTION * self._leg:
             led.redirect(tick.t, led.landing_off + way * min(1.0, most / length))
 
     def _deeper_landing(
@@ -216,8 +223,8 @@ class RecoverySchedule(SteppingSchedule):
     ) -> tuple[float, Array] | None:
         """Time [s] and place (2,) of an earlier landing that has ξ deepest in the support of both feet, if any has."""
         led, best, land = self._led[foot], None, self.next_landing(foot)
-        at, deepest = led(tick.t).position, depth + MIN_MARGIN_GAIN
-        for early in np.linspace(tick.t + MIN_LANDING_TIME, land, LANDINGS_TRIED, endpoint=False):
+        at, deepest = led(tick.t).position, depth + MIN_MARGIN_GAIN * self._leg
+        for early in np.linspace(tick.t + MIN_LANDING_TIME * self._time, land, LANDINGS_TRIED, endpoint=False):
             span = float(early - tick.t)
             xi, missing = self._capture.dcm_at_landing(tick, beside, span + self.ramp, 0.0)
             place = self._capture.reachable_place(tick, led.planned[:2] + home + missing, foot, beside)
@@ -230,23 +237,21 @@ class RecoverySchedule(SteppingSchedule):
     def _needed_step(self, tick: Tick) -> _Step | None:
         """The step that the robot needs now, or the way back that it may take; None in an undisturbed dance."""
         xi, deviation = self._capture.dcm_and_deviation(tick)
-        off = float(np.linalg.norm(deviation))
+        off = float(np.linalg.norm(deviation)) / self._leg
         if off < DISTURBED_DCM_ERROR:
             return self._return_step(tick, xi) if off < CALM_DCM_ERROR and tick.t > self._rest_until else None
         support = self._capture.support(tick, self._robot.feet)
         if support.margin(xi) >= 0.0:
             return None
-        best, step = (
-            MIN_MARGIN_GAIN + float(support.margin(predicted_dcm(tick, xi, support, MIN_SWING_TIME + 2.0 * self.ramp))),
-            None,
-        )
+        step, later = None, predicted_dcm(tick, xi, support, self._min_swing_time + 2.0 * self.ramp)
+        best = float(support.margin(later)) + MIN_MARGIN_GAIN * self._leg
         for foot, beside in self._free_feet:
-            place, depth = self._foothold_and_margin(tick, xi, foot, beside, self.ramp + MIN_SWING_TIME)
+            place, depth = self._foothold_and_margin(tick, xi, foot, beside, self.ramp + self._min_swing_time)
             span = max(
-                MIN_SWING_TIME,
+                self._min_swing_time,
                 float(np.linalg.norm(place - tick.frame(foot).position[:2])) / self._capture.reach.swing_speed,
             )
-            if span > MIN_SWING_TIME:
+            if span > self._min_swing_time:
                 place, depth = self._foothold_and_margin(tick, xi, foot, beside, self.ramp + span)
             if depth > best:
                 best, step = depth, self._new_step(tick, foot, beside, place, span)
@@ -256,10 +261,10 @@ class RecoverySchedule(SteppingSchedule):
         """A step that brings a foot back to its planned place, if ξ allows it."""
         for foot, beside in self._free_feet:
             home = self._capture.planned_place(tick, foot, beside)
-            if np.linalg.norm(home - tick.frame(foot).position[:2]) > HOME_DISTANCE:
-                place, _ = self._foothold_and_margin(tick, xi, foot, beside, self.ramp + RETURN_SWING_TIME)
+            if np.linalg.norm(home - tick.frame(foot).position[:2]) > HOME_DISTANCE * self._leg:
+                place, _ = self._foothold_and_margin(tick, xi, foot, beside, self.ramp + self._return_time)
                 if np.array_equal(place, home):
-                    return self._new_step(tick, foot, beside, place, RETURN_SWING_TIME)
+                    return self._new_step(tick, foot, beside, place, self._return_time)
         return None
 
     def _new_step(self, tick: Tick, foot: str, beside: str, place: Array, span: float) -> _Step:
@@ -277,9 +282,8 @@ class RecoverySchedule(SteppingSchedule):
         place = self._capture.planned_place(tick, foot, beside)
         for _ in range(FOOTHOLD_ITERATIONS):
             # The support's edge between both feet moves by a part of what one of them does.
-            missing = xi - Polygon.hull(np.vstack([stands, place + sole])).inset(DCM_MARGIN_AFTER_STEP).nearest_point(
-                xi
-            )
+            support = Polygon.hull(np.vstack([stands, place + sole])).inset(DCM_MARGIN_AFTER_STEP * self._leg)
+            missing = xi - support.nearest_point(xi)
             if not missing.any():
                 break
             place = self._capture.reachable_place(tick, place + missing, foot, beside)

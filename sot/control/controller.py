@@ -133,6 +133,7 @@ class Controller:
         else:
             torque, acceleration = self._held_torque(v), np.zeros(self.system.nv)
             wrenches, zmp = np.full((len(stack.contacts), 6), np.nan), np.full(2, np.nan)
+        tick.torque = torque
         solved = perf_counter()
         return Command(
             torque,

@@ -79,7 +79,14 @@ class Layout:
                 k, own = next(asked)
                 check_rows(task, own, form.counts[task.variable])
                 block = Block(
-                    task.name, task.unit, task.weight, task.equality, _ROWS_NOT_PLACED, task.gives_way, task.labels
+                    task.name,
+                    task.unit,
+                    task.weight,
+                    task.equality,
+                    _ROWS_NOT_PLACED,
+                    task.gives_way,
+                    task.labels,
+                    task.optional,
                 )
                 start, unit = form.variables.get(task.variable, _NO_VARIABLE_START_AND_UNIT)
                 if task.equality:

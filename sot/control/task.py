@@ -22,6 +22,7 @@ class Task(ABC):
         variable: What y is: the accelerations v̇ (nv), the joint torques τ (na) or the contact forces φ.
         equality: Whether lower and upper agree in every row, at any tick.
         gives_way: In level 0, its place in the order in which limits are relaxed; 0 for never.
+        optional: In level 0, whether it is left out where a level above the last two would pay for it.
         name: Name of the task, in reports.
         unit: Unit of A y.
         error_unit: Unit of `error`.
@@ -34,6 +35,7 @@ class Task(ABC):
     variable: ClassVar[Variable] = "acceleration"
     equality: ClassVar[bool] = True
     gives_way: ClassVar[int] = 0
+    optional: ClassVar[bool] = False
 
     def __init__(self, name: str, unit: str, error_unit: str, weight: float = 1.0) -> None:
         if not weight > 0.0:
@@ -52,7 +54,9 @@ class Task(ABC):
         """The task's rows, always the same object."""
         rows = self._made
         if rows is None:
-            rows = self._made = Rows(self.name, self.unit, A, lower, upper, gives_way=self.gives_way)
+            rows = self._made = Rows(
+                self.name, self.unit, A, lower, upper, gives_way=self.gives_way, optional=self.optional
+            )
         rows.A, rows.lower, rows.upper, rows.weight, rows.selects = A, lower, upper, self.weight, self.selects
         return rows
 

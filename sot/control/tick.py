@@ -73,6 +73,7 @@ class Tick:
         loads: What is carried or acts from outside, beyond the model.
         mass: Of the robot and what it carries [kg].
         acceleration: What the controller commanded a tick ago, v̇ (nv,); none at first.
+        torque: What it commanded a tick ago, τ (na,), the robot's first [N m]; None at first.
         q, v: State, Pinocchio's conventions, shapes (nq,), (nv,); the robot's first, then the things'.
         joint_positions, joint_velocities: Of the robot's joints (na,) [rad, rad/s].
         M: Mass matrix with the rotors' inertia, shape (nv, nv).
@@ -94,6 +95,7 @@ class Tick:
         self.loads: Sequence[Load] = ()
         self._carried_shares: list[tuple[Carried, float]] = []
         self.acceleration = np.zeros(system.nv)
+        self.torque: Array | None = None
         self.data = data = system.model.createData()
         # Live views of where Pinocchio writes: to ask it for them anew takes longer than to compute what is in them.
         self.M, self.com = data.M, data.com[0]

@@ -106,6 +106,30 @@ def test_level_0_gives_way_in_its_order_and_says_so():
     assert [level.name for level in solution.levels] == ["hard", "task"]
 
 
+@pytest.mark.parametrize(
+    ("task", "most", "kept"),
+    [([1.0, 0.5], 0.7, True), ([1.0, 0.0], 0.7, False), ([1.0, 0.5], -2.0, False)],
+    ids=["posture pays", "a task would pay", "infeasible"],
+)
+def test_optional_rows_hold_where_no_level_above_the_last_two_pays(task, most, kept):
+    def rows(name, A, target):
+        return Rows(name, "1", np.array(A), np.array(target), np.array(target))
+
+    box, least = bounds("box", -1.0, 1.0, 1), np.full(2, -9.0)
+    soft = [
+        Level.stack("task", [rows("task", [task], [0.9])], 2),
+        Level.stack("posture", [rows("posture", np.eye(2), [0.8, 0.2])], 2),
+        Level.stack("last", [rows("last", np.eye(2), [0.0, 0.0])], 2),
+    ]
+    rates = Rows("rates", "1", np.eye(2), least, np.array([most, 9.0]), optional=True)
+    hard = Level.stack("hard", [box, rates] if kept else [box], 2)
+    expected = [float(np.linalg.norm(violation)) for violation in lexicographic_optimum([hard, *soft])]
+    solution = Cascade().solve([Level.stack("hard", [box, rates], 2), *soft])
+    assert solution.status == Status.SOLVED and solution.relaxed == {}
+    assert [np.linalg.norm(level.violation(solution.x)) for level in soft] == pytest.approx(expected, abs=1e-6)
+    assert (solution.x[0] <= most + 1e-6) == kept
+
+
 class GivesUpOnce(Cascade):
     """A cascade whose QP solvers do not find the first answer."""
 

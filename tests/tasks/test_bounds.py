@@ -6,7 +6,7 @@ import pytest
 from sot.acceleration_bounds import SOFT_BRAKING_RANGE, AccelerationBounds
 from sot.control.tick import Tick
 from sot.robots.robot import Robot, shipped_robot_names
-from tasks.bounds import JointBounds, TorqueBounds
+from tasks.bounds import JointBounds, TorqueBounds, TorqueRateBounds
 from tests.sot.states import random_state
 
 STARTS = 1000
@@ -172,3 +172,16 @@ def test_torque_bounds_are_the_robot_s_effort(fraction):
     np.testing.assert_allclose(rows.upper, fraction * robot.effort)
     np.testing.assert_allclose(rows.lower, -fraction * robot.effort)
     assert not task.equality and task.variable == "torque" and task.gives_way == 2
+
+
+def test_torque_rates_are_bounded_about_the_torque_of_the_last_tick():
+    robot = Robot.load("hrp2")
+    tick, task = Tick(robot, period=0.002), TorqueRateBounds(robot, rise_time=0.04)
+    rows = task.rows(tick)
+    assert np.isinf(rows.lower).all() and np.isinf(rows.upper).all()  # there was no last tick
+    tick.torque = np.linspace(-1.0, 1.0, robot.na) * robot.effort
+    rows = task.rows(tick)
+    np.testing.assert_array_equal(rows.A, np.eye(robot.na))
+    np.testing.assert_allclose(rows.upper - tick.torque, 0.05 * robot.effort)
+    np.testing.assert_allclose(tick.torque - rows.lower, 0.05 * robot.effort)
+    assert not task.equality and task.variable == "torque" and rows.optional

@@ -16,6 +16,7 @@ from tasks import (
     Posture,
     SelfCollision,
     TorqueBounds,
+    TorqueRateBounds,
 )
 
 PALM_RESERVE = 3.0
@@ -66,7 +67,7 @@ def bag_stack(system: System, contacts: dict[str, Contact], schedule: PhasedSche
     robot, guides = system.robot, schedule.guides
     return Stack(
         contacts=list(contacts.values()),
-        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(system)],
+        hard=[TorqueBounds(robot), TorqueRateBounds(robot), JointBounds(robot), SelfCollision(system)],
         levels={
             "balance": [Balance(schedule.balance, axes="xy")],
             "motion": [

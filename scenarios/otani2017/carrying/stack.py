@@ -15,6 +15,7 @@ from tasks import (
     SelfCollision,
     SwingFoot,
     TorqueBounds,
+    TorqueRateBounds,
 )
 
 
@@ -32,7 +33,7 @@ def carry_stack(
     waist, chest = clock.pose(motion.pose("waist")), clock.pose(motion.pose("chest"))
     return Stack(
         contacts=list(contacts.values()),
-        hard=[TorqueBounds(robot), JointBounds(robot), SelfCollision(system)],
+        hard=[TorqueBounds(robot), TorqueRateBounds(robot), JointBounds(robot), SelfCollision(system)],
         levels={
             "balance": [Balance(schedule.balance, feet, schedule.angular_momentum, axes="xy")],
             "feet": swings,

@@ -13,6 +13,7 @@ from sot.gravity import GRAVITY
 from sot.motion.feet.footholds import SOLE_CLEARANCE, LegReach
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
+from sot.robots.size import leg_length
 from tests.sim.runs import still_motion
 from tests.sot.behaviours.stepping import FIRST, SWING, stepping_motion
 
@@ -191,7 +192,7 @@ def test_feet_that_stand_elsewhere_come_home_by_a_little_with_each_step(robot):
     motion = stepping_motion(robot, rate=200.0)
     stack, _ = swinging(robot, motion, (0.0, 0.0), (0.1, 0.0), UP_TO)
     ((_, way),) = ways(stack).items()
-    np.testing.assert_allclose(way.landing_off, (0.1 - HOMEWARD_LENGTH, 0.0), atol=3e-3)
+    np.testing.assert_allclose(way.landing_off, (0.1 - HOMEWARD_LENGTH * leg_length(robot), 0.0), atol=3e-3)
     lift = way(FIRST + PERIOD)
     planned = motion.pose(STEPS_FIRST)(FIRST + PERIOD)
     np.testing.assert_allclose(lift.position[:2] - planned.position[:2], (0.1, 0.0), atol=2e-3)

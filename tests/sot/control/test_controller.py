@@ -7,6 +7,7 @@ import pytest
 from solvers import Cascade, LevelResult, Solution, Status
 from sot.control.controller import HOLD_DAMPING, Controller
 from sot.robots.robot import Robot, shipped_robot_names
+from tasks import TorqueRateBounds
 from tests.sot.stances import leaning, standing_stack
 from tests.sot.states import standing_state
 
@@ -72,6 +73,40 @@ def test_torques_stay_within_the_robot_s_limits(robot):
     for k in range(5):
         command = controller(0.001 * k, *standing_state(robot, rng, speed=1.0))
         assert np.all(np.abs(command.torque) <= robot.effort)
+
+
+@pytest.mark.parametrize("rise_time", [0.01, 0.1])
+def test_torques_change_no_faster_than_asked_and_get_there(robot, rise_time):
+    def torques(*limits):
+        stack, over = standing_stack(robot), []
+        stack.hard += limits
+        controller = Controller(robot, stack, Cascade())
+        for k in range(301):
+            if k == 1:  # joints are wanted elsewhere from one tick to the next
+                stack.task("Posture").reference = robot.rest[7:] + 0.3
+            over.append(controller(0.001 * k, robot.rest, np.zeros(robot.nv)))
+        assert all(command.status == Status.SOLVED for command in over)
+        return np.array([command.torque for command in over])
+
+    free, bounded = torques(), torques(TorqueRateBounds(robot, rise_time))
+    change = 0.001 / rise_time * robot.effort
+    assert np.any(np.abs(np.diff(free, axis=0)) > 1.5 * change)
+    assert np.all(np.abs(np.diff(bounded, axis=0)) <= change * (1.0 + 1e-6))
+    np.testing.assert_allclose(bounded[-1], free[-1], atol=1e-6 * robot.effort.max())
+
+
+def test_balance_does_not_pay_for_torque_rates(robot):
+    q, v = standing_state(robot, np.random.default_rng(1), speed=2.0)
+    free, bounded = standing_stack(robot), standing_stack(robot)
+    bounded.hard.append(TorqueRateBounds(robot, rise_time=1e3))
+    torques = []
+    for stack in (free, bounded):
+        controller = Controller(robot, stack, Cascade())
+        controller(0.0, robot.rest, np.zeros(robot.nv))
+        command = controller(0.001, q, v)
+        assert command.status == Status.SOLVED
+        torques.append(command.torque)
+    np.testing.assert_allclose(torques[0], torques[1], atol=1e-9)
 
 
 @pytest.mark.parametrize("form", ["pyramid", "unilateral"])
