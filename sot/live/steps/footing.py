@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 
 MIN_SWING_TIME, MAX_SWING_TIME, MIN_DOUBLE_SUPPORT_TIME = 1.39, 2.5, 0.55
 """Least and greatest time of a step, and least time between two, in √(height of the centre of mass / g)."""
+MIN_TIME_BEFORE_SAME_FOOT = 1.1
+"""The same before the foot that has landed steps again: the body, on its way to it, has to turn back."""
 COMMITMENT_TIME = 0.08
 """Time before its lift from which on a step is made whatever comes [s]: its load is given away meanwhile."""
 FREEZE_TIME = 0.1
@@ -310,9 +312,9 @@ class SteppingFooting:
         if self._steps and self._steps[0].foot == asked.foot:
             return
         before = self._steps[0].land if self._steps else max(self._landed_at.values())
-        first = _on_grid(
-            max(asked.lift, t + COMMITMENT_TIME + KNOT_PERIOD, before + MIN_DOUBLE_SUPPORT_TIME * self._time)
-        )
+        again = not self._steps and self._landed_at[asked.foot] == before
+        pause = (MIN_TIME_BEFORE_SAME_FOOT if again else MIN_DOUBLE_SUPPORT_TIME) * self._time
+        first = _on_grid(max(asked.lift, t + COMMITMENT_TIME + KNOT_PERIOD, before + pause))
         for trial in range(MAX_TRIALS):
             step = self._step(asked, first + trial * KNOT_PERIOD)
             _, excess = self._solved(t, [*self._steps, step], wanted, future)
