@@ -85,6 +85,20 @@ _CLIPS = (
             ("door", "a door pushed open", 7.8),
         )
     ),
+    *(
+        Clip(
+            name=name,
+            what=f"synthetic: a walk {what}; written by `python -m scenarios.inputs.walks {name}`",
+            seconds=seconds,
+            source="this project",
+            licence="CC0 1.0",
+            members=(Member(f"data/{name}.bvh"),),
+        )
+        for name, what, seconds in (
+            ("walk_turns", "around a corner, turning on the spot, and back", 19.5),
+            ("walk_stops", "with stops, backwards and sideways", 25.5),
+        )
+    ),
     Clip(
         name="lafan1_dance1_subject2",
         what="a dancer on the move: steps, turns, a Charleston",

@@ -61,7 +61,12 @@ def bvh_text(hips: Array, angles: Mapping[str, Array], rate: float) -> str:
 
 
 def leg_angles(
-    hips: Array, pelvis: Array, sign: float, ankle: Array, foot_pitch: Array | float = 0.0
+    hips: Array,
+    pelvis: Array,
+    sign: float,
+    ankle: Array,
+    foot_pitch: Array | float = 0.0,
+    foot_heading: Array | float = 0.0,
 ) -> dict[str, Array]:
     """Joint angles (T, 3) [rad] of one leg whose ankle is at a place.
 
@@ -71,16 +76,17 @@ def leg_angles(
         sign: 1 for the left leg, -1 for the right one.
         ankle: Its place (3,) or (T, 3) [m].
         foot_pitch: How far the toes point down [rad], (T,).
+        foot_heading: About Y, from which the toes point out [rad], (T,).
     """
     base = Rotation.from_euler("YXZ", pelvis)
-    toes_out = np.full(len(hips), sign * np.radians(TOES_OUT_DEG))
+    toes_out = np.broadcast_to(foot_heading, len(hips)) + sign * np.radians(TOES_OUT_DEG)
     foot = Rotation.from_euler("YX", np.column_stack([toes_out, np.broadcast_to(foot_pitch, len(hips))]))
-    heading = Rotation.from_euler("Y", toes_out[0])
+    heading = Rotation.from_euler("Y", toes_out[:, None])
     down = ankle - (hips + base.apply([sign * HIP_FROM_MIDDLE_M, 0.0, 0.0]))
     distance = np.linalg.norm(down, axis=1)
     down = down / distance[:, None]
     across = heading.apply([1.0, 0.0, 0.0])
-    lateral = across - down * (down @ across)[:, None]
+    lateral = across - down * (down[:, None] @ across[:, :, None])[:, 0]
     lateral /= np.linalg.norm(lateral, axis=1, keepdims=True)
     straight = Rotation.from_matrix(np.stack([lateral, -down, np.cross(lateral, -down)], axis=2))
     hip = np.arccos((THIGH_M**2 + distance**2 - SHANK_M**2) / (2 * THIGH_M * distance))

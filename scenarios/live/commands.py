@@ -114,5 +114,11 @@ def show_live(figures: dict[str, Any]) -> None:
     output.print(table)
     if figures["lag_ms"] is not None:
         output.print(f"The robot's hands are {figures['lag_ms']:.0f} ms behind the person's.")
+    if (segments := figures["upper_segments"]) is not None:
+        output.print(
+            f"Its upper segments are {segments['deg']:.1f}° off the person's, {segments['deg_at_lag']:.1f}° off where"
+            f" the person was {segments['lag_ms']:.0f} ms before.",
+            soft_wrap=True,
+        )
     befell = [f"{count} {what}" for part in ("frames", "time_line", "packets") for what, count in figures[part].items()]
     output.print(f"Frames and packets: {', '.join(befell)}.", soft_wrap=True, highlight=False)

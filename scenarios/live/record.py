@@ -16,7 +16,7 @@ from sot.motion.feet.flight import Flight
 from sot.motion.feet.path import path_length
 from sot.motion.feet.travel import MIN_FOOTFALL_LENGTH, Footfall
 from sot.motion.human.human import SIDES, Human, nearest_rotations
-from sot.motion.likeness import hip_heading
+from sot.motion.likeness import UPPER_SEGMENTS, hip_heading, mean_segment_angle_deg
 from sot.motion.trajectory import Motion
 
 Array = NDArray[np.float64]
@@ -132,6 +132,7 @@ def live_figures(follower: Follower, log: RunLog, record: LiveRecord | None, beh
         "held_s": follower.held_s,
         "latency_ms": latencies(follower, log),
         "lag_ms": None if record is None else hand_lag_ms(record, log, follower.time_line.delay),
+        "upper_segments": None if record is None else upper_segment_lag(record, log),
         "behind_ms": _spread(1e3 * behind),
         "late_ticks": float(np.mean(behind > log.period)) if len(behind) else None,
     }
@@ -173,6 +174,32 @@ def hand_lag_ms(record: LiveRecord, log: RunLog, delay: float) -> float | None:
         if agreement > best:
             best, lag = agreement, tried
     return 1e3 * (delay + lag)
+
+
+def upper_segment_lag(record: LiveRecord, log: RunLog) -> dict[str, float] | None:
+    """How much of the upper segments' error is lateness, and how much is left of it.
+
+    Returns:
+        "deg", the mean angle to the person as it is played; "lag_ms", by which the robot is behind it where they agree
+        best; "deg_at_lag", the mean angle then. None where less than a second can be compared.
+    """
+    human, robot = record.human, record.motion.robot
+    last = min(record.end, log.time[-1]) - MAX_LAG
+    shown = np.flatnonzero((human.times >= record.start) & (human.times <= last))
+    if len(shown) < HUMAN_RATE:
+        return None
+    wanted = {name: points[shown] for name, points in human.points.items()}
+    steps = round(MAX_LAG * HUMAN_RATE)
+    times = human.times[shown[0]] + np.arange(len(shown) + steps) / HUMAN_RATE
+    made = Points.of(robot, log.q[np.round(times / log.period).astype(int).clip(0, log.ticks - 1)]).positions
+    angles = [
+        mean_segment_angle_deg(
+            wanted, {name: points[k : k + len(shown)] for name, points in made.items()}, UPPER_SEGMENTS
+        )
+        for k in range(steps + 1)
+    ]
+    best = int(np.argmin(angles))
+    return {"deg": angles[0], "lag_ms": 1e3 * best / HUMAN_RATE, "deg_at_lag": angles[best]}
 
 
 def _hands(points: Any) -> Array:

@@ -16,6 +16,8 @@ LANDING_DEPTH = 0.005
 """Depth below the floor at which the path ends, so that the foot does not hover above it [m]."""
 BUMP_CURVATURE = 19.2
 """Greatest second derivative of the bump over the share of the time, upward, by its height."""
+PEAK_SAMPLES = 9
+"""Times at which the rest of a path is looked at for its peaks."""
 UPWARD = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 
 
@@ -50,6 +52,13 @@ class Stride:
                 t,
                 place.copy(),
             )
+
+    def peak_rates(self, t: float, place: Array, turn: float) -> tuple[float, float]:
+        """Greatest speed of the turn [rad/s] and horizontal acceleration [m/s²] if it were redirected at a time [s]."""
+        span = self.land - max(t, self.lift)
+        coefficients = quintic_to_rest(*self._horizontal_state(self.land - span), np.append(place, turn), span)
+        curves = [value_and_derivatives(coefficients, x) for x in np.linspace(0.0, span, PEAK_SAMPLES)]
+        return max(abs(float(rate[2])) for _, rate, _ in curves), max(float(np.hypot(*c[:2])) for _, _, c in curves)
 
     def __call__(self, t: float) -> Pose:
         """Pose of the foot at a time [s]; lower and lower once it should have landed."""

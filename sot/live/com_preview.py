@@ -45,8 +45,8 @@ class ComPreview:
 
     def __init__(self, support: Polygon, sole: Array, place: Array, height: float) -> None:
         self.c, self.dc, self.ddc = place.copy(), np.zeros(2), np.zeros(2)
-        self._com_room = _shrunk_within(support, sole * COM_MARGIN_PER_SOLE)
-        self._zmp_room = _shrunk_within(support, sole * ZMP_MARGIN_PER_SOLE)
+        self._com_room = shrunk_within(support, sole * COM_MARGIN_PER_SOLE)
+        self._zmp_room = shrunk_within(support, sole * ZMP_MARGIN_PER_SOLE)
         self._jerk = np.zeros((2, len(BLOCKS)))
         steps, T = sum(BLOCKS), KNOT_PERIOD
         assert abs(steps * T - HORIZON) < 1e-9
@@ -128,11 +128,11 @@ def _interpolated(times: Array, at: Array, values: Array) -> Array:
     return np.column_stack([np.interp(times, at, column) for column in values.T])
 
 
-def _shrunk_within(support: Polygon, margins: Array) -> Polygon:
-    """The support with its edges moved inward, by less where nothing would be left."""
+def shrunk_within(support: Polygon, margins: Array, heading: float = 0.0) -> Polygon:
+    """The support with its edges moved inward along and across a heading [rad], by less where nothing would be left."""
     share = 1.0
     while True:
-        inner = support.shrunk(share * margins[0], share * margins[1])
+        inner = support.shrunk(share * margins[0], share * margins[1], heading)
         if len(inner.vertices) >= 3 and inner.margin(inner.centre) > 0.0:
             return inner
         share *= 0.8

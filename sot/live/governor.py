@@ -144,15 +144,15 @@ class Governor:
     ) -> Array:
         """The base's acceleration (6,) between least and most that takes the centre of mass along its plan.
 
-        The other four are the nearest to those of curve (nv,) with which the legs' A ÿ + b (k,) are within bounds, but
-        for an excess s that is solved for, too: low − s <= A ÿ + b <= high + s.
+        The other four are the nearest to those of curve (nv,) with which the accelerations A ÿ + b (k,) of the legs
+        that stand are within bounds, but for an excess s that is solved for, too: low − s <= A ÿ + b <= high + s.
         """
         C, wanted = self._com_rows(curve, com, A, b)
         base = curve[:6].copy()
         base[:2] = np.linalg.solve(C[:, :2], wanted - C[:, 2:] @ base[2:])
+        stand = self._legs.stand
+        A, b, low, high = A[stand], b[stand], low[stand], high[stand]
         legs = A @ base + b
-        if self._legs.are_led:
-            return np.clip(base, least, most)
         if (legs >= low).all() and (legs <= high).all() and (base >= least).all() and (base <= most).all():
             return base
         scale, width, count = self._scale, 1e-6, len(A)  # a box without any width has dependent constraints

@@ -11,6 +11,7 @@ from sot.live.bounded_move import bounded_move
 from sot.live.state import pinocchio_state
 from sot.motion.body.coordinates import rate_matrix, to_rotation
 from sot.motion.feet.contacts import Phase
+from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -38,17 +39,21 @@ class LedLegs:
 
     Attributes:
         columns: of the legs in the coordinates (k,).
-        are_led: whether the feet were ever led elsewhere.
+        stand: whether each of them is of a leg whose foot stays where it is (k,).
     """
 
     def __init__(self, robot: Robot, phase: Phase, start: Array) -> None:
         self._model, self._data = robot.model, robot.model.createData()
         self._frames = {foot: robot.point(foot) for foot in phase.feet}
         self._feet = [(robot.point(foot), pose) for foot, pose in phase.feet.items()]
-        self.are_led = False
         self._foot_velocity, self._foot_acceleration = np.zeros(6 * len(self._feet)), np.zeros(6 * len(self._feet))
         self._joints = np.array(robot.groups["legs"], dtype=int)
         self.columns = 6 + self._joints
+        self.stand = np.ones(len(self._joints), bool)
+        self._legs_of = {
+            foot: np.isin(self._joints, robot.groups[f"{side}_leg"])
+            for foot, side in zip(robot.feet, SIDES, strict=True)
+        }
         self._lower, self._upper = robot.lower[self._joints], robot.upper[self._joints]
         self._velocity, self._acceleration = robot.velocity[self._joints], robot.acceleration[self._joints]
         self._start = start[self.columns]
@@ -56,7 +61,7 @@ class LedLegs:
 
     def lead(self, poses: Mapping[str, Pose]) -> None:
         """Say where the feet are to be at the next call, and how they move there."""
-        self.are_led = True
+        self.stand = ~np.any([self._legs_of[foot] & bool(pose.velocity.any()) for foot, pose in poses.items()], axis=0)
         self._feet = [
             (frame, pin.SE3(poses[foot].rotation, poses[foot].position)) for foot, frame in self._frames.items()
         ]

@@ -14,13 +14,13 @@ from sot.live.steps.person_steps import AskedStep, PersonSteps
 from sot.live.steps.placement import SteppingPlacement
 from sot.motion.body.coordinates import to_rotation
 from sot.motion.body.limits import Limits
-from sot.robots.leg_range import MAX_EXTENSION
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-EXTENSION_AT_REST = 0.95
-"""Distance from hip to ankle in the safe posture, in leg lengths: a nearly straight knee lifts nothing."""
+EXTENSION = 0.94
+"""Distance from hip to ankle that the hips are lowered for, in leg lengths: a nearly straight knee lifts nothing, and
+would have to bend and stretch faster than it can."""
 LOWERING_ACCELERATION = 1.0
 """Vertical acceleration with which the hips are lowered before a leg would be stretched [m/s²]."""
 
@@ -54,9 +54,9 @@ class SteppingFollower(Follower):
 
     def _new_reference(self, robot: Robot, limits: Limits) -> LiveReference:
         self.footing = SteppingFooting(robot)
-        self._cap = MAX_EXTENSION * self._build.leg + float(self._build.ankles[2])
+        self._cap = EXTENSION * self._build.leg + float(self._build.ankles[2])
         self._calm, self._calm_rate, self._calm_at = np.zeros(4), np.zeros(4), -np.inf
-        self._hips_at, self._hips = -np.inf, dict[float, float]()
+        self._hips_at, self._highest = -np.inf, np.inf
         self.asked, self.way = [], []
         self._moments: deque[tuple[float, Moment, float]] = deque()
         return LiveReference(robot, limits, footing=self.footing)
@@ -91,8 +91,8 @@ class SteppingFollower(Follower):
             assert self._over_feet is not None
             targets = self._over_feet(moment, level, feet)
             elapsed = due - (self._last or due)
-            lowered = max(self._highest_hips() - self._cap, -MAX_CAP_SINKING * elapsed)
-            self._cap += min(lowered, MAX_CAP_RISE * elapsed)
+            sunk = min(self._cap, self._hips_height) - MAX_CAP_SINKING * elapsed
+            self._cap = min(max(self._highest_hips(), sunk), self._cap + MAX_CAP_RISE * elapsed)
             targets.hips[2] = min(targets.hips[2], self._cap)
             self._future.append(self._calmed(self._solved(targets, due)))
         super()._take_due(t)
@@ -110,27 +110,35 @@ class SteppingFollower(Follower):
             self._calm = y[PELVIS] + share * (off + elapsed * slope)
             self._calm_rate = share * (self._calm_rate - elapsed * slope / CALMING_TIME)
         y[PELVIS], velocity[PELVIS] = self._calm, self._calm_rate
+        y[2] = min(y[2], self._cap - self._hips_above_base)
         return replace(target, y=y, velocity=velocity)
 
-    def _highest_hips(self, extension: float = MAX_EXTENSION) -> float:
+    @property
+    def _hips_above_base(self) -> float:
+        """How much higher the middle of the hips is than the base now [m]."""
+        return float((to_rotation(self.reference.now[None, 3:6])[0] @ self._build.hips)[2])
+
+    @property
+    def _hips_height(self) -> float:
+        """How high it is now [m]."""
+        return float(self.reference.now[2]) + self._hips_above_base
+
+    def _highest_hips(self) -> float:
         """How high the hips may be so that no leg has to be longer than it is while they are lowered [m]: by the last
         plan of the centre of mass, and as the pelvis was then."""
         if self._hips_at != self.footing.planned_at:
-            self._hips_at, self._hips = self.footing.planned_at, {}
-        if extension not in self._hips:
-            self._hips[extension] = self._hips_within(extension)
-        return self._hips[extension]
+            self._hips_at, self._highest = self.footing.planned_at, self._hips_in_reach()
+        return self._highest
 
-    def _hips_within(self, extension: float) -> float:
+    def _hips_in_reach(self) -> float:
         y, hip_width = self.reference.now, self.footing.reach.hip_width
         base = to_rotation(y[None, 3:6])[0]
         middle = (y[:3] + base @ self._build.hips)[:2] - self.footing.com[0]
         later, places = self.footing.com_ahead
-        leg, highest = extension * self._build.leg, np.inf
+        leg, highest = EXTENSION * self._build.leg, np.inf
         for sign, foot in zip((0.5, -0.5), self.robot.feet, strict=True):
             hip = places + middle + sign * hip_width * base[:2, 1]
-            at, flies = self.footing.places_ahead(foot)
-            far = np.where(flies, 0.0, np.linalg.norm(hip - at, axis=1))
+            far = np.linalg.norm(hip - self.footing.places_ahead(foot), axis=1)
             reached = self._build.ankles[2] + np.sqrt(np.maximum(leg**2 - far**2, 0.0))
             highest = min(highest, float((reached + 0.5 * LOWERING_ACCELERATION * later**2).min()))
         return highest
@@ -142,7 +150,7 @@ class SteppingFollower(Follower):
         stands = list(self.footing.stands.values())
         turned = self.footing.mean_heading(self.reference.now[5])
         rest[5] += turned
-        rest[2] = min(rest[2], self._highest_hips(EXTENSION_AT_REST) - float(build.hips[2]))
+        rest[2] = min(rest[2], self._highest_hips() - float(build.hips[2]))
         offset = self.reference.rest[:2] - build.ankles[:2]
         cosine, sine = np.cos(turned), np.sin(turned)
         rest[:2] = (

@@ -15,15 +15,15 @@ from sot.live.steps.foot_sense import wrapped
 from sot.live.steps.leg_momentum import zmp_shift_of_swing
 from sot.live.steps.person_steps import AskedStep
 from sot.live.steps.preview import KNOT_PERIOD, StepPreview
-from sot.live.steps.reachable import reachable_foothold
+from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, reachable_foothold
 from sot.live.steps.step_plan import DecidedStep, Room, Rooms, rooms_at
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import MIN_STEP_LENGTH, MIN_STEP_TURN, Foothold
-from sot.motion.feet.support import FORCE_RAMP_TIME
 from sot.motion.feet.swing import SWING_HEIGHT_RANGE, feet_at_rest, foot_pose
 from sot.motion.feet.tempo import MAX_STEP_DELAY
 from sot.motion.feet.travel import OMISSIBLE_LENGTH_LEGS
+from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
 from sot.smooth import minimum_jerk, minimum_jerk_curve
 
@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 
 MIN_SWING_TIME, MAX_SWING_TIME, MIN_DOUBLE_SUPPORT_TIME = 1.39, 2.5, 0.55
 """Least and greatest time of a step, and least time between two, in √(height of the centre of mass / g)."""
+MIN_TIME_BEFORE_SAME_FOOT = 1.1
+"""The same before the foot that has landed steps again: the body, on its way to it, has to turn back."""
 COMMITMENT_TIME = 0.08
 """Time before its lift from which on a step is made whatever comes [s]: its load is given away meanwhile."""
 FREEZE_TIME = 0.1
@@ -39,10 +41,16 @@ ACCEPTED_PLAN_EXCESS = 0.004
 """Distance of the zero-moment point beyond its room with which a step may be decided [m]."""
 MAX_PLAN_EXCESS = 0.02
 """The same with which a decided step, not yet begun, is put off [m]."""
+MAX_BACKLOG_TIME = 0.6
+"""Time by which the robot is late at most before it leaves out steps that later ones have made needless [s]."""
 MAX_TRIALS = 8
 """Times of a lift that are tried, KNOT_PERIOD apart, before the step waits for the next plan."""
 MAX_LIFT_ACCELERATION_G = 0.5
 """Bound of a foot's acceleration upward in a step, unless it has to clear the floor, in g."""
+REDIRECTED_PARTS = (1.0, 0.5, 0.25)
+"""Parts of a change of a foothold that are tried, before the foot goes on to where it was led."""
+PEAK_OVER_MEAN_SPEED = 1.875
+"""Greatest speed over the mean of a minimum-jerk path."""
 MIN_REDIRECTION = 0.002
 """Change of a foothold that a swing is led elsewhere for [m, rad]."""
 
@@ -64,10 +72,13 @@ class SteppingFooting:
     def __init__(self, robot: Robot) -> None:
         (self.start,) = planted_phases(robot, np.inf)
         self._robot, self._rest, self.reach = robot, feet_at_rest(robot), LegReach.of(robot)
-        com = pin.centerOfMass(robot.model, robot.model.createData(), robot.rest).copy()
+        data = robot.model.createData()
+        com = pin.centerOfMass(robot.model, data, robot.rest).copy()
+        pin.framesForwardKinematics(robot.model, data, robot.rest)
+        hips = np.mean([data.oMf[robot.point(f"{side}_hip")].translation for side in SIDES], axis=0)
         self._zmp_shift = zmp_shift_of_swing(robot)
         self._preview = StepPreview(com[:2], float(com[2]), self._zmp_shift.along)
-        self._rooms = Rooms(robot)
+        self._rooms = Rooms(robot, self.reach, (hips - com)[:2])
         self._time = float(np.sqrt(com[2] / GRAVITY))
         self.stands = {foot: _foothold(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
         self.asked: deque[AskedStep] = deque()
@@ -108,16 +119,15 @@ class SteppingFooting:
         """Times from the last plan on (n,) [s], and where the centre of mass will be then (n, 2) [m]."""
         return self._preview.times, self._preview.places
 
-    def places_ahead(self, foot: str) -> tuple[Array, Array]:
-        """Where a foot is over the floor at the times of `com_ahead` (n, 2) [m], and whether it is in the air (n,)."""
+    def places_ahead(self, foot: str) -> Array:
+        """Where a foot is over the floor at the times of `com_ahead` (n, 2) [m]."""
         times = self.planned_at + self._preview.times
-        at, flies = np.tile((self.stands[foot].x, self.stands[foot].y), (len(times), 1)), np.zeros(len(times), bool)
+        at = np.tile((self.stands[foot].x, self.stands[foot].y), (len(times), 1))
         for step in self._steps:
             if step.foot == foot:
                 way = np.array([step.place.x - step.start.x, step.place.y - step.start.y])
                 at += minimum_jerk((times - step.lift) / (step.land - step.lift))[:, None] * way
-                flies |= (times > step.lift + FORCE_RAMP_TIME) & (times < step.land - FORCE_RAMP_TIME)
-        return at, flies
+        return at
 
     def foothold(self, foot: str, t: float) -> Array:
         """See `Footing`; during a swing, the nearest in time."""
@@ -178,7 +188,7 @@ class SteppingFooting:
     def _plan(self, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
         self._land(t)
         if self._steps and self._stride is not None:
-            self._redirect(t)
+            self._redirect(t, wanted, future)
         self._catch_up(t)
         self._decide(t, wanted, future)
         if len(self._steps) > (0 if self._stride is None else 1):
@@ -212,7 +222,7 @@ class SteppingFooting:
         return self._preview.solve(rooms, wish, end, swings)
 
     def _wish(self, room: Room, lean: Array) -> Array:
-        return room.middle if room.is_single else room.inside.nearest_point(room.centre + lean)
+        return room.middle if room.is_single else room.restful.nearest_point(room.centre + lean)
 
     def _land(self, t: float) -> None:
         """Let a swing that is over be over."""
@@ -240,17 +250,31 @@ class SteppingFooting:
             self.asked.append(replace(asked, lift=t, land=t, start=aimed, height=0.0))
             self._last = None
 
-    def _redirect(self, t: float) -> None:
-        """Lead the foot in the air to where its step is expected to end by now."""
+    def _redirect(self, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
+        """Lead the foot in the air to where its step is expected to end by now, as far as it and the balance can."""
         step = self._steps[0]
         if t > step.land - FREEZE_TIME:
             return
-        step.aimed = step.asked.place
+        step.aimed, before, accepted = step.asked.place, step.place, max(ACCEPTED_PLAN_EXCESS, self.excess)
         place = self._place(step.asked, step.start, self._beside(step), step.land - step.lift)
-        moved = max(abs(place.x - step.place.x), abs(place.y - step.place.y), abs(place.heading - step.place.heading))
-        if moved > MIN_REDIRECTION:
-            step.place = place
-            self._lead(step, t)
+        for part in REDIRECTED_PARTS:
+            step.place = _between(before, place, part)
+            moved = max(abs(step.place.x - before.x), abs(step.place.y - before.y))
+            if max(moved, abs(step.place.heading - before.heading)) < MIN_REDIRECTION:
+                break
+            if self._can_be_led(step, t) and self._solved(t, self._steps, wanted, future)[1] < accepted:
+                self._lead(step, t)
+                return
+        step.place = before
+
+    def _can_be_led(self, step: DecidedStep, t: float) -> bool:
+        """Whether the foot in the air gets to where its step is to end as fast as feet may go."""
+        assert self._stride is not None
+        pose = foot_pose(step.place, self._rest[step.foot])
+        speed, acceleration = self._stride.peak_rates(t, pose.translation[:2], step.place.heading - step.start.heading)
+        return (
+            acceleration < MAX_SWING_ACCELERATION_G * GRAVITY and speed < PEAK_OVER_MEAN_SPEED * self.reach.turn_speed
+        )
 
     def _lead(self, step: DecidedStep, t: float) -> None:
         assert self._stride is not None
@@ -282,13 +306,15 @@ class SteppingFooting:
             self.asked.popleft()
         if not self.asked:
             return
+        if t > self.asked[0].lift + MAX_BACKLOG_TIME:
+            self._leave_out_superseded()
         asked = self.asked[0]
         if self._steps and self._steps[0].foot == asked.foot:
             return
         before = self._steps[0].land if self._steps else max(self._landed_at.values())
-        first = _on_grid(
-            max(asked.lift, t + COMMITMENT_TIME + KNOT_PERIOD, before + MIN_DOUBLE_SUPPORT_TIME * self._time)
-        )
+        again = not self._steps and self._landed_at[asked.foot] == before
+        pause = (MIN_TIME_BEFORE_SAME_FOOT if again else MIN_DOUBLE_SUPPORT_TIME) * self._time
+        first = _on_grid(max(asked.lift, t + COMMITMENT_TIME + KNOT_PERIOD, before + pause))
         for trial in range(MAX_TRIALS):
             step = self._step(asked, first + trial * KNOT_PERIOD)
             _, excess = self._solved(t, [*self._steps, step], wanted, future)
@@ -303,6 +329,12 @@ class SteppingFooting:
         small = way < OMISSIBLE_LENGTH_LEGS * self.reach.leg_length
         turned = abs(wrapped(asked.place.heading - asked.start.heading))
         return asked.has_landed and t > asked.lift + MAX_STEP_DELAY and small and turned < MIN_STEP_TURN
+
+    def _leave_out_superseded(self) -> None:
+        """Leave out each foot's first steps where both feet have landed elsewhere since: the robot is far behind."""
+        feet = [asked.foot for asked in self.asked]
+        while len(set(feet)) > 1 and min(feet.count(foot) for foot in set(feet)) > 1:
+            feet.remove(self.asked.popleft().foot)
 
     def _step(self, asked: AskedStep, lift: float) -> DecidedStep:
         least, most = MIN_SWING_TIME * self._time, MAX_SWING_TIME * self._time
@@ -339,6 +371,15 @@ class SteppingFooting:
         self._phases.append(self._phase(step.lift, {foot: at for foot, at in self.stands.items() if foot != step.foot}))
         for tell in self.begun:
             tell(step.foot, step.lift, step.land)
+
+
+def _between(one: Foothold, other: Foothold, share: float) -> Foothold:
+    """The foothold a share of the way from one to another one."""
+    x, y, heading = (
+        before + share * (after - before)
+        for before, after in ((one.x, other.x), (one.y, other.y), (one.heading, other.heading))
+    )
+    return Foothold(x, y, heading)
 
 
 def _on_grid(t: float) -> float:

@@ -25,6 +25,12 @@ ACCEPTED_END_SPEED = 0.02
 """Speed at the end of the horizon that costs as much [m/s]."""
 ACCEPTED_EXCESS = 1e-4
 """The same of the zero-moment point beyond its room, so that there always is a plan [m]."""
+ACCEPTED_STRETCH = 2e-4
+"""The same of the centre of mass beyond where the legs of all feet that stand reach [m]."""
+REACH_TOLERANCE = 1e-3
+"""Distance beyond their reach that is not looked at [m]."""
+MAX_CUTS = 2
+"""How often a plan is made again with the edges of the legs' reach that it was beyond."""
 
 
 class StepPreview:
@@ -35,8 +41,8 @@ class StepPreview:
 
         Σ |z − z_wish|² + Σ |jerk|² + |ċ_end|²,    z in its room at every knot,
 
-    and c + ċ/ω in the room over the feet as they stand in the end: from there the robot can come to rest whatever
-    comes next.
+    c where the legs of all feet that stand reach, and c + ċ/ω in the room over the feet as they stand in the end: from
+    there the robot can come to rest whatever comes next.
 
     Args:
         place: where the centre of mass is at the start, at rest (2,) [m].
@@ -82,9 +88,9 @@ class StepPreview:
         H = self._zmp.T @ self._zmp / ACCEPTED_ZMP_ERROR**2 + self._jerk_price
         H += np.outer(self._rate[-1], self._rate[-1]) / ACCEPTED_END_SPEED**2
         size = len(H)
-        self._H = np.zeros((2 * size + 1, 2 * size + 1))
-        self._H[:-1, :-1] = np.kron(np.eye(2), H)
-        self._H[-1, -1] = 1.0 / ACCEPTED_EXCESS**2
+        self._H = np.zeros((2 * size + 2, 2 * size + 2))
+        self._H[:-2, :-2] = np.kron(np.eye(2), H)
+        self._H[-2, -2], self._H[-1, -1] = ACCEPTED_EXCESS**-2, ACCEPTED_STRETCH**-2
 
     def solve(self, rooms: Sequence[Room], wish: Array, end: Room, swings: Array) -> tuple[Array, float]:
         """Jerks (2, blocks), and by how much the zero-moment point is beyond its room at most [m].
@@ -96,21 +102,34 @@ class StepPreview:
             swings: how far the foot in the air moves the zero-moment point at the knots (n, 2) [m].
         """
         state = np.stack([self.c, self.dc, self.ddc])
-        free = self._free @ state - self._over * (self._free_curve @ state) + swings
+        places = self._free @ state
+        free = places - self._over * (self._free_curve @ state) + swings
         rate = self._free_rate[-1] @ state
-        final = self._free[-1] @ state + self._time * rate
+        final = places[-1] + self._time * rate
         pull = self._zmp.T @ (wish - free) / ACCEPTED_ZMP_ERROR**2
         pull -= np.outer(self._rate[-1], rate) / ACCEPTED_END_SPEED**2
-        size, regions = len(self._rate[-1]), [*(room.inside for room in rooms), end.inside]
+        regions = [*(room.inside for room in rooms), end.inside]
         knots = np.repeat(np.arange(len(regions)), [len(region.offsets) for region in regions])
         normals, offsets = (np.concatenate([getattr(one, name) for one in regions]) for name in ("normals", "offsets"))
         moves, unmoved = np.vstack([self._zmp, self._end]), np.vstack([free, final])
-        A = np.zeros((len(knots) + 1, 2 * size + 1))
-        A[:-1, :size], A[:-1, size:-1] = normals[:, :1] * moves[knots], normals[:, 1:] * moves[knots]
-        A[:, -1] = -1.0
-        b = np.append(offsets - np.einsum("ij,ij->i", normals, unmoved[knots]), 0.0)
-        x = quadprog.solve_qp(self._H, np.append(pull.T.ravel(), 0.0), -A.T, -b)[0]
-        return x[:-1].reshape(2, -1), float(x[-1])
+        rows, bounds = _rows(normals, offsets, moves[knots], unmoved[knots])
+        size = rows.shape[1]
+        A, b = (
+            [np.hstack([rows, np.tile([-1.0, 0.0], (len(rows), 1))]), -np.eye(2, size + 2, size)],
+            [bounds, np.zeros(2)],
+        )
+        linear = np.append(pull.T.ravel(), [0.0, 0.0])
+        x = quadprog.solve_qp(self._H, linear, -np.vstack(A).T, -np.concatenate(b))[0]
+        for _ in range(MAX_CUTS):
+            planned = places + self._position @ x[:-2].reshape(2, -1).T
+            beyond, normals, offsets = _stretched(rooms, planned, x[-1] + REACH_TOLERANCE)
+            if not len(beyond):
+                break
+            rows, bounds = _rows(normals, offsets, self._position[beyond], places[beyond])
+            A.append(np.hstack([rows, np.tile([0.0, -1.0], (len(rows), 1))]))
+            b.append(bounds)
+            x = quadprog.solve_qp(self._H, linear, -np.vstack(A).T, -np.concatenate(b))[0]
+        return x[:-2].reshape(2, -1), float(x[-2])
 
     def follow(self, jerk: Array) -> None:
         """Take up jerks (2, blocks) that were solved for the state of now."""
@@ -123,3 +142,26 @@ class StepPreview:
         self.c = self.c + period * self.dc + 0.5 * period**2 * self.ddc + period**3 / 6.0 * jerk
         self.dc = self.dc + period * self.ddc + 0.5 * period**2 * jerk
         self.ddc = self.ddc + period * jerk
+
+
+def _rows(normals: Array, offsets: Array, moves: Array, unmoved: Array) -> tuple[Array, Array]:
+    """Rows (n, 2 blocks) and bounds (n,) on the jerks, with which n places are inside edges, one each.
+
+    moves: (n, blocks) of what jerks change; unmoved: (n, 2) where the places are without.
+    """
+    rows = np.hstack([normals[:, :1] * moves, normals[:, 1:] * moves])
+    return rows, offsets - np.einsum("ij,ij->i", normals, unmoved)
+
+
+def _stretched(rooms: Sequence[Room], places: Array, accepted: float) -> tuple[NDArray[np.int_], Array, Array]:
+    """Edges of the legs' reach that a place of some (n, 2), one a room, is beyond by more than is accepted [m]: for all
+    places in that room, their numbers (m,), the edges' normals (m, 2) and offsets (m,)."""
+    numbers, normals, offsets = [np.zeros(0, int)], [np.zeros((0, 2))], [np.zeros(0)]
+    for room in dict.fromkeys(rooms):
+        at = np.flatnonzero([one is room for one in rooms])
+        over = (places[at] @ room.reach.normals.T - room.reach.offsets).max(axis=0)
+        for edge in np.flatnonzero(over > accepted):
+            numbers.append(at)
+            normals.append(np.tile(room.reach.normals[edge], (len(at), 1)))
+            offsets.append(np.full(len(at), room.reach.offsets[edge]))
+    return np.concatenate(numbers), np.concatenate(normals), np.concatenate(offsets)

@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from sot.gravity import GRAVITY
 from sot.live.steps.foot_sense import wrapped
-from sot.motion.feet.footholds import LegReach, body_axes, min_ankle_separation
+from sot.motion.feet.footholds import LEAST_JERK_PEAK, LegReach, body_axes, min_ankle_separation
 from sot.motion.feet.footwork import Foothold
 from sot.polygon import Polygon
 from sot.robots.leg_range import DIRECTION_COUNT, directions, normals
@@ -13,6 +14,12 @@ Array = NDArray[np.float64]
 
 USABLE_STRIDE_SHARE = 0.95
 """Share of a stride's length that is used: the body is not always in the middle between the feet."""
+
+USABLE_TOE_OUT_SHARE = 0.75
+"""The same of the angle between both feet: a pelvis that turns late is not in the middle of it."""
+MAX_SWING_ACCELERATION_G = 1.3
+"""Bound of a swinging foot's acceleration, in g. The plan of the centre of mass knows of it, and would bear more; the
+sole that stands does not bear the turn that comes with it, and knees are at their speed limit."""
 
 
 def reachable_foothold(
@@ -31,7 +38,7 @@ def reachable_foothold(
         span: time in the air [s].
     """
     sign = 1.0 if foot == "left_foot" else -1.0
-    low, high = sorted((sign * reach.toe_out_range[0], sign * reach.toe_out_range[1]))
+    low, high = sorted(sign * USABLE_TOE_OUT_SHARE * end for end in reach.toe_out_range)
     most = reach.turn_speed * span
     turn = float(np.clip(wrapped(wanted.heading - start.heading), -most, most))
     apart = float(np.clip(wrapped(start.heading + turn - beside.heading), low, high))
@@ -46,7 +53,7 @@ def reachable_foothold(
     anchor, before = np.array([beside.x, beside.y]), np.array([start.x, start.y])
     rows = np.vstack([-sign * across, sign * ways])
     bounds = np.concatenate([[-least], far]) + rows @ anchor
-    swing = reach.light_swing_length(span)
+    swing = min(reach.swing_length(span), MAX_SWING_ACCELERATION_G * GRAVITY / LEAST_JERK_PEAK * span**2)
     swung = Polygon(np.vstack([rows, directions()]), np.concatenate([bounds, swing + directions() @ before]))
     place = swung.nearest_point(np.array([wanted.x, wanted.y]))
     if swung.margin(place) < -1e-6:  # nothing is in reach of both: time is what gives way

@@ -6,12 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sot.live.com_preview import COM_MARGIN_PER_SOLE, shrunk_within
 from sot.live.steps.person_steps import AskedStep
 from sot.motion.feet.contacts import Phase
+from sot.motion.feet.footholds import LegReach, body_axes
 from sot.motion.feet.footwork import Foothold
 from sot.motion.feet.support import FORCE_RAMP_TIME, support_over
 from sot.motion.feet.swing import feet_at_rest, foot_pose
 from sot.polygon import Polygon
+from sot.robots.leg_range import normals
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -41,21 +44,25 @@ class DecidedStep:
     aimed: Foothold
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Room:
-    """Where the zero-moment point may be, and what it is nearest to by choice.
+    """Where the zero-moment point and the centre of mass may be, and what the former is nearest to by choice.
 
     Attributes:
         inside: room that a plan may use.
         centre: (2,) of the soles that carry [m].
         middle: (2,) place inside that is nearest to it [m].
+        restful: where the centre of mass may be for long.
         is_single: whether one foot carries alone.
+        reach: where the legs of these feet allow the centre of mass to be.
     """
 
     inside: Polygon
     centre: Array
     middle: Array
+    restful: Polygon
     is_single: bool
+    reach: Polygon
 
 
 class Rooms:
@@ -63,10 +70,13 @@ class Rooms:
 
     Args:
         robot: whose feet.
+        reach: of its legs.
+        hips: middle of its hips from the centre of mass at rest (2,) [m].
     """
 
-    def __init__(self, robot: Robot) -> None:
-        self._robot, self._rest = robot, feet_at_rest(robot)
+    def __init__(self, robot: Robot, reach: LegReach, hips: Array) -> None:
+        self._robot, self._rest, self._reach, self._hips = robot, feet_at_rest(robot), reach, hips
+        self._sole = np.ptp(robot.sole(robot.feet[0])[:, :2], axis=0)
         self._known: dict[tuple[tuple[str, Foothold], ...], Room] = {}
 
     def __call__(self, stands: Mapping[str, Foothold]) -> Room:
@@ -80,8 +90,20 @@ class Rooms:
             soles = [pose.act(self._robot.sole(foot).mean(axis=0))[:2] for foot, pose in phase.feet.items()]
             centre = np.mean(soles, axis=0)
             middle = support.inset.nearest_point(centre)
-            self._known[key] = Room(support.inset, centre, middle, len(stands) == 1)
+            heading = float(np.angle(np.sum([np.exp(1j * at.heading) for at in stands.values()])))
+            restful = shrunk_within(support.polygon, self._sole * COM_MARGIN_PER_SOLE, heading)
+            reach = self._reach_of(stands, heading)
+            self._known[key] = Room(support.inset, centre, middle, restful, len(stands) == 1, reach)
         return self._known[key]
+
+    def _reach_of(self, stands: Mapping[str, Foothold], heading: float) -> Polygon:
+        """Where the centre of mass may be so that each of some feet is in its hip's reach, the pelvis between them."""
+        axes = body_axes(heading, heading)
+        ways, found = normals() @ axes, []
+        for foot, at in stands.items():
+            hip = self._hips + np.array([0.0, (0.5 if foot == "left_foot" else -0.5) * self._reach.hip_width])
+            found.append(self._reach.carrying[foot] - ways @ (np.array([at.x, at.y]) - hip @ axes))
+        return Polygon(np.tile(-ways, (len(stands), 1)), np.concatenate(found))
 
 
 def rooms_at(

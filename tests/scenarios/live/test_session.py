@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from scenarios.inputs import clips
+from scenarios.live.paced_stream import PacedStream
 from scenarios.live.session import LiveRequest, follow
 from scenarios.replay import RECORDING_FILE, REPORT_FILE, SIMULATED_FILE, TRACES_FILE
 from sim.reporting.traces import Traces
 from sot.motion import read
 from sot.robots.robot import Robot
-from tests.scenarios.live.streams import PacedStream
 
 MOCAP = Path(__file__).parents[3] / "../shared/mocap"
 MAX_TORQUE_STEP_NM = 28.0

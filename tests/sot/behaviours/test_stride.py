@@ -46,6 +46,14 @@ def test_led_elsewhere_it_goes_on_without_a_kick_and_lands_there(way):
     np.testing.assert_allclose(way(LAND).position[:2], OTHER, atol=1e-12)
 
 
+def test_it_says_how_fast_it_would_turn_and_speed_up(way):
+    speed, acceleration = way.peak_rates(0.62, OTHER, 0.4)
+    way.redirect(0.62, OTHER, 0.4)
+    rest = [way(t) for t in np.linspace(0.62, LAND - 1e-9, 200)]
+    assert speed == pytest.approx(max(abs(pose.velocity[5]) for pose in rest), rel=0.02)
+    assert acceleration == pytest.approx(max(np.linalg.norm(pose.acceleration[:2]) for pose in rest), rel=0.05)
+
+
 def test_a_late_foot_is_lowered(way):
     assert lowered_pose(way(0.7), -0.1).position[2] == way(0.7).position[2]
     depths = np.array([-way(LAND + late).position[2] for late in np.arange(0.0, 0.1, STEP * 100)])

@@ -86,6 +86,7 @@ def test_legs_that_are_led_have_their_feet_where_and_as_fast_as_they_are_led(rob
         led["left_foot"] = Pose(up, np.eye(3), velocity, acceleration)
         legs.lead(led)
         y, dy, ddy = legs(rest, np.zeros(robot.nv), np.zeros(robot.nv))
+    assert [legs.columns[k] - 6 in robot.groups["right_leg"] for k in range(len(legs.columns))] == legs.stand.tolist()
     q, v, a = pinocchio_state(y, dy, ddy)
     pin.forwardKinematics(robot.model, data, q, v, a)
     for foot, pose in led.items():

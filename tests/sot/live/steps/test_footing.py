@@ -6,10 +6,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from sot.gravity import GRAVITY
 from sot.live.reference import PERIOD
-from sot.live.steps.footing import SteppingFooting
+from sot.live.steps.footing import MAX_BACKLOG_TIME, SteppingFooting
 from sot.live.steps.person_steps import AskedStep
-from sot.live.steps.reachable import reachable_foothold
+from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, reachable_foothold
 from sot.motion.feet.contacts import support_polygon
 from sot.motion.feet.footholds import LegReach, min_ankle_separation
 from sot.motion.feet.footwork import Foothold
@@ -86,6 +87,41 @@ def test_a_foothold_that_changes_while_the_foot_is_in_the_air_is_followed(robot)
     step.place = Foothold(0.05, 0.2, 0.0)
     play(footing, 3.0, start=1.1)
     assert footing.stands["left_foot"].x == pytest.approx(0.05, abs=0.01)
+
+
+def test_a_foot_is_led_elsewhere_no_faster_than_feet_may_go(robot):
+    footing = SteppingFooting(robot)
+    step = asked("left_foot", 1.0, 0.2)
+    step.has_landed = False
+    footing.asked.append(step)
+    play(footing, 1.1)
+    lift = next(one.lift for one in footing._steps)
+    knots = play(footing, lift + 0.2, start=1.1)
+    step.place = Foothold(-0.3, 0.5, 0.0)
+    knots = play(footing, 3.0, start=lift + 0.2)
+    fastest = max(np.linalg.norm(poses["left_foot"].acceleration[:2]) for _, _, poses, _ in knots)
+    assert fastest < 1.05 * MAX_SWING_ACCELERATION_G * GRAVITY
+    assert footing.stands["left_foot"].x > 0.0, "it had no time for all of it"
+    assert max(excess for *_, excess in knots) < 0.02
+
+
+def test_the_body_stays_where_the_legs_of_feet_far_apart_reach(robot):
+    footing, behind = SteppingFooting(robot), []
+    footing.asked.append(asked("left_foot", 1.0, 0.0, dy=0.5))
+    for t, (c, _, _), _, _ in play(footing, 4.0, wanted=np.array([0.0, 0.6])):
+        if footing.made and t > footing.made[-1].land + 0.1:
+            behind.append(-footing._rooms(footing.stands).reach.margin(c))
+    assert len(footing.made) == 1 and footing.stands["left_foot"].y > 0.25
+    assert max(behind) < 5e-3
+
+
+def test_who_is_far_behind_leaves_out_what_later_steps_have_made_needless(robot):
+    footing = SteppingFooting(robot)
+    for k in range(3):
+        footing.asked += [asked("left_foot", 0.1, 0.05 * k), asked("right_foot", 0.1, 0.05 * k)]
+    play(footing, MAX_BACKLOG_TIME + 2.0, start=MAX_BACKLOG_TIME + 0.2)
+    assert [step.foot for step in footing.made] == ["right_foot", "left_foot", "right_foot"]
+    assert footing.made[-1].asked.place.x == pytest.approx(0.1)
 
 
 @pytest.mark.parametrize("foot", ["left_foot", "right_foot"])
