@@ -38,6 +38,7 @@ TABLE_FIGURES: Columns = (
     ("likeness.foot_lift_ratio", "lift", 1.0, 2),
     ("likeness.heading_deg", "head deg", 1.0, 1),
     ("likeness.hand_path_ratio", "hands", 1.0, 2),
+    ("contacts.torque_step_max_nm", "step Nm", 1.0, 1),
     ("limits.self_collision_min_m", "self mm", 1e3, 1),
     ("contacts.switches", "switches", 1.0, 0),
     ("solver.infeasible_ticks", "infeas", 1.0, 0),
