@@ -16,6 +16,7 @@ from scenarios.inputs.kick import kick_bvh
 from scenarios.inputs.walks import WALKS
 from sot.errors import InputError
 from sot.motion import read, recognise
+from tests.scenarios.inputs.same_clip import assert_same_clip
 
 DATA, MORE = b"HIERARCHY and so on", b":bonedata and so on"
 CLIP = clips.Clip(
@@ -72,14 +73,6 @@ def test_every_clip_says_whose_it_is() -> None:
     for clip in clips.named_clips():
         assert clip.what and clip.source and clip.licence and clip.seconds > 0
         assert all((clip.package is None) == (member.sha256 == "") for member in clip.members)
-
-
-def assert_same_clip(ours: str, theirs: str) -> None:
-    """The same but for rounding, which may turn 180° into -180°."""
-    (head, motion), (other_head, other) = (text.split("Frame Time: 0.02\n") for text in (ours, theirs))
-    assert head == other_head
-    off = np.fromstring(motion, sep=" ") - np.fromstring(other, sep=" ")
-    np.testing.assert_allclose((off + 180.0) % 360.0 - 180.0, 0.0, atol=2e-3)
 
 
 @pytest.mark.parametrize("name", sorted(WALKS))

@@ -12,6 +12,7 @@ from sot.motion import read, recognise
 from sot.motion.objects import event_file
 from sot.motion.objects.demonstration import read_objects
 from sot.motion.objects.detection import find_contacts, palm_path
+from tests.scenarios.inputs.same_clip import assert_same_clip
 
 NAMES = ("box_stand", "box_plate", "door")
 DATA = Path(str(files("scenarios.inputs"))) / "data"
@@ -28,7 +29,11 @@ def written(tmp_path_factory):
 def test_the_files_are_what_the_module_writes(written):
     produced = sorted(path.name for path in written.iterdir())
     assert len(produced) == 3 * len(NAMES)
-    assert [name for name in produced if (written / name).read_bytes() != (DATA / name).read_bytes()] == []
+    for ours, theirs in ((written / name, DATA / name) for name in produced):
+        if ours.suffix == ".bvh":
+            assert_same_clip(ours.read_text(), theirs.read_text())
+        else:
+            assert ours.read_bytes() == theirs.read_bytes()
 
 
 @pytest.mark.parametrize("name", NAMES)
