@@ -124,10 +124,9 @@ def pass_door(robot: Robot, door: DoorLayout, rate: float = 1000.0) -> DoorPlan:
         upper = with_hands_led(robot, limits, Spline.through(y, KNOT_PERIOD), hands).knots[:, 6 + kept]
     found = led_surfaces(robot, y, hands)
     errors = np.column_stack([np.linalg.norm(a.place - b.place, axis=1) for a, b in zip(found, hands, strict=True)])
-    touching = np.column_stack(
-        [(knots > times.touched) & (knots < times.opened), (knots > times.touched) & (knots < np.inf)]
-    )
-    if (worst := float(errors[touching].max())) > MAX_ERROR:
+    touching = knots > times.touched
+    pressing = touching & (knots < times.opened)
+    if (worst := float(errors[np.column_stack([pressing, touching])].max())) > MAX_ERROR:
         raise InputError(f"{robot.label} does not reach where its hands should be on the door, by {worst:.3f} m")
     return DoorPlan(motion, knots, angle, forces)
 
