@@ -63,7 +63,10 @@ class TorqueRateBounds(Task):
 
     def rows(self, tick: Tick) -> Rows:
         """Rows about the torque that was commanded a tick ago, without bounds before there was one."""
-        if tick.torque is not None:
+        if tick.torque is None:
+            self._lower.fill(-np.inf)
+            self._upper.fill(np.inf)
+        else:
             _write_bounds_about(tick.torque, self._rate, tick.period, self._lower, self._upper)
         return self.make_rows(self._A, self._lower, self._upper)
 

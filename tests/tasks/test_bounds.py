@@ -177,11 +177,19 @@ def test_torque_bounds_are_the_robot_s_effort(fraction):
 def test_torque_rates_are_bounded_about_the_torque_of_the_last_tick():
     robot = Robot.load("hrp2")
     tick, task = Tick(robot, period=0.002), TorqueRateBounds(robot, rise_time=0.04)
-    rows = task.rows(tick)
-    assert np.isinf(rows.lower).all() and np.isinf(rows.upper).all()  # there was no last tick
+    task.rows(tick)
     tick.torque = np.linspace(-1.0, 1.0, robot.na) * robot.effort
     rows = task.rows(tick)
     np.testing.assert_array_equal(rows.A, np.eye(robot.na))
     np.testing.assert_allclose(rows.upper - tick.torque, 0.05 * robot.effort)
     np.testing.assert_allclose(tick.torque - rows.lower, 0.05 * robot.effort)
     assert not task.equality and task.variable == "torque" and rows.optional
+
+
+def test_torque_rates_have_no_bounds_where_there_was_no_last_tick():
+    robot = Robot.load("hrp2")
+    tick, task = Tick(robot), TorqueRateBounds(robot)
+    for torque in (None, np.zeros(robot.na), None):
+        tick.torque = torque
+        rows = task.rows(tick)
+        assert np.isinf(rows.lower).all() == np.isinf(rows.upper).all() == (torque is None)
