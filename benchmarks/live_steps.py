@@ -133,20 +133,24 @@ def tell(row: Mapping[str, Any]) -> None:
     print(f"{row['name']}: {row['ending']}; {figures}", file=sys.stderr, flush=True)
 
 
+def request_of(source: str, arguments: argparse.Namespace, delay: float) -> LiveRequest:
+    """What is asked of a source; time is the simulation's."""
+    return LiveRequest(source, arguments.robot, rate=arguments.rate, delay=delay, feet="steps", keeps_time=False)
+
+
 def suite_rows(arguments: argparse.Namespace, delay: float) -> Iterator[dict[str, Any]]:
     """A row a clip."""
-    request = LiveRequest("", arguments.robot, rate=arguments.rate, delay=delay, feet="steps", keeps_time=False)
     for piece in live_pieces(arguments.mocap):
         if arguments.only and not any(name in piece.name for name in arguments.only):
             continue
         seconds = min(piece.duration or np.inf, arguments.seconds)
         capture = part_of(read(clips.find_clip(piece.clip)), piece.start, seconds if np.isfinite(seconds) else None)
-        yield row_of(piece.name, capture, replace(request, source=piece.clip), arguments.out, None)
+        yield row_of(piece.name, capture, request_of(piece.clip, arguments, delay), arguments.out, None)
 
 
 def fault_rows(arguments: argparse.Namespace, delay: float) -> Iterator[dict[str, Any]]:
     """A row a run: ten of each fault."""
-    request = LiveRequest(FAULT_CLIP, arguments.robot, rate=arguments.rate, delay=delay, feet="steps", keeps_time=False)
+    request = request_of(FAULT_CLIP, arguments, delay)
     capture = part_of(read(clips.find_clip(FAULT_CLIP)), 0.0, STOP_LATEST_S + 2.0 * GAP_S)
     for name in arguments.only or FAULTS:
         for run in range(FAULT_RUNS):
@@ -155,9 +159,8 @@ def fault_rows(arguments: argparse.Namespace, delay: float) -> Iterator[dict[str
 
 def loop_rows(arguments: argparse.Namespace, delay: float) -> Iterator[dict[str, Any]]:
     """One long row."""
-    request = LiveRequest("", arguments.robot, rate=arguments.rate, delay=delay, feet="steps", keeps_time=False)
     capture = performance((LONG_CLIP, AIMING_CLIP), FRAME_RATE_HZ, loop=arguments.loop)
-    yield row_of(f"both for {arguments.loop:g} s", capture, replace(request, source="both"), arguments.out, None)
+    yield row_of(f"both for {arguments.loop:g} s", capture, request_of("both", arguments, delay), arguments.out, None)
 
 
 def main() -> int:

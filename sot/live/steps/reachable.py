@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from sot.gravity import GRAVITY
 from sot.live.steps.foot_sense import wrapped
-from sot.motion.feet.footholds import LEAST_JERK_PEAK, LegReach, body_axes, min_ankle_separation
+from sot.motion.feet.footholds import LegReach, body_axes, min_ankle_separation
 from sot.motion.feet.footwork import Foothold
 from sot.polygon import Polygon
 from sot.robots.leg_range import DIRECTION_COUNT, directions, normals
@@ -53,7 +53,7 @@ def reachable_foothold(
     anchor, before = np.array([beside.x, beside.y]), np.array([start.x, start.y])
     rows = np.vstack([-sign * across, sign * ways])
     bounds = np.concatenate([[-least], far]) + rows @ anchor
-    swing = min(reach.swing_length(span), MAX_SWING_ACCELERATION_G * GRAVITY / LEAST_JERK_PEAK * span**2)
+    swing = reach.swing_length(span, MAX_SWING_ACCELERATION_G * GRAVITY)
     swung = Polygon(np.vstack([rows, directions()]), np.concatenate([bounds, swing + directions() @ before]))
     place = swung.nearest_point(np.array([wanted.x, wanted.y]))
     if swung.margin(place) < -1e-6:  # nothing is in reach of both: time is what gives way

@@ -80,13 +80,14 @@ class LegReach:
     turn_speed: float
     soles: Mapping[str, Array]
 
-    def swing_length(self, time: float) -> float:
-        """How far a foot gets in a step of some time [s] within its speed and acceleration [m]."""
-        return min(self.swing_speed * time, self.swing_acceleration / LEAST_JERK_PEAK * time**2)
+    def swing_length(self, time: float, max_acceleration: float = np.inf) -> float:
+        """How far a foot gets in a step of some time [s] within its speed and acceleration, and another bound [m]."""
+        acceleration = min(self.swing_acceleration, max_acceleration)
+        return min(self.swing_speed * time, acceleration / LEAST_JERK_PEAK * time**2)
 
     def light_swing_length(self, time: float) -> float:
         """The same with an acceleration that the zero-moment point bears, which goes with it [m]."""
-        return min(self.swing_length(time), MAX_LIGHT_ACCELERATION_G * GRAVITY / LEAST_JERK_PEAK * time**2)
+        return self.swing_length(time, MAX_LIGHT_ACCELERATION_G * GRAVITY)
 
     def swing_time(self, length: float) -> float:
         """The least time of a step of some length [m] within its speed and acceleration [s]."""
