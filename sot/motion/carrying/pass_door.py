@@ -23,10 +23,11 @@ from sot.motion.trajectory import Motion
 from sot.motion.way import STANDING_TIME, SWING_TIME, footsteps_along
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
-from sot.robots.surface import Surface
 from sot.smooth import minimum_jerk
 
 Array = NDArray[np.float64]
+Key = tuple[float, Array, Array, float]
+"""Where a surface is from a time [s] on: places (T, 3) [m], directions (T, 3) that it faces, accepted tilt [rad]."""
 
 PRESSING_SURFACE, PUSHING_SURFACE = "left_palm", "right_hand_end"
 KNOT_PERIOD = 0.02  # s, between knots
@@ -106,12 +107,13 @@ def pass_door(robot: Robot, door: DoorLayout, rate: float = 1000.0) -> DoorPlan:
         PRESSING_SURFACE: door.lever_force(angle, lever),
         PUSHING_SURFACE: door.leaf_force(angle, Spline.through(angle[:, None], KNOT_PERIOD).accelerations[:, 0]),
     }
-    hands = [
-        _pressing(
-            robot.surface(PRESSING_SURFACE), rest_hands[PRESSING_SURFACE], door, leg, times, knots, body, angle, lever
-        ),
-        _pushing(robot.surface(PUSHING_SURFACE), rest_hands[PUSHING_SURFACE], door, leg, times, knots, body, angle),
-    ]
+    width = np.abs(robot.surface(PRESSING_SURFACE).corners).max(axis=0)[0]
+    rest = {name: _with_body(body, *at) for name, at in rest_hands.items()}
+    tracks = {
+        PRESSING_SURFACE: _pressing(rest[PRESSING_SURFACE], width, door, leg, times, angle, lever),
+        PUSHING_SURFACE: _pushing(rest[PUSHING_SURFACE], door, leg, times, angle),
+    }
+    hands = [LedSurface(robot.surface(name), *_track(knots, keys)) for name, keys in tracks.items()]
     kept = np.setdiff1d(np.arange(robot.na), robot.joint_numbers("legs"))
     upper = np.tile(robot.rest[7 + kept], (len(knots), 1))
     place = np.tile([0.0, 0.0, height] - _chest(robot), (len(knots), 1))
@@ -187,59 +189,43 @@ def _walked_angle(door: DoorLayout, closer: Foothold, shoulder: Array, body: Arr
 
 
 def _pressing(
-    surface: Surface,
     rest: tuple[Array, Array],
+    half_width: float,
     door: DoorLayout,
     leg: float,
     times: _Times,
-    knots: Array,
-    body: Array,
     angle: Array,
     lever: Array,
-) -> LedSurface:
+) -> list[Key]:
     """The palm that presses the lever: over it from the side, down and along with it, and back the same way."""
     on_lever = np.array(
         [door.leaf(a).act(door.on_lever(b)[0]) for a, b in zip(angle.tolist(), lever.tolist(), strict=True)]
     )
-    half_width = np.array([0.0, np.abs(surface.corners).max(axis=0)[0], 0.0])
-    beside = np.array([door.leaf(a).rotation @ half_width for a in angle.tolist()])
+    beside = np.array([door.leaf(a).rotation @ np.array([0.0, half_width, 0.0]) for a in angle.tolist()])
     on_lever = on_lever + beside  # The bar slopes: the edge towards its axis presses.
-    up, down = leg * np.array([0.0, 0.0, STANDOFF]), np.tile([0.0, 0.0, -1.0], (len(knots), 1))
+    up, down = leg * np.array([0.0, 0.0, STANDOFF]), np.tile([0.0, 0.0, -1.0], (len(angle), 1))
     aside = leg * np.array([-1.5 * STANDOFF, 3.0 * STANDOFF, 0.0])
-    place, facing = _with_body(body, *rest)
-    keys = [
-        (times.begin, place, facing, FREE_TILT),
+    return [
+        (times.begin, *rest, FREE_TILT),
         (times.raised, on_lever + up + aside, down, FREE_TILT),
         (times.near, on_lever + up, down, TOUCHING_TILT),
         (times.touched, on_lever, down, TOUCHING_TILT),
         (times.off_lever, on_lever, down, TOUCHING_TILT),
         (times.above, on_lever + up, down, FREE_TILT),
         (times.back, on_lever + up + aside, down, FREE_TILT),
-        (times.tucked, place, facing, FREE_TILT),
+        (times.tucked, *rest, FREE_TILT),
     ]
-    return LedSurface(surface, *_track(knots, keys))
 
 
-def _pushing(
-    surface: Surface,
-    rest: tuple[Array, Array],
-    door: DoorLayout,
-    leg: float,
-    times: _Times,
-    knots: Array,
-    body: Array,
-    angle: Array,
-) -> LedSurface:
+def _pushing(rest: tuple[Array, Array], door: DoorLayout, leg: float, times: _Times, angle: Array) -> list[Key]:
     """The hand's end that pushes the leaf."""
-    height = np.array([0.0, 0.0, PUSHING_HEIGHT * leg])
-    on_leaf = np.array([door.pushed(a) for a in angle.tolist()]) + height
-    normal = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(len(knots))])
-    keys = [
-        (times.raised, *_with_body(body, *rest), FREE_TILT),
+    on_leaf = np.array([door.pushed(a) for a in angle.tolist()]) + np.array([0.0, 0.0, PUSHING_HEIGHT * leg])
+    normal = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))])
+    return [
+        (times.raised, *rest, FREE_TILT),
         (times.near, on_leaf - STANDOFF * leg * normal, normal, TOUCHING_TILT),
         (times.touched, on_leaf, normal, TOUCHING_TILT),
     ]
-    return LedSurface(surface, *_track(knots, keys))
 
 
 def _with_body(body: Array, place: Array, facing: Array) -> tuple[Array, Array]:
@@ -249,11 +235,8 @@ def _with_body(body: Array, place: Array, facing: Array) -> tuple[Array, Array]:
     return shifted + turns @ place, turns @ facing
 
 
-def _track(knots: Array, keys: list[tuple[float, Array, Array, float]]) -> tuple[Array, Array, Array]:
-    """What goes from one moving place to the next, at each from its time on until it leaves for the next one.
-
-    keys: time, places (T, 3), directions (T, 3) and accepted tilt.
-    """
+def _track(knots: Array, keys: list[Key]) -> tuple[Array, Array, Array]:
+    """What goes from one moving place to the next, at each from its time on until it leaves for the next one."""
     _, place, facing, first = keys[0]
     tilt = np.full(len(knots), first)
     for (start, *_), (end, places, directions, accepted) in pairwise(keys):
