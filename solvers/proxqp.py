@@ -1,4 +1,8 @@
-"""Quadratic programs on ProxQP that are warm-started from call to call, with a second solver as fallback."""
+"""Least squares under inequalities on ProxQP, warm-started from call to call, with a second solver as fallback.
+
+ProxQP tells which inequalities are tight. Given these, the answer is one of plain least squares, the shortest if there
+are many: its last digits then depend on neither the place in memory nor the call before, which ProxQP's do.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -6,6 +10,7 @@ import numpy as np
 import qpsolvers
 from proxsuite import proxqp
 
+from solvers.nullspace import factorize_rows
 from solvers.rows import Array, Status
 
 SECOND_SOLVER_NAME = "quadprog"
@@ -23,19 +28,26 @@ ADDED_CURVATURES = 1e-10, 1e-8
 """Curvature added to the objective, relative to its mean, for the second solver, which needs a positive definite one:
 as a rule far less than shows in the answer, and where the solver has failed."""
 
+TIGHT_MULTIPLIER = 1e-6
+"""Multiplier, relative to 1 plus the largest one, above which an inequality is tight for certain."""
+INDEPENDENT_ABOVE = 1e-7
+"""Length of a direction, relative to the largest entry of its matrix, above which its rows determine it."""
+MAX_TIGHTENINGS = 4
+"""Largest number of times that inequalities are added to the tight ones."""
+
 
 @dataclass(slots=True)
 class QP:
-    """``min ½ yᵀ H y + gᵀ y`` subject to ``lower <= C y <= upper``.
+    """``min ½ ‖A y − b‖²`` subject to ``lower <= C y <= upper``.
 
     Args:
-        H, g: Objective, shapes (n, n) and (n,), H symmetric and positive semidefinite.
+        A, b: Objective, shapes (k, n) and (k,).
         C, lower, upper: Inequalities, shapes (m, n), (m,), (m,).
         known_feasible: Whether it is known to have a solution.
     """
 
-    H: Array
-    g: Array
+    A: Array
+    b: Array
     C: Array
     lower: Array
     upper: Array
@@ -54,7 +66,7 @@ class QPResult:
     """Answer of one QP.
 
     Args:
-        y: The variables, shape (n,).
+        y: The variables, shape (n,); of those that do equally well the shortest, where ProxQP solved it.
         multipliers: Of the inequalities, positive at an upper bound, negative at a lower one, shape (m,).
         status: SOLVED, SECOND_SOLVER or FAILED; ``y`` is not to be used if it failed.
         residual: Largest violation of an inequality at ``y``.
@@ -72,7 +84,7 @@ class PersistentQPs:
     """Solves QPs, with one ProxQP object a key and size.
 
     An object is created once, updated from then on and warm-started from its previous result: ticks of a controller
-    differ little. H may be singular; the proximal iteration needs no regularisation, so that none enters the answer.
+    differ little. A may have any rank; the proximal iteration needs no regularisation, so that none enters the answer.
 
     Args:
         accuracy: Absolute accuracy of the optimality conditions.
@@ -94,7 +106,8 @@ class PersistentQPs:
             problem: The QP.
             use_second_solver: Whether a problem that ProxQP leaves unsolved goes to the second solver.
         """
-        H, g, C, lower, upper = problem.H, problem.g, problem.C, problem.lower, problem.upper
+        C, lower, upper = problem.C, problem.lower, problem.upper
+        H, g = problem.A.T @ problem.A, -(problem.A.T @ problem.b)
         n, m = len(g), len(lower)
         # Scaled up by the preconditioner, rows of mere rounding would keep ProxQP busy for seconds.
         C = np.where(np.abs(C) > ZERO_BELOW * np.abs(C).max(initial=0.0), C, 0.0)
@@ -126,9 +139,39 @@ class PersistentQPs:
         """Result of a solved QP; None if ProxQP has not solved it or the answer violates a bound."""
         if qp.results.info.status != proxqp.PROXQP_SOLVED:
             return None
-        y = qp.results.x.copy()
+        y, multipliers = qp.results.x.copy(), qp.results.z.copy()
         residual = problem.violation(y)
-        return QPResult(y, qp.results.z.copy(), Status.SOLVED, residual) if residual <= self.tolerance else None
+        if residual > self.tolerance:
+            return None
+        exact = self._exact_answer(problem, y, multipliers)
+        if exact is not None:
+            y, residual = exact, problem.violation(exact)
+        return QPResult(y, multipliers, Status.SOLVED, residual)
+
+    def _exact_answer(self, problem: QP, y: Array, multipliers: Array) -> Array | None:
+        """Answer of least squares with the tight inequalities as equalities; None if it is not that of `y`.
+
+        Where many answers do equally well, the shortest may leave the bounds: those it breaks are held, too.
+        """
+        A, C = problem.A, problem.C
+        tight = np.abs(multipliers) > TIGHT_MULTIPLIER * (1.0 + np.abs(multipliers).max(initial=0.0))
+        target = np.where(multipliers > 0.0, problem.upper, problem.lower)
+        for _ in range(MAX_TIGHTENINGS):
+            held = factorize_rows(C[tight], _rank_tolerance(C))
+            exact = held.least_squares(target[tight])
+            Z = held.remaining_basis(np.eye(len(y), order="F"))
+            exact = exact + Z @ factorize_rows(A @ Z, _rank_tolerance(A)).least_squares(problem.b - A @ exact)
+            value = C @ exact
+            over, under = value > problem.upper + self.accuracy, value < problem.lower - self.accuracy
+            if not (over | under).any():
+                # The gradients agree where and only where one is as good as the other.
+                gap = np.abs(A.T @ (A @ (exact - y))).max(initial=0.0)
+                return exact if gap <= self.tolerance * (1.0 + np.abs(A.T @ problem.b).max(initial=0.0)) else None
+            if (tight & (over | under)).any():
+                return None
+            target[over], target[under] = problem.upper[over], problem.lower[under]
+            tight |= over | under
+        return None
 
     def _failure_reason(self, qp: proxqp.dense.QP) -> str:
         """Why ProxQP has no answer, in words."""
@@ -152,7 +195,8 @@ class PersistentQPs:
         return qp
 
     def _solve_with_second_solver(self, problem: QP, reason: str) -> QPResult:
-        H, C, lower, upper = problem.H, problem.C, problem.lower, problem.upper
+        C, lower, upper = problem.C, problem.lower, problem.upper
+        H, g = problem.A.T @ problem.A, -(problem.A.T @ problem.b)
         n, m = len(H), len(lower)
         curvature = max(1.0, float(np.trace(H)) / n) * np.eye(n)
         wide = BOUND_WIDENINGS[1] * self.accuracy
@@ -162,7 +206,7 @@ class PersistentQPs:
         for definite, wider in attempts if problem.known_feasible else attempts[:1]:
             try:
                 solution = qpsolvers.solve_problem(
-                    qpsolvers.Problem(H + definite * curvature, problem.g, rows, bounds + wider),
+                    qpsolvers.Problem(H + definite * curvature, g, rows, bounds + wider),
                     solver=SECOND_SOLVER_NAME,
                 )
             except (qpsolvers.SolverError, ValueError):
@@ -180,4 +224,8 @@ class PersistentQPs:
 
 
 def _failed_result(problem: QP, reason: str) -> QPResult:
-    return QPResult(np.zeros(len(problem.g)), np.zeros(len(problem.lower)), Status.FAILED, np.inf, reason)
+    return QPResult(np.zeros(problem.A.shape[1]), np.zeros(len(problem.lower)), Status.FAILED, np.inf, reason)
+
+
+def _rank_tolerance(A: Array) -> float:
+    return INDEPENDENT_ABOVE * float(np.abs(A).max(initial=1e-12))

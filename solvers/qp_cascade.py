@@ -140,16 +140,14 @@ class QPCascade:
     def _level_qp(self, B: Array, r: Array, bounding: _Bounds, wanted: _Bounds) -> QP:
         """One level's QP in (y, w): ``B y = r`` by least squares, and the least slack w of its own inequalities."""
         n, p = B.shape[1], len(wanted.lower)
-        H, g = np.zeros((n + p, n + p)), np.zeros(n + p)
-        H[:n, :n], g[:n] = B.T @ B, -(B.T @ r)
         if self.chain.damping:
-            H[:n, :n] += self.chain.damping**2 * np.eye(n)
+            B, r = np.vstack([B, self.chain.damping * np.eye(n)]), np.append(r, np.zeros(n))
         if not p:
-            return QP(H, g, bounding.C, bounding.lower, bounding.upper)
-        H[n:, n:] = np.eye(p)
+            return QP(B, r, bounding.C, bounding.lower, bounding.upper)
+        A = np.block([[B, np.zeros((len(B), p))], [np.zeros((p, n)), np.eye(p)]])
         C = np.block([[bounding.C, np.zeros((len(bounding.lower), p))], [wanted.C, -np.eye(p)]])
         lower, upper = np.append(bounding.lower, wanted.lower), np.append(bounding.upper, wanted.upper)
-        return QP(H, g, C, lower, upper)
+        return QP(A, np.append(r, np.zeros(p)), C, lower, upper)
 
 
 def build_solution(

@@ -32,7 +32,7 @@ class LevelByLevel:
                 low, high = hard.lower - value, hard.upper - value
                 if k:  # the level above found a point between the bounds: rounding is not to say otherwise
                     low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
-                qp = self._qps.solve(k, QP(B.T @ B, -(B.T @ r), hard.C @ Z, low, high))
+                qp = self._qps.solve(k, QP(B, r, hard.C @ Z, low, high))
                 x = x + Z @ qp.y
                 Z = factorize_rows(B, RANK_TOLERANCE).remaining_basis(Z)
                 results.append((qp.status, qp.residual, True))

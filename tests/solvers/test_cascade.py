@@ -173,9 +173,9 @@ def test_contradicting_equalities_of_level_0_fail():
 
 def test_a_problem_that_proxqp_gives_up_goes_to_the_second_solver():
     rng = np.random.default_rng(3)
-    H, C = np.eye(6), rng.standard_normal((20, 6))
-    g, width = 50.0 * rng.standard_normal(6), rng.uniform(0.1, 1.0, 20)
-    problem = QP(H, g, C, -width, width)
+    C = rng.standard_normal((20, 6))
+    b, width = 50.0 * rng.standard_normal(6), rng.uniform(0.1, 1.0, 20)
+    problem = QP(np.eye(6), b, C, -width, width)
     capped, free = PersistentQPs(max_iterations=1).solve("k", problem), PersistentQPs().solve("k", problem)
     assert capped.status == Status.SECOND_SOLVER and free.status == Status.SOLVED
     assert capped.reason == "ProxQP gave up after 1 iteration, quadprog solved it" and not free.reason
@@ -190,7 +190,7 @@ def test_an_accepted_answer_is_optimal_not_only_feasible():
         n, m = 12, 30
         E, C = rng.standard_normal((3, n)), rng.standard_normal((m, n))
         width = rng.uniform(0.05, 1.0, m)
-        qp = PersistentQPs().solve("k", QP(E.T @ E, -E.T @ (5.0 * rng.standard_normal(3)), C, -width, width))
+        qp = PersistentQPs().solve("k", QP(E, 5.0 * rng.standard_normal(3), C, -width, width))
         gap = np.minimum(width - C @ qp.y, width + C @ qp.y)
         assert np.abs(gap * qp.multipliers).max() < 1e-6
 
