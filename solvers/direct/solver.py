@@ -39,12 +39,14 @@ from solvers.dense import (
     matrix_vector,
     solution_space,
 )
+from solvers.direct.weighted_guess import guessed_active_sides
 from solvers.reduction import leading_count
 from solvers.rows import Array, Equality, Level
-from solvers.direct.weighted_guess import guessed_active_sides
 
 MAX_ACTIVE_SET_CHANGES = 12
 """Largest number of changes to the active set before the solver gives up."""
+FOUND, NOT_FOUND, UNFIT = 1, 0, -1
+"""How a search for the active set ended; UNFIT: levels that no active set makes a hierarchy of this kind."""
 
 
 class DirectSolver:
@@ -93,17 +95,13 @@ class DirectSolver:
             return None
         K, r = _stacked_rows(parts.coupled, size)
         W, b = _row_products(parts.overdetermined, X)
-        C, lower, upper, wish = hard.C, hard.lower, hard.upper, x[leading:].copy()
-        found, self.max_violation = _active_set_optimum(
-            X, W, b, K, r, x, C, lower, upper, self.active_sides, self.tolerance
-        )
-        if not found and (sides := guessed_active_sides(X, W, b, K, r, wish, C, lower, upper)) is not None:
+        bounds, wish = (hard.C, hard.lower, hard.upper), x[leading:].copy()
+        outcome, self.max_violation = _active_set_optimum(X, W, b, K, r, x, *bounds, self.active_sides, self.tolerance)
+        if outcome == NOT_FOUND and (sides := guessed_active_sides(X, W, b, K, r, wish, *bounds)) is not None:
             self.active_sides, x[leading:] = sides, wish
-            found, self.max_violation = _active_set_optimum(
-                X, W, b, K, r, x, C, lower, upper, self.active_sides, self.tolerance
-            )
+            outcome, self.max_violation = _active_set_optimum(X, W, b, K, r, x, *bounds, sides, self.tolerance)
         self.levels_met = parts.levels_met
-        return x if found else None
+        return x if outcome == FOUND else None
 
 
 @dataclass(slots=True)
@@ -219,7 +217,7 @@ def _active_set_optimum(
     upper: Array,
     held: Array,
     tolerance: float,
-) -> tuple[bool, float]:
+) -> tuple[int, float]:
     """Find x by an active-set iteration over the inequalities.
 
     Args:
@@ -232,12 +230,12 @@ def _active_set_optimum(
         tolerance: Violation that counts as none.
 
     Returns:
-        Whether that is the answer, and the largest violation in it.
+        FOUND, NOT_FOUND or UNFIT, and the largest violation in the answer.
     """
     leading = X.shape[1]
     first, determined = least_squares_in_solution_space(X, B, b)
     if not determined:
-        return False, 0.0
+        return UNFIT, 0.0
     wish, side, x_1 = x[leading:].copy(), held.copy(), first
     factor, shortest = np.zeros((0, 0)), 1.0
     for row in range(len(side)):
@@ -261,17 +259,17 @@ def _active_set_optimum(
                 k += 1
         L, V, factors, kept, certain = lq_factorization(rows[:, leading:].copy())
         if not certain or len(kept) < len(r) or (len(r) and kept[len(r) - 1] >= len(r)):
-            return False, 0.0
+            return NOT_FOUND, 0.0
         costs = np.zeros(count)  # multipliers of the rows at the level of W
         x_1 = first
         if len(kept) < count:
             if not len(factor):
                 factor, shortest = gram_cholesky(B[1:])
             if not shortest > WELL_CONDITIONED_ABOVE:
-                return False, 0.0
+                return UNFIT, 0.0
             x_1, costs, certain = _nearest_leading_and_multipliers(X, first, factor, rows, target, L, kept)
             if not certain:
-                return False, 0.0
+                return NOT_FOUND, 0.0
         missing = target - matrix_vector(rows[:, :leading], x_1) - matrix_vector(rows[:, leading:], wish)
         step = np.zeros(len(wish))
         copy_into(step, forward_substitution(L, kept, missing))
@@ -304,11 +302,11 @@ def _active_set_optimum(
                 worst, chosen, above = excess, row, value > upper[row]
         if worst <= tolerance:
             copy_into(held, side)
-            return bool(x @ x < np.inf), max(worst, 0.0)
+            return FOUND if x @ x < np.inf else UNFIT, max(worst, 0.0)
         if side[chosen] != 0.0:
-            return False, 0.0
+            return NOT_FOUND, 0.0
         side[chosen] = 1.0 if above else -1.0
-    return False, 0.0
+    return NOT_FOUND, 0.0
 
 
 @compiled

@@ -9,76 +9,51 @@ is found here is only where `DirectSolver` starts, which checks it exactly.
 import numpy as np
 import quadprog
 
-from solvers.compiled import compiled
-from solvers.dense import copy_into, forward_substitution, gram_cholesky, least_squares_in_solution_space, matrix_vector
 from solvers.rows import Array
 
-LAST_LEVEL_WEIGHT = 3e-3
-"""Scale of the last level's rows against the level above it."""
+LAST_LEVEL_WEIGHT = 1e-6
+"""Weight of the last level beside the one above it."""
 
 
 def guessed_active_sides(
     X: Array, B: Array, b: Array, K: Array, r: Array, wish: Array, C: Array, lower: Array, upper: Array
 ) -> Array | None:
-    """Sides of the inequalities that are active (p,): +1 at the upper bound, -1 at the lower one, 0 if not.
+    """Active sides of ``min ‖W x_1 − b‖² + ε ‖x_2 − wish‖²`` under all rows; None if there is no such x.
 
     Args:
         X: What x_1 may be, see `solution_space`, shape (1 + f, n_1).
         B, b: ``X Wᵀ`` and the right-hand side of W, shapes (1 + f, w) and (w,).
-        K, r: Level 0's rows ``K x = r``, shapes (c, n) and (c,).
-        wish: for x_2, (n - n_1,).
+        K, r: Equalities on x = (x_1, x_2), shapes (c, n) and (c,).
+        wish: For x_2, shape (n_2,).
         C, lower, upper: Inequalities on x, shapes (p, n), (p,) and (p,).
 
     Returns:
-        None if no x satisfies all of that, or W does not determine x_1.
+        +1 where a row is tight at its upper bound, −1 at the lower one, 0 elsewhere, shape (p,).
     """
-    first, determined = least_squares_in_solution_space(X, B, b)
-    factor, shortest = gram_cholesky(B[1:])
-    if not determined or not shortest > 0.0:
+    leading, free, trailing = X.shape[1], len(X) - 1, len(wish)
+    above, below = np.flatnonzero(upper < np.inf), np.flatnonzero(lower > -np.inf)
+    if not free + trailing or not len(above) + len(below):
         return None
-    equal, both = len(r), np.vstack([K, C])
-    rows, low, high = _distance_rows(X, factor, first, wish, both, np.append(r, lower), np.append(r, upper))
-    below, above = np.flatnonzero(low[equal:] > -np.inf), np.flatnonzero(high[equal:] < np.inf)
-    normals = np.vstack([rows[:equal], rows[equal + below], -rows[equal + above]])
-    bounds = np.concatenate([low[:equal], low[equal + below], -high[equal + above]])
-    size = rows.shape[1]
+    scale = float(np.square(B[1:]).sum(axis=1).mean()) if free else 1.0
+    H, pull = np.zeros((free + trailing, free + trailing)), np.zeros(free + trailing)
+    H[:free, :free], pull[:free] = B[1:] @ B[1:].T, B[1:] @ (b - B[0])
+    np.fill_diagonal(H[free:, free:], LAST_LEVEL_WEIGHT * scale)
+    # in (y, x_2 − wish), with x_1 = X[0] + X[1:]ᵀ y
+    value = C[:, :leading] @ X[0] + C[:, leading:] @ wish
+    rows = np.hstack([C[:, :leading] @ X[1:].T, C[:, leading:]])
+    equal = np.hstack([K[:, :leading] @ X[1:].T, K[:, leading:]])
+    missing = r - K[:, :leading] @ X[0] - K[:, leading:] @ wish
     try:
-        found = quadprog.solve_qp(np.eye(size), np.zeros(size), normals.T, bounds, equal, True)
-    except ValueError:  # no point satisfies them
+        *_, active = quadprog.solve_qp(
+            H,
+            pull,
+            np.vstack([equal, -rows[above], rows[below]]).T,
+            np.concatenate([missing, (value - upper)[above], (lower - value)[below]]),
+            len(r),
+        )
+    except ValueError:  # the rows contradict each other, or H is singular
         return None
-    active = found[5] - 1 - equal
-    sides = np.zeros(len(lower))
-    sides[below[active[(active >= 0) & (active < len(below))]]] = -1.0
-    sides[above[active[active >= len(below)] - len(below)]] = 1.0
+    sides, active = np.zeros(len(upper)), active - 1 - len(r)
+    sides[above[active[(active >= 0) & (active < len(above))]]] = 1.0
+    sides[below[active[active >= len(above)] - len(above)]] = -1.0
     return sides
-
-
-@compiled
-def _distance_rows(
-    X: Array, factor: Array, first: Array, wish: Array, rows: Array, lower: Array, upper: Array
-) -> tuple[Array, Array, Array]:
-    """Rows of length 1 on variables in which the sum of squares is what both levels ask for, with their bounds.
-
-    factor: Cholesky's, of W in X; first: x_1 of the level of W without inequalities.
-    """
-    count, leading, free = len(rows), X.shape[1], len(factor)
-    out = np.zeros((count, free + len(wish)))
-    low, high, order = np.empty(count), np.empty(count), np.arange(free)
-    for k in range(count):
-        copy_into(out[k], forward_substitution(factor, order, matrix_vector(X[1:], rows[k, :leading])))
-        value, square = 0.0, 0.0
-        for i in range(leading):
-            value += rows[k, i] * first[i]
-        for i in range(free):
-            out[k, i] *= LAST_LEVEL_WEIGHT
-            square += out[k, i] ** 2
-        for i in range(len(wish)):
-            value += rows[k, leading + i] * wish[i]
-            out[k, free + i] = rows[k, leading + i]
-            square += rows[k, leading + i] ** 2
-        length = np.sqrt(square) if square > 0.0 else 1.0
-        for i in range(out.shape[1]):
-            out[k, i] /= length
-        low[k] = LAST_LEVEL_WEIGHT * (lower[k] - value) / length
-        high[k] = LAST_LEVEL_WEIGHT * (upper[k] - value) / length
-    return out, low, high
