@@ -143,7 +143,8 @@ class PersistentQPs:
         residual = problem.violation(y)
         if residual > self.tolerance:
             return None
-        exact = self._exact_answer(problem, y, multipliers)
+        with np.errstate(invalid="ignore"):  # lanes that a product leaves unused may raise the flag
+            exact = self._exact_answer(problem, y, multipliers)
         if exact is not None:
             y, residual = exact, problem.violation(exact)
         return QPResult(y, multipliers, Status.SOLVED, residual)
