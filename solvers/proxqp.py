@@ -66,7 +66,7 @@ class QPResult:
     """Answer of one QP.
 
     Args:
-        y: The variables, shape (n,); of those that do equally well the shortest, where ProxQP solved it.
+        y: The variables, shape (n,); of those that do equally well the shortest, where rounding allows.
         multipliers: Of the inequalities, positive at an upper bound, negative at a lower one, shape (m,).
         status: SOLVED, SECOND_SOLVER or FAILED; ``y`` is not to be used if it failed.
         residual: Largest violation of an inequality at ``y``.
@@ -139,7 +139,12 @@ class PersistentQPs:
         """Result of a solved QP; None if ProxQP has not solved it or the answer violates a bound."""
         if qp.results.info.status != proxqp.PROXQP_SOLVED:
             return None
-        y, multipliers = qp.results.x.copy(), qp.results.z.copy()
+        return self._checked_result(problem, qp.results.x.copy(), qp.results.z.copy(), Status.SOLVED)
+
+    def _checked_result(
+        self, problem: QP, y: Array, multipliers: Array, status: Status, reason: str = ""
+    ) -> QPResult | None:
+        """Result of a solver's answer, made exact where that can be; None if the answer violates a bound."""
         residual = problem.violation(y)
         if residual > self.tolerance:
             return None
@@ -147,7 +152,7 @@ class PersistentQPs:
             exact = self._exact_answer(problem, y, multipliers)
         if exact is not None:
             y, residual = exact, problem.violation(exact)
-        return QPResult(y, multipliers, Status.SOLVED, residual)
+        return QPResult(y, multipliers, status, residual, reason)
 
     def _exact_answer(self, problem: QP, y: Array, multipliers: Array) -> Array | None:
         """Answer of least squares with the tight inequalities as equalities; None if it is not that of `y`.
@@ -214,13 +219,14 @@ class PersistentQPs:
                 continue
             if not solution.found or solution.x is None or solution.z is None or not np.isfinite(solution.x).all():
                 continue
-            residual = problem.violation(solution.x)
-            if residual <= self.tolerance:
-                multipliers = np.zeros(m)
-                multipliers[above] += solution.z[: above.sum()]
-                multipliers[below] -= solution.z[above.sum() :]
-                words = f"{reason}, {SECOND_SOLVER_NAME} solved it"
-                return QPResult(solution.x, multipliers, Status.SECOND_SOLVER, residual, words)
+            multipliers = np.zeros(m)
+            multipliers[above] += solution.z[: above.sum()]
+            multipliers[below] -= solution.z[above.sum() :]
+            words = f"{reason}, {SECOND_SOLVER_NAME} solved it"
+            if (
+                answer := self._checked_result(problem, solution.x, multipliers, Status.SECOND_SOLVER, words)
+            ) is not None:
+                return answer
         return _failed_result(problem, f"{reason}, {SECOND_SOLVER_NAME} found no answer")
 
 
