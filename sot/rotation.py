@@ -72,3 +72,25 @@ def rotated(R: Array, a: Array) -> Array:
     for i in range(3):
         out[i] = R[i, 0] * a[0] + R[i, 1] * a[1] + R[i, 2] * a[2]
     return out
+
+
+@compiled
+def quaternion(R: Array) -> Array:
+    """A unit quaternion (x, y, z, w) of a rotation matrix (3, 3); either sign may come."""
+    out = np.empty(4)
+    trace = R[0, 0] + R[1, 1] + R[2, 2]
+    if trace > 0.0:
+        double = np.sqrt(trace + 1.0)
+        out[3] = 0.5 * double
+        out[0], out[1], out[2] = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
+        out[:3] *= 0.5 / double
+        return out
+    i = 0  # the longest of the vector's parts divides the others
+    for axis in range(1, 3):
+        i = axis if R[axis, axis] > R[i, i] else i
+    j, k = (i + 1) % 3, (i + 2) % 3
+    double = np.sqrt(R[i, i] - R[j, j] - R[k, k] + 1.0)
+    out[i] = 0.5 * double
+    out[j], out[k], out[3] = R[j, i] + R[i, j], R[k, i] + R[i, k], R[k, j] - R[j, k]
+    out[j], out[k], out[3] = 0.5 / double * out[j], 0.5 / double * out[k], 0.5 / double * out[3]
+    return out

@@ -10,7 +10,7 @@ from sot.estimation import invariant
 from sot.estimation.delays import PromptReadings
 from sot.estimation.estimator import Footing
 from sot.estimation.feet import MeasuredFeet, leg_length
-from sot.estimation.filter_step import FootBeliefs, PlannedFeet, Variances, filter_step
+from sot.estimation.filter_step import FootBeliefs, PlannedFeet, Variances, filter_step, robot_state
 from sot.estimation.invariant import Belief
 from sot.estimation.noise import FilterNoise
 from sot.gravity import GRAVITY
@@ -68,6 +68,7 @@ class ContactFilter:
         noise, feet, sensors = self.noise, len(self._robot.feet), self._sensors
         self._measured = MeasuredFeet(self._robot, sensors.imu_point, self._compliance)
         self._feet, self._planned = FootBeliefs.in_the_air(feet), PlannedFeet.empty(feet)
+        self._floors: list[pin.SE3 | None] = [None] * feet
         lags = [sensors.angular_velocity.lag] * 3 + [sensors.specific_force.lag] * 3
         self._prompt = PromptReadings(np.array(lags + [sensors.joint_velocity.lag] * self._robot.na))
         unit, velocity = self._measured.unit_state(q, v)
@@ -123,24 +124,22 @@ class ContactFilter:
         for k, foot in enumerate(self._robot.feet):
             footing = standing.get(foot)
             planned.standing[k] = footing is not None
-            planned.height[k] = planned.position[k] = np.nan
-            if footing is not None and footing.floor is not None:
-                planned.normal[k] = footing.floor.rotation[:, 2]
-                planned.height[k] = planned.normal[k] @ (footing.floor.translation - self._origin)
-            if footing is not None and footing.foothold is not None and self._footholds:
-                planned.position[k] = footing.foothold.translation - self._origin
-                planned.rotation[k] = footing.foothold.rotation
+            floor = None if footing is None else footing.floor
+            if floor is not self._floors[k]:
+                self._floors[k], planned.height[k] = floor, np.nan
+                if floor is not None:
+                    planned.normal[k] = floor.rotation[:, 2]
+                    planned.height[k] = planned.normal[k] @ (floor.translation - self._origin)
+            if self._footholds:
+                planned.position[k] = np.nan
+                if footing is not None and footing.foothold is not None:
+                    planned.position[k] = footing.foothold.translation - self._origin
+                    planned.rotation[k] = footing.foothold.rotation
 
     def _state_at(self, age: float, readings: Readings) -> tuple[Array, Array]:
         """The belief as the robot's state, carried on from the readings' stamp for a time [s]."""
-        robot, then, now = self._robot, self._prompt.value, self._prompt.at(age)
-        q, v = np.empty(robot.nq), np.empty(robot.nv)
-        rotation, position, v[:6] = invariant.base_state(
-            self.belief, then[:3], now[:3], then[3:6], GRAVITY, age, self._measured.unit_in_base
-        )
-        q[:3], q[3:7] = self._origin + position, pin.Quaternion(rotation).coeffs()
-        v[6:] = now[6:]
-        q[7:] = readings.joint_position + 0.5 * age * (then[6:] + now[6:])
+        then, now, unit = self._prompt.value, self._prompt.at(age), self._measured.unit_in_base
+        q, v = robot_state(self.belief, then, now, GRAVITY, age, unit, self._origin, readings.joint_position)
         if self._measured.unit_moves:
             v[:6] -= self._measured.unit_velocity_by_joints()
         return q, v

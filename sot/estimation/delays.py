@@ -23,7 +23,8 @@ class PromptReadings:
     """
 
     def __init__(self, lag: Array) -> None:
-        self._lag, self._passed = lag, 0.0
+        with np.errstate(divide="ignore"):
+            self._rate = 1.0 / lag
         self._reading: Array | None = None
 
     def update(self, reading: Array, passed: float) -> None:
@@ -31,10 +32,7 @@ class PromptReadings:
         if self._reading is None or not passed > 0.0:
             self.value, self.slope = reading, np.zeros(len(reading))
         else:
-            if passed != self._passed:
-                with np.errstate(divide="ignore"):
-                    self._gain, self._passed = 1.0 / (1.0 - np.exp(-passed / self._lag)), passed
-            value = self._reading + self._gain * (reading - self._reading)
+            value = self._reading - (reading - self._reading) / np.expm1(-passed * self._rate)
             self.slope, self.value = (value - self.value) / passed, value
         self._reading = reading
 

@@ -12,7 +12,7 @@ Array = np.ndarray
 
 
 class Footing(NamedTuple):
-    """What a plan knows of a foot that is to stand.
+    """What a plan knows of a foot that is to stand. Its poses are not changed in place: one is read when it is new.
 
     Attributes:
         floor: place of the surface under its sole, z out of the surface; None if it is not known.

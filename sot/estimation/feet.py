@@ -5,12 +5,13 @@ from math import exp, isfinite
 import numpy as np
 import pinocchio as pin
 
+from solvers.compiled import compiled
 from sot.estimation.filter_step import SeenFeet
 from sot.gravity import GRAVITY
 from sot.hardware.compliance import SOLE_MASS_SHARE, FootCompliance, bush_position
 from sot.hardware.readings import Readings
 from sot.robots.robot import Robot
-from sot.rotation import cross
+from sot.rotation import cross, product, rotated, rotation_of_vector
 
 Array = np.ndarray
 
@@ -60,9 +61,9 @@ class MeasuredFeet:
         self.unit_in_base = unit.rotation.copy(), unit.translation.copy()
         for k, (foot, frame) in enumerate(zip(self._robot.feet, self._frames, strict=True)):
             sole, wrench = unit.actInv(pin.updateFramePlacement(model, data, frame)), readings.foot_wrench[foot]
-            if self._bushes is not None:
-                sole = sole * self._bushes[k].update(wrench, passed)
             seen.position[k], seen.rotation[k], seen.force[k] = sole.translation, sole.rotation, wrench[:3]
+            if self._bushes is not None:
+                self._bushes[k].lower(seen.position[k], seen.rotation[k], wrench, passed)
 
     def unit_velocity_by_joints(self) -> Array:
         """Velocity (6,) that the joints give the inertial unit against the base, of the base's origin and axes."""
@@ -94,17 +95,31 @@ class Bush:
         self.deflection = np.zeros(3)
         """Roll, pitch [rad] and height [m] of the sole."""
 
-    def update(self, wrench: Array, passed: float) -> pin.SE3:
-        """Pose of the sole in the foot's frame as it is without load.
+    def lower(self, position: Array, rotation: Array, wrench: Array, passed: float) -> None:
+        """Make the pose of a foot, in any frame, that of its sole: (3,) and (3, 3), which are changed.
 
         Args:
+            position, rotation: of the foot's frame as it is without load [m].
             wrench: of sole on foot (6,), see `Readings.foot_wrench` [N, N m].
             passed: since the last reading [s].
         """
-        moment = wrench[3:] - cross(self._at, wrench[:3])
-        settled = self._per_load * np.array([moment[0], moment[1], wrench[2]])
         kept = exp(-passed / self._relaxation) if self._relaxation else 0.0
-        self.deflection = settled + kept * (self.deflection - settled)
-        roll, pitch, height = self.deflection
-        turn = pin.rpy.rpyToMatrix(roll, 0.0, 0.0) @ pin.rpy.rpyToMatrix(0.0, pitch, 0.0)
-        return pin.SE3(turn, self._at + np.array([0.0, 0.0, height]) - turn @ self._at)
+        _lower(position, rotation, self.deflection, self._at, self._per_load, wrench, kept)
+
+
+@compiled
+def _lower(
+    position: Array, rotation: Array, deflection: Array, at: Array, per_load: Array, wrench: Array, kept: float
+) -> None:
+    """Turn and shift a foot's pose by its bush, whose deflection settles but for the share that is kept."""
+    moment = wrench[3:] - cross(at, wrench[:3])
+    for i, load in enumerate((moment[0], moment[1], wrench[2])):
+        settled = per_load[i] * load
+        deflection[i] = settled + kept * (deflection[i] - settled)
+    turn = product(
+        rotation_of_vector(np.array((deflection[0], 0.0, 0.0))), rotation_of_vector(np.array((0.0, deflection[1], 0.0)))
+    )
+    shift = at - rotated(turn, at)
+    shift[2] += deflection[2]
+    position += rotated(rotation, shift)
+    rotation[:] = product(rotation, turn)

@@ -7,6 +7,7 @@ import numpy as np
 from solvers.compiled import compiled
 from sot.estimation import invariant
 from sot.estimation.invariant import Belief
+from sot.rotation import quaternion
 
 Array = np.ndarray
 
@@ -178,3 +179,35 @@ def _correct_by_foot(
     if not np.isnan(planned.position[k, 0]):
         place = planned.position[k], planned.rotation[k]
         invariant.put_on_foothold(belief, k, place[0], place[1], variances.foothold / errors_passed)
+
+
+@compiled
+def robot_state(
+    belief: Belief,
+    then: Array,
+    now: Array,
+    gravity: float,
+    age: float,
+    unit_in_base: tuple[Array, Array],
+    origin: Array,
+    joint_position: Array,
+) -> tuple[Array, Array]:
+    """A belief as the state (q, v) of its robot, carried on from the readings' stamp.
+
+    Args:
+        belief: Of the inertial unit.
+        then, now: Gyro, accelerometer and joint rates (6 + joints,), at the stamp and now.
+        gravity: [m/s²].
+        age: For how long the belief is carried on [s].
+        unit_in_base: Rotation (3, 3) and position (3,).
+        origin: That the belief's positions are counted from (3,) [m].
+        joint_position: At the stamp (joints,) [rad].
+    """
+    rotation, position, velocity = invariant.base_state(
+        belief, then[:3], now[:3], then[3:6], gravity, age, unit_in_base
+    )
+    q, v = np.empty(7 + len(joint_position)), np.empty(6 + len(joint_position))
+    q[:3], q[3:7] = origin + position, quaternion(rotation)
+    q[7:] = joint_position + 0.5 * age * (then[6:] + now[6:])
+    v[:6], v[6:] = velocity, now[6:]
+    return q, v

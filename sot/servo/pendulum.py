@@ -103,6 +103,12 @@ class Pendulum:
         return self.damping / (2.0 * self.natural_frequency * self.turning_inertia)
 
     @property
+    def pole(self) -> complex:
+        """−ζ ω_n + j ω_n √(1 − ζ²) [1/s], of a joint that is not overdamped."""
+        omega, zeta = self.natural_frequency, self.damping_ratio
+        return complex(-zeta * omega, omega * sqrt(max(1.0 - zeta**2, 0.0)))
+
+    @property
     def static_gain(self) -> float:
         """y / u at rest [m/rad]: more than l, since the joint gives way."""
         return self.stiffness * self.length / (self.stiffness - self.weight * self.length)

@@ -39,17 +39,31 @@ class FitErrors(NamedTuple):
     phase_deg: float
 
 
-def sine_coefficients(time: Array, values: Array, frequency: float) -> complex:
+def sine_coefficients(time: Array, values: Array, frequency: float, pole: complex | None = None) -> complex:
     """Amplitude and phase of a sine in samples: values ≈ Im(a e^{jωt}) + offset + drift, by least squares.
 
     Args:
         time: of the samples (k,) [s]; of whole periods, or nearly.
         values: (k,).
         frequency: of the sine [Hz].
+        pole: of an oscillation that dies out beside it, e^{st}, where the search for it begins [1/s]; None for none.
     """
     angle, middle = 2.0 * pi * frequency * time, time - time.mean()
-    columns = np.column_stack([np.sin(angle), np.cos(angle), np.ones_like(time), middle])
-    (sine, cosine, _, _), *_ = np.linalg.lstsq(columns, values, rcond=None)
+    lasting = np.column_stack([np.sin(angle), np.cos(angle), np.ones_like(time), middle])
+
+    def with_dying(parts: Array) -> Array:
+        dying = np.exp(complex(*parts) * (time - time[0]))
+        return np.column_stack([lasting, dying.real, dying.imag])
+
+    def residual(parts: Array) -> Array:
+        columns = with_dying(parts)
+        left: Array = columns @ np.linalg.lstsq(columns, values, rcond=None)[0] - values
+        return left
+
+    columns = lasting
+    if pole is not None:
+        columns = with_dying(least_squares(residual, [pole.real, pole.imag], x_scale=abs(pole)).x)
+    (sine, cosine, *_), *_ = np.linalg.lstsq(columns, values, rcond=None)
     return complex(sine, cosine)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from sot.rotation import rotation_vector
+from sot.rotation import quaternion, rotation_vector
 
 
 def vectors(angle, count=50):
@@ -26,3 +26,13 @@ def test_half_a_turn_is_one_about_the_same_axis(short):
         found = rotation_vector(pin.exp3(vector))
         assert np.linalg.norm(found) == pytest.approx(np.pi, abs=1e-7)
         np.testing.assert_allclose(pin.exp3(found), pin.exp3(vector), atol=1e-7)
+
+
+def test_quaternion_of_any_rotation_is_pinocchios():
+    rng = np.random.default_rng(4)
+    turns = [pin.exp3(rng.uniform(0, np.pi) * axis / np.linalg.norm(axis)) for axis in rng.standard_normal((50, 3))]
+    turns += [pin.exp3(angle * axis) for axis in np.eye(3) for angle in (0.0, np.pi - 1e-9, np.pi)]
+    for R in turns:
+        expected = pin.Quaternion(R).coeffs()
+        found = quaternion(R)
+        np.testing.assert_allclose(np.outer(found, found), np.outer(expected, expected), atol=1e-12)

@@ -1,5 +1,6 @@
 """Pushes on a robot that stands on compliant feet, Kim & Oh 5.2: how it sways, and what it survives."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import pi, sqrt
 
@@ -38,6 +39,8 @@ SURVIVED_WATCHED_S = 3.0
 """How long a robot is watched that may fall [s]: one that sways back too far needs half of it until it topples."""
 IMPULSE_STEP = 1.25
 """Ratio of neighbouring impulses that are tried; the last ratio is its fourth root."""
+REPEATED = 5
+"""Pushes of a series in the robot's own period: without damping, each finds it swaying that way."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,22 +115,23 @@ def pushed(
     stance: Stance,
     compliance: FootCompliance,
     planes: Planes | None,
-    push: Push,
+    pushes: Sequence[Push],
     watched: float,
     seed: int,
 ) -> Sway:
-    """Push a robot and watch it.
+    """Push a robot along one axis, once or more, and watch it after the last push.
 
     Args:
         stance: how it stands.
         compliance: of its feet.
         planes: the damping controllers, if there are any.
-        push: the push.
-        watched: time after the push [s].
+        pushes: one after the other.
+        watched: time after the last [s].
         seed: of the noise of its sensors.
     """
+    push = pushes[-1]
     duration = push.end + watched
-    world = world_of(stance, compliance, 1.0 / SAMPLING_RATE, [push], sensor_preset(SENSORS, seed))
+    world = world_of(stance, compliance, 1.0 / SAMPLING_RATE, pushes, sensor_preset(SENSORS, seed))
     done = run(controller_of(stance, planes, duration), world, stance.motion(duration, SAMPLING_RATE))
     log = done.log.trimmed()
     axis = int(np.argmax(np.abs(push.force[:2])))
@@ -148,15 +152,36 @@ def usual_push(stance: Stance, axis: int, seed: int) -> Push:
     return Push(begin, _along(axis, size), DURATION_RATIO * fall)
 
 
+def series_of(push: Push, count: int, period: float) -> list[Push]:
+    """A push, and the same again after each period [s]."""
+    return [replace(push, t=push.t + k * period) for k in range(count)]
+
+
 def survived_impulse(
-    stance: Stance, compliance: FootCompliance, planes: Planes | None, axis: int, direction: float
+    stance: Stance,
+    compliance: FootCompliance,
+    planes: Planes | None,
+    axis: int,
+    direction: float,
+    count: int = 1,
+    period: float = 0.0,
 ) -> float:
-    """Largest impulse along or against an axis after which the robot still stands, on a grid of 6 % [N s]."""
+    """Largest impulse along or against an axis after which the robot still stands, on a grid of 6 % [N s].
+
+    Args:
+        stance: how it stands.
+        compliance: of its feet.
+        planes: the damping controllers, if there are any.
+        axis, direction: of the push.
+        count: of pushes of that impulse each.
+        period: between their beginnings [s].
+    """
     push = usual_push(stance, axis, 0)
 
     def stands(scale: float) -> bool:
         harder = replace(push, force=_along(axis, direction * scale * max(push.force)))
-        return pushed(stance, compliance, planes, harder, SURVIVED_WATCHED_S, 0).fell_at is None
+        series = series_of(harder, count, period)
+        return pushed(stance, compliance, planes, series, SURVIVED_WATCHED_S, 0).fell_at is None
 
     scale = 1.0
     if stands(scale):

@@ -37,11 +37,14 @@ def print_pushes(cases: Mapping[str, Mapping[str, Mapping[str, Any]]], console: 
     table = Table(box=None, padding=(0, 2, 0, 0))
     for words in ("case", "controller", "fell", "peak\nmm", "settled\ns", "swing back\n%", "zeta, asked\n"):
         table.add_column(words, justify="left" if words in ("case", "controller") else "right")
-    for words in ("measured\n", "margin\n", "survived\nN s"):
+    for words in ("measured\n", "margin\n", "survived once, five times\nN s"):
         table.add_column(words, justify="right")
     for case, controllers in cases.items():
         for name, found in controllers.items():
-            survived = ", ".join(f"{words} {value:.0f}" for words, value in found.get("survived_n_s", {}).items())
+            repeated = found.get("survived_repeated_n_s", {})
+            survived = ", ".join(
+                f"{words} {value:.0f}, {repeated[words]:.0f}" for words, value in found.get("survived_n_s", {}).items()
+            )
             stands = found["peak_m"] is not None
             table.add_row(
                 case,

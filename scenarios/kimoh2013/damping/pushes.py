@@ -7,6 +7,7 @@ import numpy as np
 
 from scenarios.kimoh2013.damping.identification import PAPER_RATIO
 from scenarios.kimoh2013.damping.push_runs import (
+    REPEATED,
     WATCHED_S,
     Planes,
     Sway,
@@ -81,7 +82,7 @@ def push_figures(
             tell(f"pushing {name}, {one.name}", k / len(frequencies))
             watched = WATCHED_S[one.planes is not None]
             found = [
-                pushed(stance, compliance, one.planes, usual_push(stance, axis, seed), watched, seed)
+                pushed(stance, compliance, one.planes, [usual_push(stance, axis, seed)], watched, seed)
                 for seed in range(seeds)
             ]
             sways[name][one.name] = found[0]
@@ -91,10 +92,12 @@ def push_figures(
             }
             if support == "double" and one in (controllers[0], strongest):
                 tell(f"pushing {name} to the limit, {one.name}", k / len(frequencies))
-                figures[name][one.name]["survived_n_s"] = {
-                    words: survived_impulse(stance, compliance, one.planes, axis, sign)
-                    for words, sign in ((("forward", 1.0), ("back", -1.0)) if axis == 0 else (("sideways", 1.0),))
-                }
+                signs = {"forward": 1.0, "back": -1.0} if axis == 0 else {"sideways": 1.0}
+                for key, count in (("survived_n_s", 1), ("survived_repeated_n_s", REPEATED)):
+                    figures[name][one.name][key] = {
+                        words: survived_impulse(stance, compliance, one.planes, axis, sign, count, 1.0 / frequency)
+                        for words, sign in signs.items()
+                    }
     return figures, sways
 
 

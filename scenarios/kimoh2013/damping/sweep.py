@@ -1,6 +1,6 @@
 """Sine sweeps: the response of the zero-moment point to the reference of the centre of mass, Kim & Oh 4.2."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, cos, pi
 
@@ -11,7 +11,8 @@ from sim.hardware.floor_contacts import floor_contacts
 from sot.errors import InputError
 from sot.hardware.compliance import FootCompliance
 from sot.servo.identified import PLANES
-from sot.servo.pendulum_fit import FrequencyResponse, sine_coefficients
+from sot.servo.pendulum import Pendulum
+from sot.servo.pendulum_fit import FrequencyResponse, fit_pendulum, sine_coefficients
 from sot.servo.stabiliser import Stabiliser
 from sot.servo.sway_modes import FloorContact
 
@@ -19,8 +20,14 @@ Array = np.ndarray
 
 SAMPLING_RATE = 200.0
 """Of the commands and of what is measured [Hz], the paper's."""
-FREQUENCIES = tuple(np.geomspace(0.2, 10.0, 19).tolist())
-"""[Hz]."""
+FREQUENCIES = tuple(np.geomspace(0.2, 10.0, 13).tolist())
+"""Of the coarse sweep [Hz]."""
+RESONANCE_OFFSETS = (-2.0, -1.0, 0.0, 1.0, 2.0)
+"""Frequencies that are added around the resonance f_n that was fitted, as offsets in ζ f_n, half its bandwidth."""
+LEAST_HALF_BANDWIDTH = 0.02
+"""Least ζ that such offsets go by: a fit to frequencies off the resonance may find none."""
+MAX_REFINEMENTS = 3
+"""How often frequencies are added at most."""
 REST_S = 2.0
 """Time before the first sine, and after one that was broken off [s]."""
 MIN_RAMP_S = 1.0
@@ -102,11 +109,10 @@ class SwayingRobot:
 def sweep(
     stance: Stance, compliance: FootCompliance, plane: str, tell: Callable[[float], object] = lambda share: None
 ) -> Sweep:
-    """Sweep one case.
+    """Sweep one case: coarsely, then around the resonance that a pendulum fitted to what was measured has.
 
     The amplitude of the first sine follows from the gain at rest of an infinitely stiff robot, its height; each further
-    one from the gain at the frequency before. Where the zero-moment point moves too little or too much for the sole to
-    stay flat, the frequency is tried again.
+    one from the gain at the frequency before, and around the resonance from the fit.
 
     Args:
         stance: how the robot stands.
@@ -118,36 +124,93 @@ def sweep(
         InputError: the robot falls over, or no amplitude suits.
     """
     robot = SwayingRobot(stance, compliance, plane)
-    room = float(stance.reach[robot.axis])
     robot.rest()
-    gain, rows = 1.0, []
-    for k, frequency in enumerate(FREQUENCIES):
-        amplitude = AIM_SHARE * room / gain
-        for _ in range(MAX_ATTEMPTS):
-            found = _measure(robot, frequency, amplitude, MAX_SHARE * room)
-            gain = abs(found.ratio)
-            if found.complete and MIN_SHARE * room <= gain * amplitude <= MAX_SHARE * room:
-                break
-            amplitude *= min(max(AIM_SHARE * room / (gain * amplitude), 0.2), 3.0) if found.complete else 0.3
-            if not found.complete:  # what it was shaken up to would break off the next one, too
-                robot.rest()
-        else:
-            raise InputError(f"{plane}, {stance.support} support: no amplitude suits at {frequency:.2f} Hz")
-        rows.append((found.ratio * stance.length, amplitude, gain * amplitude, found.distortion))
-        tell((k + 1) / len(FREQUENCIES))
-    value, amplitudes, zmp, distortion = (np.array(column) for column in zip(*rows, strict=True))
-    return Sweep(plane, FrequencyResponse(np.array(FREQUENCIES), value), amplitudes, zmp, distortion)
+    gain, sines = 1.0, {}
+    total = len(FREQUENCIES) + len(RESONANCE_OFFSETS)
+    for frequency in FREQUENCIES:
+        sines[frequency] = _suitable_sine(robot, plane, frequency, gain)
+        gain = abs(sines[frequency].ratio)
+        tell(len(sines) / total)
+    for _ in range(MAX_REFINEMENTS):
+        pendulum = fit_pendulum(_response(sines, stance.length), stance.robot.mass, stance.length)
+        missing = missing_frequencies(pendulum, sorted(sines))
+        if not missing:
+            break
+        for frequency, value in zip(missing, pendulum.response(np.array(missing)), strict=True):
+            robot.rest()
+            expected = abs(value) / stance.length
+            sines[frequency] = _suitable_sine(robot, plane, frequency, expected, pendulum.pole)
+            tell(min(len(sines) / total, 1.0))
+    ascending = [sines[frequency] for frequency in sorted(sines)]
+    amplitude, ratio, distortion = (
+        np.array([getattr(sine, name) for sine in ascending]) for name in ("amplitude", "ratio", "distortion")
+    )
+    return Sweep(plane, _response(sines, stance.length), amplitude, np.abs(ratio) * amplitude, distortion)
+
+
+def missing_frequencies(pendulum: Pendulum, measured: Sequence[float]) -> list[float]:
+    """Frequencies around a pendulum's resonance to be measured [Hz]; none if it lies amid measured ones [Hz].
+
+    A damping ratio is seen within half a bandwidth of the resonance alone: there both sides must have been measured.
+    """
+    resonance = pendulum.natural_frequency / (2.0 * pi)
+    half = max(pendulum.damping_ratio, LEAST_HALF_BANDWIDTH)
+    offsets = (np.array(measured) / resonance - 1.0) / half
+    near = offsets[np.abs(offsets) <= 1.5]
+    if np.any(near <= 0.0) and np.any(near >= 0.0) and len(near) > 1:
+        return []
+    return [float(resonance * (1.0 + half * offset)) for offset in RESONANCE_OFFSETS]
+
+
+def _response(sines: Mapping[float, "_MeasuredSine"], length: float) -> FrequencyResponse:
+    """What was measured, by ascending frequency."""
+    frequency = sorted(sines)
+    return FrequencyResponse(np.array(frequency), np.array([sines[one].ratio * length for one in frequency]))
+
+
+def _suitable_sine(
+    robot: SwayingRobot, plane: str, frequency: float, gain: float, pole: complex | None = None
+) -> "_MeasuredSine":
+    """A sine that moves the zero-moment point enough and leaves the sole flat; tried until its amplitude suits.
+
+    Args:
+        robot: that sways.
+        plane: for the message.
+        frequency: of the sine [Hz].
+        gain: that is expected, zero-moment point over reference.
+        pole: of the sway, if it is known: near resonance what a sine begins with dies out too slowly to wait for.
+
+    Raises:
+        InputError: no amplitude suits.
+    """
+    room = float(robot.stance.reach[robot.axis])
+    amplitude = AIM_SHARE * room / gain
+    for _ in range(MAX_ATTEMPTS):
+        found = _measure(robot, frequency, amplitude, MAX_SHARE * room, pole)
+        moved = abs(found.ratio) * amplitude
+        if found.complete and MIN_SHARE * room <= moved <= MAX_SHARE * room:
+            return found
+        amplitude *= min(max(AIM_SHARE * room / moved, 0.2), 3.0) if found.complete else 0.3
+        if not found.complete:  # what it was shaken up to would break off the next one, too
+            robot.rest()
+    raise InputError(f"{plane}, {robot.stance.support} support: no amplitude suits at {frequency:.2f} Hz")
 
 
 @dataclass(frozen=True)
 class _MeasuredSine:
+    amplitude: float
     ratio: complex
     distortion: float
     complete: bool
 
 
-def _measure(robot: SwayingRobot, frequency: float, amplitude: float, most: float) -> _MeasuredSine:
-    """Zero-moment point over reference in one sine, which is broken off where the former moves too far [m]."""
+def _measure(
+    robot: SwayingRobot, frequency: float, amplitude: float, most: float, pole: complex | None
+) -> _MeasuredSine:
+    """Zero-moment point over reference in one sine, which is broken off where the former moves too far [m].
+
+    Without a pole the last window counts; with one all since the sine came up, and what dies out is fitted, too.
+    """
     cycle = 1.0 / frequency
     ramp = max(cycle, MIN_RAMP_S)
     window = round(max(WINDOW_CYCLES, ceil(MIN_WINDOW_S * frequency)) * cycle / robot.period)
@@ -161,18 +224,19 @@ def _measure(robot: SwayingRobot, frequency: float, amplitude: float, most: floa
             t = len(values) * robot.period
             values.append(robot.step(amplitude * _smooth_step(t / ramp) * np.sin(omega * t)))
             complete = abs(values[-1]) < 1.3 * most
-        zmp = np.array(values[-window:])
-        times = robot.period * np.arange(len(values) - len(zmp), len(values))
-        found.append(sine_coefficients(times, zmp, frequency))
+        begin = max(len(values) - window, 0) if pole is None else min(round(ramp / robot.period), len(values) - 1)
+        zmp = np.array(values[begin:])
+        times = robot.period * np.arange(begin, len(values))
+        found.append(sine_coefficients(times, zmp, frequency, pole))
         if len(found) > 1 and abs(found[-1] - found[-2]) < STEADY * abs(found[-1]):
             break
-    begin = times[-1] + robot.period
+    end = times[-1] + robot.period
     for k in range(round(cycle / robot.period)):  # and let it die out
         t = k * robot.period
-        robot.step(amplitude * _smooth_step(1.0 - t / cycle) * np.sin(omega * (begin + t)))
+        robot.step(amplitude * _smooth_step(1.0 - t / cycle) * np.sin(omega * (end + t)))
     sine = np.imag(found[-1] * np.exp(1j * omega * times))
     rest = float(np.sqrt(2.0 * np.mean((zmp - zmp.mean() - sine) ** 2)))
-    return _MeasuredSine(found[-1] / amplitude, rest / max(abs(found[-1]), 1e-12), complete)
+    return _MeasuredSine(amplitude, found[-1] / amplitude, rest / max(abs(found[-1]), 1e-12), complete)
 
 
 def _smooth_step(x: float) -> float:

@@ -6,6 +6,8 @@ import pytest
 from sot.errors import InputError
 from sot.servo.damping import DampingController
 from sot.servo.identified import (
+    PLANES,
+    SUPPORTS,
     Identified,
     IdentifiedCase,
     identified_robots,
@@ -88,3 +90,10 @@ def test_what_comes_with_the_project_fits_what_was_measured():
             assert errors.phase_deg < 4.0
         planes, _ = read_identified(path).designs(0.72, 0.005)
         DampingController(planes, lambda t: 0.5, np.array([0.1, 0.1]))(0.0, np.zeros(2))
+
+
+@pytest.mark.parametrize("robot", identified_robots())
+def test_robots_that_come_identified_have_all_four_cases(robot):
+    found = read_identified(identified_robots()[robot])
+    assert set(found.cases) == {(plane, support) for plane in PLANES for support in SUPPORTS}
+    assert len(found.designs(0.72, 0.005)[1]) == 4

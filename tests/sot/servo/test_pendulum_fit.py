@@ -24,6 +24,18 @@ def test_a_sine_is_found_under_an_offset_and_a_drift():
     assert np.angle(found) == pytest.approx(0.6)
 
 
+def test_a_sine_is_found_beside_an_oscillation_that_dies_out_slowly_at_nearly_its_frequency():
+    pendulum = Pendulum(33.0, 0.65, 636.0, 5.75, 3.5)
+    frequency = 1.03 * pendulum.natural_frequency / (2.0 * np.pi)
+    time = np.arange(1.0, 8.0, 0.005)
+    dying = 0.7 * np.real(np.exp(1.05 * pendulum.pole * time + 0.5j))  # a pole that is not quite right, either
+    noise = 0.01 * np.random.default_rng(0).standard_normal(len(time))
+    values = np.imag((2.0 - 1.0j) * np.exp(2j * np.pi * frequency * time)) + dying + noise
+    known = abs(sine_coefficients(time, values, frequency, pendulum.pole) - (2.0 - 1.0j))
+    assert known < 0.01 * abs(2.0 - 1.0j)
+    assert known < 0.2 * abs(sine_coefficients(time[-400:], values[-400:], frequency) - (2.0 - 1.0j))
+
+
 @pytest.mark.parametrize("name", PENDULUMS)
 def test_an_exact_response_gives_the_pendulum_back(name):
     pendulum = PENDULUMS[name]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scenarios.kimoh2013.damping.push_runs import Sway, pushed, usual_push
+from scenarios.kimoh2013.damping.push_runs import Sway, pushed, series_of, usual_push
 from scenarios.kimoh2013.damping.push_view import draw_sways
 from scenarios.kimoh2013.damping.pushes import controllers_of
 from scenarios.kimoh2013.damping.stance import stance_of, usual_compliance
@@ -37,6 +37,13 @@ def test_a_robot_that_fell_never_settles():
     assert Sway(np.arange(3.0), np.zeros(3), 1.0).settling_time == np.inf
 
 
+def test_a_series_of_pushes_is_the_same_one_after_each_period():
+    push = usual_push(stance_of(Robot.load("hrp2"), "double"), 0, 3)
+    series = series_of(push, 3, 0.7)
+    assert [one.t - push.t for one in series] == pytest.approx([0.0, 0.7, 1.4])
+    assert {(one.force, one.duration, one.body) for one in series} == {(push.force, push.duration, push.body)}
+
+
 def test_controllers_and_their_order():
     identified = read_identified(identified_robots()["hrp2"])
     found = controllers_of(identified, (0.3, 0.72), "filtered")
@@ -59,10 +66,30 @@ def test_damping_settles_a_push_that_sways_on_without():
         controllers_of(read_identified(identified_robots()["hrp2"]), (0.72,), "filtered")[k] for k in range(3)
     )
     push = usual_push(stance, 0, 0)
-    free = pushed(stance, compliance, none.planes, push, 3.0, 0)
-    calm = pushed(stance, compliance, damped.planes, push, 2.0, 0)
+    free = pushed(stance, compliance, none.planes, [push], 3.0, 0)
+    calm = pushed(stance, compliance, damped.planes, [push], 2.0, 0)
     assert free.settling_time > 2.5
     assert free.swing_back > 0.6
     assert calm.settling_time < 0.7
     assert calm.damping_ratio(1.5) == pytest.approx(0.72, abs=0.2)
-    assert pushed(stance, compliance, paper.planes, push, 2.0, 0).fell_at is not None
+    assert pushed(stance, compliance, paper.planes, [push], 2.0, 0).fell_at is not None
+
+
+@pytest.mark.slow
+def test_pushes_in_its_own_period_shake_up_a_robot_that_nothing_damps():
+    robot = Robot.load("hrp2")
+    stance, compliance = stance_of(robot, "double"), usual_compliance(robot)
+    identified = read_identified(identified_robots()["hrp2"])
+    none, damped = controllers_of(identified, (0.72,), "filtered")[:2]
+    period = 2.0 * np.pi / identified.cases["xz", "double"].pendulum.natural_frequency
+    pushes = series_of(usual_push(stance, 0, 0), 3, period)
+
+    def peak(planes):
+        once, series = (pushed(stance, compliance, planes, some, 1.0, 0) for some in (pushes[:1], pushes))
+        assert once.fell_at is None and series.fell_at is None
+        return [np.abs(sway.zmp[sway.time >= 0.0]).max() for sway in (once, series)]
+
+    once, series = peak(none.planes)
+    assert series > 1.3 * once
+    once, series = peak(damped.planes)
+    assert series < 1.1 * once
