@@ -10,8 +10,8 @@ import numpy as np
 import qpsolvers
 from proxsuite import proxqp
 
-from solvers.nullspace import factorize_rows
 from solvers.rows import Array, Status
+from solvers.tight_rows import least_squares_on_tight_rows
 
 SECOND_SOLVER_NAME = "quadprog"
 ZERO_BELOW = 1e-13
@@ -30,10 +30,6 @@ as a rule far less than shows in the answer, and where the solver has failed."""
 
 TIGHT_MULTIPLIER = 1e-6
 """Multiplier, relative to 1 plus the largest one, above which an inequality is tight for certain."""
-INDEPENDENT_ABOVE = 1e-7
-"""Length of a direction, relative to the largest entry of its matrix, above which its rows determine it."""
-MAX_TIGHTENINGS = 4
-"""Largest number of times that inequalities are added to the tight ones."""
 
 
 @dataclass(slots=True)
@@ -110,7 +106,7 @@ class PersistentQPs:
         H, g = problem.A.T @ problem.A, -(problem.A.T @ problem.b)
         n, m = len(g), len(lower)
         # Scaled up by the preconditioner, rows of mere rounding would keep ProxQP busy for seconds.
-        C = np.where(np.abs(C) > ZERO_BELOW * np.abs(C).max(initial=0.0), C, 0.0)
+        C = np.ascontiguousarray(np.where(np.abs(C) > ZERO_BELOW * np.abs(C).max(initial=0.0), C, 0.0))
         problem = replace(problem, C=C)
         place = (key, n, m)
         qp = self._solvers.get(place)
@@ -148,8 +144,7 @@ class PersistentQPs:
         residual = problem.violation(y)
         if residual > self.tolerance:
             return None
-        with np.errstate(invalid="ignore"):  # lanes that a product leaves unused may raise the flag
-            exact = self._exact_answer(problem, y, multipliers)
+        exact = self._exact_answer(problem, y, multipliers)
         if exact is not None:
             y, residual = exact, problem.violation(exact)
         return QPResult(y, multipliers, status, residual, reason)
@@ -159,25 +154,13 @@ class PersistentQPs:
 
         Where many answers do equally well, the shortest may leave the bounds: those it breaks are held, too.
         """
-        A, C = problem.A, problem.C
         tight = np.abs(multipliers) > TIGHT_MULTIPLIER * (1.0 + np.abs(multipliers).max(initial=0.0))
-        target = np.where(multipliers > 0.0, problem.upper, problem.lower)
-        for _ in range(MAX_TIGHTENINGS):
-            held = factorize_rows(C[tight], _rank_tolerance(C))
-            exact = held.least_squares(target[tight])
-            Z = held.remaining_basis(np.eye(len(y), order="F"))
-            exact = exact + Z @ factorize_rows(A @ Z, _rank_tolerance(A)).least_squares(problem.b - A @ exact)
-            value = C @ exact
-            over, under = value > problem.upper + self.accuracy, value < problem.lower - self.accuracy
-            if not (over | under).any():
-                # The gradients agree where and only where one is as good as the other.
-                gap = np.abs(A.T @ (A @ (exact - y))).max(initial=0.0)
-                return exact if gap <= self.tolerance * (1.0 + np.abs(A.T @ problem.b).max(initial=0.0)) else None
-            if (tight & (over | under)).any():
-                return None
-            target[over], target[under] = problem.upper[over], problem.lower[under]
-            tight |= over | under
-        return None
+        sides = np.where(tight, np.sign(multipliers), 0.0)
+        A, b = np.ascontiguousarray(problem.A), np.asarray(problem.b)
+        exact, found = least_squares_on_tight_rows(A, b, problem.C, problem.lower, problem.upper, sides, self.accuracy)
+        # The gradients agree where and only where one is as good as the other.
+        gap = np.abs(A.T @ (A @ (exact - y))).max(initial=0.0)
+        return exact if found and gap <= self.tolerance * (1.0 + np.abs(A.T @ b).max(initial=0.0)) else None
 
     def _failure_reason(self, qp: proxqp.dense.QP) -> str:
         """Why ProxQP has no answer, in words."""
@@ -232,7 +215,3 @@ class PersistentQPs:
 
 def _failed_result(problem: QP, reason: str) -> QPResult:
     return QPResult(np.zeros(problem.A.shape[1]), np.zeros(len(problem.lower)), Status.FAILED, np.inf, reason)
-
-
-def _rank_tolerance(A: Array) -> float:
-    return INDEPENDENT_ABOVE * float(np.abs(A).max(initial=1e-12))
