@@ -1,7 +1,7 @@
 """Least squares under inequalities on ProxQP, warm-started from call to call, with a second solver as fallback.
 
-ProxQP tells which inequalities are tight. Given these, the answer is one of plain least squares, the shortest if there
-are many: its last digits then depend on neither the place in memory nor the call before, which ProxQP's do.
+ProxQP tells which inequalities are tight. Given these, the answer is one of plain least squares, mostly the shortest if
+there are many: its last digits then depend on neither the place in memory nor the call before, which ProxQP's do.
 """
 
 from dataclasses import dataclass, replace
@@ -152,12 +152,14 @@ class PersistentQPs:
     def _exact_answer(self, problem: QP, y: Array, multipliers: Array) -> Array | None:
         """Answer of least squares with the tight inequalities as equalities; None if it is not that of `y`.
 
-        Where many answers do equally well, the shortest may leave the bounds: those it breaks are held, too.
+        Where many do equally well, it is the shortest, or where that is not found the one nearest to `y`.
         """
         tight = np.abs(multipliers) > TIGHT_MULTIPLIER * (1.0 + np.abs(multipliers).max(initial=0.0))
         sides = np.where(tight, np.sign(multipliers), 0.0)
         A, b = np.ascontiguousarray(problem.A), np.asarray(problem.b)
-        exact, found = least_squares_on_tight_rows(A, b, problem.C, problem.lower, problem.upper, sides, self.accuracy)
+        exact, found = least_squares_on_tight_rows(
+            A, b, problem.C, problem.lower, problem.upper, sides, y, self.accuracy
+        )
         # The gradients agree where and only where one is as good as the other.
         gap = np.abs(A.T @ (A @ (exact - y))).max(initial=0.0)
         return exact if found and gap <= self.tolerance * (1.0 + np.abs(A.T @ b).max(initial=0.0)) else None

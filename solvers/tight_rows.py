@@ -16,69 +16,84 @@ from solvers.rows import Array
 
 NEGLIGIBLE_LENGTH = 1e-7
 """Length of a row in what others leave, relative to the largest entry of its matrix, below which it counts as zero."""
+
 MAX_TIGHTENINGS = 4
-"""Largest number of times that inequalities are added to the tight ones."""
+"""Largest number of times that bounds are added which the shortest answer breaks."""
 
 
 @compiled
 def least_squares_on_tight_rows(
-    A: Array, b: Array, C: Array, lower: Array, upper: Array, sides: Array, tolerance: float
+    A: Array, b: Array, C: Array, lower: Array, upper: Array, sides: Array, near: Array, tolerance: float
 ) -> tuple[Array, bool]:
     """The shortest y of those that minimise ``‖A y − b‖²`` with the tight rows of C at their bounds.
 
-    Where many y do equally well, the shortest may leave other bounds: those it breaks are tight, too.
+    Where many y do equally well, the shortest may break bounds: those are then tight, too. Where that leads nowhere it
+    is the y nearest to a known answer.
 
     Args:
         A, b: Shapes (k, n) and (k,).
         C, lower, upper: Inequalities ``lower <= C y <= upper``, shapes (m, n), (m,) and (m,).
-        sides: +1 where a row is tight at its upper bound, -1 at the lower one, 0 elsewhere, shape (m,); changed.
+        sides: +1 where a row is tight at its upper bound, -1 at the lower one, 0 elsewhere, shape (m,).
+        near: The known answer, to some accuracy, shape (n,).
         tolerance: Violation that counts as none.
 
     Returns:
         y, shape (n,), and whether it satisfies the inequalities.
     """
-    m, n = C.shape
-    longest = np.abs(A).max() if A.size else 1.0
-    y = np.zeros(n)
+    tightened, nowhere = sides.copy(), np.zeros(len(near))
     for _ in range(MAX_TIGHTENINGS):
-        tight = np.flatnonzero(sides)
-        rows, target = np.empty((len(tight), n)), np.empty(len(tight))
-        for k in range(len(tight)):
-            copy_into(rows[k], C[tight[k]])
-            target[k] = upper[tight[k]] if sides[tight[k]] > 0.0 else lower[tight[k]]
-        L, V, factors, kept, _ = lq_factorization(rows)
-        rank = len(kept)
-        y = np.zeros(n)
-        copy_into(y, forward_substitution(L, kept, target))
-        apply_q_transposed(V, factors, rank, y)
-        basis = np.zeros((n - rank, n))
-        for k in range(n - rank):
-            basis[k, rank + k] = 1.0
-            apply_q_transposed(V, factors, rank, basis[k])
-        B = np.zeros((len(A), n - rank))
-        for i in range(len(A)):
-            copy_into(B[i], matrix_vector(basis, A[i]))
-            if not B[i] @ B[i] > (NEGLIGIBLE_LENGTH * longest) ** 2:
-                B[i] = 0.0
-        z, solved = _shortest_least_squares(B, b - matrix_vector(A, y))
-        if not solved:
-            return y, False
-        for k in range(n - rank):
-            for i in range(n):
-                y[i] += z[k] * basis[k, i]
-        broken = False
-        for row in range(m):
-            value = 0.0
-            for i in range(n):
-                value += C[row, i] * y[i]
-            if not (value <= upper[row] + tolerance and value >= lower[row] - tolerance):
-                if sides[row] != 0.0:
-                    return y, False
-                sides[row] = 1.0 if value > upper[row] else -1.0
-                broken = True
-        if not broken:
+        y, found = _nearest_on_tight_rows(A, b, C, lower, upper, tightened, nowhere)
+        broken = _broken_sides(matrix_vector(C, y), lower, upper, tolerance)
+        if not found or (broken * tightened).any():
+            break
+        if not broken.any():
             return y, True
-    return y, False
+        tightened += broken
+    y, found = _nearest_on_tight_rows(A, b, C, lower, upper, sides, near)
+    return y, found and not _broken_sides(matrix_vector(C, y), lower, upper, tolerance).any()
+
+
+@compiled
+def _broken_sides(value: Array, lower: Array, upper: Array, tolerance: float) -> Array:
+    """+1 where a value is above its upper bound, -1 below the lower one, 0 elsewhere, shape (m,)."""
+    sides = np.zeros(len(value))
+    for row in range(len(value)):
+        if not value[row] <= upper[row] + tolerance:
+            sides[row] = 1.0
+        elif not value[row] >= lower[row] - tolerance:
+            sides[row] = -1.0
+    return sides
+
+
+@compiled
+def _nearest_on_tight_rows(
+    A: Array, b: Array, C: Array, lower: Array, upper: Array, sides: Array, origin: Array
+) -> tuple[Array, bool]:
+    """The y nearest to an origin of those that minimise ``‖A y − b‖²`` with the tight rows at their bounds, and whether
+    that could be told."""
+    n, tight = C.shape[1], np.flatnonzero(sides)
+    rows, target = np.empty((len(tight), n)), np.empty(len(tight))
+    for k in range(len(tight)):
+        copy_into(rows[k], C[tight[k]])
+        target[k] = upper[tight[k]] if sides[tight[k]] > 0.0 else lower[tight[k]]
+    L, V, factors, kept, _ = lq_factorization(rows)
+    rank, longest, y = len(kept), np.abs(A).max() if A.size else 1.0, np.zeros(n)
+    copy_into(y, forward_substitution(L, kept, target - matrix_vector(rows, origin)))
+    apply_q_transposed(V, factors, rank, y)
+    y += origin
+    basis, B = np.zeros((n - rank, n)), np.zeros((len(A), n - rank))
+    for k in range(n - rank):
+        basis[k, rank + k] = 1.0
+        apply_q_transposed(V, factors, rank, basis[k])
+    for i in range(len(A)):
+        copy_into(B[i], matrix_vector(basis, A[i]))
+        if not B[i] @ B[i] > (NEGLIGIBLE_LENGTH * longest) ** 2:
+            B[i] = 0.0
+    z, solved = _shortest_least_squares(B, b - matrix_vector(A, y))
+    for k in range(n - rank):
+        for i in range(n):
+            y[i] += z[k] * basis[k, i]
+    return y, solved
 
 
 @compiled
