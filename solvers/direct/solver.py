@@ -5,12 +5,14 @@ Most ticks are of that kind, and they need no null-space basis between levels. W
 
     J_0 x_1 = b_0,  J_1 x_1 = b_1,  ...
 
-are the solutions of all of them together: one factorisation. The first level with more rows than there are variables
+are the solutions of all of them together: one factorisation. The first level that has no fewer rows than variables are
 left, ``W x_1 = b``, takes these by least squares: that determines x_1. Then x_2 has to answer what level 0 asks of it,
 ``R x_2 = r − P x_1``, and the last level, which wants ``x_2 = w``, gets the nearest point that does.
 
 Active inequalities are held as equalities. Rows that x_2 can satisfy beside R cost the last level something. Where
 there are more than x_2 can satisfy, combinations of them without x_2 are rows on x_1, and cost the level of W.
+
+Which ones are active is tried from the last tick's on, and where that goes round in circles, from `weighted_guess` on.
 
 The result is checked exactly: all inequalities of level 0 hold, and the held ones push the right way at the level that
 they cost first. What does not fit is left to others: rows that contradict each other, a level of another kind, an
@@ -39,6 +41,7 @@ from solvers.dense import (
 )
 from solvers.reduction import leading_count
 from solvers.rows import Array, Equality, Level
+from solvers.direct.weighted_guess import guessed_active_sides
 
 MAX_ACTIVE_SET_CHANGES = 12
 """Largest number of changes to the active set before the solver gives up."""
@@ -90,9 +93,15 @@ class DirectSolver:
             return None
         K, r = _stacked_rows(parts.coupled, size)
         W, b = _row_products(parts.overdetermined, X)
+        C, lower, upper, wish = hard.C, hard.lower, hard.upper, x[leading:].copy()
         found, self.max_violation = _active_set_optimum(
-            X, W, b, K, r, x, hard.C, hard.lower, hard.upper, self.active_sides, self.tolerance
+            X, W, b, K, r, x, C, lower, upper, self.active_sides, self.tolerance
         )
+        if not found and (sides := guessed_active_sides(X, W, b, K, r, wish, C, lower, upper)) is not None:
+            self.active_sides, x[leading:] = sides, wish
+            found, self.max_violation = _active_set_optimum(
+                X, W, b, K, r, x, C, lower, upper, self.active_sides, self.tolerance
+            )
         self.levels_met = parts.levels_met
         return x if found else None
 
@@ -138,7 +147,7 @@ class _Structure:
                     return None
             elif used < leading:
                 rows = sum(len(e.b) for e in level.equalities)
-                if used + rows <= leading:
+                if used + rows < leading:
                     thin.extend(level.equalities)
                     met += 1
                 else:
