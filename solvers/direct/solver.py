@@ -39,9 +39,9 @@ from solvers.dense import (
     matrix_vector,
     solution_space,
 )
+from solvers.direct.weighted_guess import guessed_active_sides
 from solvers.reduction import leading_count
 from solvers.rows import Array, Equality, Level
-from solvers.direct.weighted_guess import guessed_active_sides
 
 MAX_ACTIVE_SET_CHANGES = 12
 """Largest number of changes to the active set before the solver gives up."""

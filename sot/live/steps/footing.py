@@ -255,17 +255,18 @@ class SteppingFooting:
         step = self._steps[0]
         if t > step.land - FREEZE_TIME:
             return
-        step.aimed, before, accepted = step.asked.place, step.place, max(ACCEPTED_PLAN_EXCESS, self.excess)
+        before, aimed, accepted = step.place, step.aimed, max(ACCEPTED_PLAN_EXCESS, self.excess)
         place = self._place(step.asked, step.start, self._beside(step), step.land - step.lift)
         for part in REDIRECTED_PARTS:
-            step.place = _between(before, place, part)
+            step.place, step.aimed = _between(before, place, part), _between(aimed, step.asked.place, part)
             moved = max(abs(step.place.x - before.x), abs(step.place.y - before.y))
             if max(moved, abs(step.place.heading - before.heading)) < MIN_REDIRECTION:
-                break
+                step.place = before
+                return
             if self._can_be_led(step, t) and self._solved(t, self._steps, wanted, future)[1] < accepted:
                 self._lead(step, t)
                 return
-        step.place = before
+        step.place, step.aimed = before, aimed
 
     def _can_be_led(self, step: DecidedStep, t: float) -> bool:
         """Whether the foot in the air gets to where its step is to end as fast as feet may go."""

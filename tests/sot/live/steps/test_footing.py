@@ -105,6 +105,21 @@ def test_a_foot_is_led_elsewhere_no_faster_than_feet_may_go(robot):
     assert max(excess for *_, excess in knots) < 0.02
 
 
+def test_a_foot_that_had_no_time_to_get_where_the_person_landed_steps_again(robot):
+    footing = SteppingFooting(robot)
+    step = asked("left_foot", 1.0, 0.2)
+    step.has_landed = False
+    footing.asked.append(step)
+    play(footing, 1.1)
+    late = footing._steps[0].land - 0.2
+    play(footing, late, start=1.1)
+    step.place, step.has_landed = Foothold(-0.15, 0.2, 0.0), True
+    play(footing, 4.0, start=late)
+    assert [one.foot for one in footing.made] == ["left_foot", "left_foot"]
+    assert footing.made[0].place.x > 0.0, "it had no time for all of it"
+    assert footing.stands["left_foot"].x == pytest.approx(-0.15, abs=0.02)
+
+
 def test_the_body_stays_where_the_legs_of_feet_far_apart_reach(robot):
     footing, behind = SteppingFooting(robot), []
     footing.asked.append(asked("left_foot", 1.0, 0.0, dy=0.5))
