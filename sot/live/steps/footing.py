@@ -41,8 +41,9 @@ ACCEPTED_PLAN_EXCESS = 0.004
 """Distance of the zero-moment point beyond its room with which a step may be decided [m]."""
 MAX_PLAN_EXCESS = 0.02
 """The same with which a decided step, not yet begun, is put off [m]."""
-MAX_BACKLOG_TIME = 0.6
-"""Time by which the robot is late at most before it leaves out steps that later ones have made needless [s]."""
+MAX_BACKLOG_TIME = 2.1
+"""Time by which the robot is late at most before it leaves out steps that later ones have made needless, in √(height of
+the centre of mass / g)."""
 MAX_TRIALS = 8
 """Times of a lift that are tried, KNOT_PERIOD apart, before the step waits for the next plan."""
 MAX_LIFT_ACCELERATION_G = 0.5
@@ -307,7 +308,7 @@ class SteppingFooting:
             self.asked.popleft()
         if not self.asked:
             return
-        if t > self.asked[0].lift + MAX_BACKLOG_TIME:
+        if t > self.asked[0].lift + MAX_BACKLOG_TIME * self._time:
             self._leave_out_superseded()
         asked = self.asked[0]
         if self._steps and self._steps[0].foot == asked.foot:

@@ -132,9 +132,10 @@ def test_the_body_stays_where_the_legs_of_feet_far_apart_reach(robot):
 
 def test_who_is_far_behind_leaves_out_what_later_steps_have_made_needless(robot):
     footing = SteppingFooting(robot)
+    late = MAX_BACKLOG_TIME * footing._time
     for k in range(3):
         footing.asked += [asked("left_foot", 0.1, 0.05 * k), asked("right_foot", 0.1, 0.05 * k)]
-    play(footing, MAX_BACKLOG_TIME + 2.0, start=MAX_BACKLOG_TIME + 0.2)
+    play(footing, late + 2.0, start=round(late + 0.2, 2))
     assert [step.foot for step in footing.made] == ["right_foot", "left_foot", "right_foot"]
     assert footing.made[-1].asked.place.x == pytest.approx(0.1)
 
