@@ -10,8 +10,8 @@ import numpy as np
 import qpsolvers
 from proxsuite import proxqp
 
+from solvers.direct.tight_rows import least_squares_on_tight_rows
 from solvers.rows import Array, Status
-from solvers.tight_rows import least_squares_on_tight_rows
 
 SECOND_SOLVER_NAME = "quadprog"
 ZERO_BELOW = 1e-13

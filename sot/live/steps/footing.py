@@ -41,8 +41,9 @@ ACCEPTED_PLAN_EXCESS = 0.004
 """Distance of the zero-moment point beyond its room with which a step may be decided [m]."""
 MAX_PLAN_EXCESS = 0.02
 """The same with which a decided step, not yet begun, is put off [m]."""
-MAX_BACKLOG_TIME = 0.6
-"""Time by which the robot is late at most before it leaves out steps that later ones have made needless [s]."""
+MAX_BACKLOG_TIME = 2.1
+"""Time by which the robot is late at most before it leaves out steps that later ones have made needless, in √(height of
+the centre of mass / g)."""
 MAX_TRIALS = 8
 """Times of a lift that are tried, KNOT_PERIOD apart, before the step waits for the next plan."""
 MAX_LIFT_ACCELERATION_G = 0.5
@@ -255,17 +256,18 @@ class SteppingFooting:
         step = self._steps[0]
         if t > step.land - FREEZE_TIME:
             return
-        step.aimed, before, accepted = step.asked.place, step.place, max(ACCEPTED_PLAN_EXCESS, self.excess)
+        before, aimed, accepted = step.place, step.aimed, max(ACCEPTED_PLAN_EXCESS, self.excess)
         place = self._place(step.asked, step.start, self._beside(step), step.land - step.lift)
         for part in REDIRECTED_PARTS:
-            step.place = _between(before, place, part)
+            step.place, step.aimed = _between(before, place, part), _between(aimed, step.asked.place, part)
             moved = max(abs(step.place.x - before.x), abs(step.place.y - before.y))
             if max(moved, abs(step.place.heading - before.heading)) < MIN_REDIRECTION:
-                break
+                step.place = before
+                return
             if self._can_be_led(step, t) and self._solved(t, self._steps, wanted, future)[1] < accepted:
                 self._lead(step, t)
                 return
-        step.place = before
+        step.place, step.aimed = before, aimed
 
     def _can_be_led(self, step: DecidedStep, t: float) -> bool:
         """Whether the foot in the air gets to where its step is to end as fast as feet may go."""
@@ -306,7 +308,7 @@ class SteppingFooting:
             self.asked.popleft()
         if not self.asked:
             return
-        if t > self.asked[0].lift + MAX_BACKLOG_TIME:
+        if t > self.asked[0].lift + MAX_BACKLOG_TIME * self._time:
             self._leave_out_superseded()
         asked = self.asked[0]
         if self._steps and self._steps[0].foot == asked.foot:

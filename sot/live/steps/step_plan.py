@@ -32,7 +32,7 @@ class DecidedStep:
         lift, land: when it leaves the floor, and when it is back [s].
         start, place: from where to where.
         asked: the person's step that it follows.
-        aimed: where that was expected to end when the foot was led there last.
+        aimed: where that was expected to end, as far as the foot has been led there.
     """
 
     foot: str

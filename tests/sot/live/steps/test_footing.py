@@ -105,6 +105,21 @@ def test_a_foot_is_led_elsewhere_no_faster_than_feet_may_go(robot):
     assert max(excess for *_, excess in knots) < 0.02
 
 
+def test_a_foot_that_had_no_time_to_get_where_the_person_landed_steps_again(robot):
+    footing = SteppingFooting(robot)
+    step = asked("left_foot", 1.0, 0.2)
+    step.has_landed = False
+    footing.asked.append(step)
+    play(footing, 1.1)
+    late = footing._steps[0].land - 0.2
+    play(footing, late, start=1.1)
+    step.place, step.has_landed = Foothold(-0.15, 0.2, 0.0), True
+    play(footing, 4.0, start=late)
+    assert [one.foot for one in footing.made] == ["left_foot", "left_foot"]
+    assert footing.made[0].place.x > 0.0, "it had no time for all of it"
+    assert footing.stands["left_foot"].x == pytest.approx(-0.15, abs=0.02)
+
+
 def test_the_body_stays_where_the_legs_of_feet_far_apart_reach(robot):
     footing, behind = SteppingFooting(robot), []
     footing.asked.append(asked("left_foot", 1.0, 0.0, dy=0.5))
@@ -117,9 +132,10 @@ def test_the_body_stays_where_the_legs_of_feet_far_apart_reach(robot):
 
 def test_who_is_far_behind_leaves_out_what_later_steps_have_made_needless(robot):
     footing = SteppingFooting(robot)
+    late = MAX_BACKLOG_TIME * footing._time
     for k in range(3):
         footing.asked += [asked("left_foot", 0.1, 0.05 * k), asked("right_foot", 0.1, 0.05 * k)]
-    play(footing, MAX_BACKLOG_TIME + 2.0, start=MAX_BACKLOG_TIME + 0.2)
+    play(footing, late + 2.0, start=round(late + 0.2, 2))
     assert [step.foot for step in footing.made] == ["right_foot", "left_foot", "right_foot"]
     assert footing.made[-1].asked.place.x == pytest.approx(0.1)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solvers.tight_rows import least_squares_on_tight_rows
+from solvers.direct.tight_rows import least_squares_on_tight_rows
 
 EVERYWHERE = np.full(6, 1e3)
 
