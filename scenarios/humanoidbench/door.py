@@ -39,7 +39,7 @@ PRESS_SHARE = 0.6
 """Share of the bar's length at which it is pressed."""
 FRAME_M = 0.12
 """Half the depth of the frame [m]."""
-PRESSED_RAD, UNLATCHED_RAD, OPENED_RAD = 0.9, 0.33, 1.2
+PRESSED_RAD, UNLATCHED_RAD, OPENED_RAD = 0.9, 0.33, 1.1
 """Angles: of the lever when it is down, of the door when the bolt is within the frame, and to which it is opened."""
 LEVER_REACHED_RAD, HINGE_REACHED_RAD, PAST_REACHED_M = 0.75, 1.0, 0.2
 """What has to be reached: angles of lever and hinge, and the waist's way past the frame."""

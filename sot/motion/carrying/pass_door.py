@@ -20,7 +20,7 @@ from sot.motion.carrying.led_arms import LedSurface, led_surfaces, surface_turns
 from sot.motion.feet.footwork import Foothold
 from sot.motion.feet.swing import FootPath, feet_heading, feet_middle
 from sot.motion.trajectory import Motion
-from sot.motion.way import STANDING_TIME, SWING_TIME, footsteps_along
+from sot.motion.way import Gait, footsteps_along
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
 from sot.robots.surface import Surface
@@ -32,6 +32,10 @@ Key = tuple[float, Array, Array, float]
 
 PRESSING_SURFACE, PUSHING_SURFACE = "left_palm", "right_hand_end"
 KNOT_PERIOD = 0.02  # s, between knots
+# The push turns the robot about the vertical, and on the edge of a foot there is no friction against that: steps are slow,
+# and the pressure stays near the middle of the foot that stands alone.
+GAIT = Gait(step=0.12, standing=4.0)
+ZMP_INSET = (0.11, 0.07)  # leg lengths, along and across the feet
 # In leg lengths.
 PUSHING_HEIGHT = 1.33  # of the pushing hand's end
 STANDING_BEHIND, STANDING_ASIDE = 0.52, 0.21  # of the body from the lever, before the door
@@ -93,11 +97,11 @@ def pass_door(robot: Robot, door: DoorLayout, rate: float = 1000.0) -> DoorPlan:
     followed = FOLLOWING_SHARE * float(door.pushed(door.unlatched)[0] - door.pushed(0.0)[0])
     closer = Foothold(before.x + followed, before.y, before.heading)
     after = _end(door, before, closer, shoulder, leg)
-    walked = footsteps_along(robot, [before, closer, after], waits={0: WAITING_TIME, 1: LEAVING_TIME})
+    walked = footsteps_along(robot, [before, closer, after], gait=GAIT, waits={0: WAITING_TIME, 1: LEAVING_TIME})
     times = _Times(walked.arrivals[0], unit)
     knots = KNOT_PERIOD * np.arange(np.ceil(walked.end / KNOT_PERIOD) + 1)
     phases, paths = walked.feet_at(robot, knots)
-    stride = (SWING_TIME + STANDING_TIME) * unit
+    stride = (GAIT.swing + GAIT.standing) * unit
     body = _smoothed(_body(paths), 2.0 * stride)
 
     def share(start: float, end: float) -> Array:
@@ -126,7 +130,7 @@ def pass_door(robot: Robot, door: DoorLayout, rate: float = 1000.0) -> DoorPlan:
         }
         hands = [LedSurface(robot.surface(name), *_track(knots, keys)) for name, keys in tracks.items()]
         load = HeldLoad(kept, upper, nothing, "chest", place, level)
-        motion = feet_led(robot, phases, paths, KNOT_PERIOD, rate, where="its way", load=load)
+        motion = feet_led(robot, phases, paths, KNOT_PERIOD, rate, where="its way", load=load, inset=ZMP_INSET)
         y = from_configuration(motion.q[np.minimum(np.round(knots * rate).astype(int), len(motion.q) - 1)])
         led = with_hands_led(robot, limits, Spline.through(y, KNOT_PERIOD), hands).knots
         upper = led[:, 6 + kept]
