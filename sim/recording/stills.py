@@ -17,7 +17,7 @@ from sot.whole_file import atomic_write
 Array = np.ndarray
 
 WIDTH, HEIGHT = 480, 640  # pixels, of a moment
-DISTANCE_HEIGHTS, ELEVATION_DEG = 3.6, -12.0
+DISTANCE_HEIGHTS, ELEVATION_DEG = 4.2, -12.0
 LOOK_AT_SHARE = 0.9  # of the base's height at the start
 
 
@@ -39,7 +39,10 @@ def write_stills(path: Path, log: RunLog, system: System, times: Sequence[float]
     model.vis.global_.offwidth, model.vis.global_.offheight = WIDTH, HEIGHT
     images = []
     with open_gl(WIDTH, HEIGHT):
-        scene, context = mujoco.MjvScene(model, MAX_GEOMS), mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
+        scene, context = (
+            mujoco.MjvScene(model, MAX_GEOMS),
+            mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100),
+        )
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, context)
         for t in times:
             row = min(int(np.searchsorted(log.time, t)), len(log.time) - 1)

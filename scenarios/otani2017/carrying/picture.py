@@ -29,7 +29,9 @@ def picture(
     seed: Annotated[int | None, typer.Option(help="Of the noise of the box's place; none without.")] = None,
 ) -> None:
     """Carry a box, and draw the robot when it takes it, twice on its way, and when it lets it go."""
-    done = perform(Replay("", robot, rate=rate), Carrying(ObjectOptions(mass=mass), seed=seed), lambda what, share: None)
+    done = perform(
+        Replay("", robot, rate=rate), Carrying(ObjectOptions(mass=mass), seed=seed), lambda what, share: None
+    )
     holding = [t for t, sets in done.schedule.history if sets.holding]
     over = [t for t, sets in done.schedule.history if not sets.holding and t > holding[0]]
     end = over[0] if over else float(done.danced.run.log.trimmed().time[-1])

@@ -32,8 +32,8 @@ Key = tuple[float, Array, Array, float]
 
 PRESSING_SURFACE, PUSHING_SURFACE = "left_palm", "right_hand_end"
 KNOT_PERIOD = 0.02  # s, between knots
-# The push turns the robot about the vertical, and on the edge of a foot there is no friction against that: steps are slow,
-# and the pressure stays near the middle of the foot that stands alone.
+# The push turns the robot about the vertical, and on the edge of a foot there is no friction against that: steps are
+# slow, and the pressure stays near the middle of the foot that stands alone.
 GAIT = Gait(step=0.12, standing=4.0)
 ZMP_INSET = (0.11, 0.07)  # leg lengths, along and across the feet
 # In leg lengths.
@@ -226,8 +226,8 @@ def _pressing(
 def _on_bar(door: DoorLayout, angle: Array, lever: Array, corners: Array) -> tuple[Array, Array]:
     """Places (T, 3) of a hand's middle while it presses the bar, and where it touches it from there (T, 3) [m].
 
-    The palm cannot turn as far as the bar. So the bar slopes away under it, and whatever of the hand is deepest over the
-    slope touches: the edge of the palm, or what sticks out beyond it. That is where the bar is to be pressed.
+    The palm cannot turn as far as the bar. So the bar slopes away under it, and whatever of the hand is deepest over
+    the slope touches: the edge of the palm, or what sticks out beyond it. That is where the bar is to be pressed.
 
     corners: of the hand from its middle (T, n, 3), world axes.
     """
@@ -243,7 +243,7 @@ def _on_bar(door: DoorLayout, angle: Array, lever: Array, corners: Array) -> tup
 
 
 def _corners(robot: Robot, own: Surface) -> Array:
-    """Corners (n, 3) of all surfaces of the hand that one belongs to, from this one's middle, in its point's axes [m]."""
+    """Corners (n, 3) of all surfaces of a surface's hand, from its middle, in its point's axes [m]."""
     others = [surface.corners_at_point for surface in robot.surfaces.values() if surface.point == own.point]
     corners: Array = np.concatenate(others) - own.placement.translation
     return corners

@@ -36,9 +36,7 @@ class Support:
     inset: Polygon
 
 
-def supports(
-    robot: Robot, phases: Sequence[Phase], inset: tuple[float, float] = ZMP_INSET
-) -> tuple[Support, ...]:
+def supports(robot: Robot, phases: Sequence[Phase], inset: tuple[float, float] = ZMP_INSET) -> tuple[Support, ...]:
     """The supports over contact phases: a foot carries from FORCE_RAMP_TIME after landing to as long before lifting.
 
     inset: along and across the feet, from the edge to where a plan may have the ZMP while no foot slides [leg lengths].
