@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from scenarios.humanoidbench import door, push
-from scenarios.humanoidbench.door import DoorScene, _told_force
+from scenarios.humanoidbench.door import PRESSED_RAD, DoorScene, _told_force
 from scenarios.humanoidbench.package import CLEAR_M, PackageScene
 from scenarios.humanoidbench.push import PushScene
 from scenarios.humanoidbench.size import scene_scale
@@ -52,7 +52,7 @@ def test_the_robot_walks_around_the_package_and_has_it_ahead_at_its_destination(
         assert np.linalg.norm(between - scene.package, axis=1).min() > 0.99 * CLEAR_M * scene.scale
 
 
-@pytest.mark.parametrize(("lever", "opens"), [(0.0, False), (0.5, False), (0.75, True)])
+@pytest.mark.parametrize(("lever", "opens"), [(0.0, False), (0.5, False), (PRESSED_RAD, True)])
 def test_the_door_opens_only_while_its_lever_is_down(robot: Robot, lever: float, opens: bool) -> None:
     spec = mujoco.MjSpec()
     DoorScene.of(robot, 1).thing(offset=False).add_to(spec)
