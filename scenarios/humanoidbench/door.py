@@ -39,7 +39,7 @@ PRESS_SHARE = 0.6
 """Share of the bar's length at which it is pressed."""
 FRAME_M = 0.12
 """Half the depth of the frame [m]."""
-PRESSED_RAD, UNLATCHED_RAD, OPENED_RAD = 1.05, 0.33, 1.2
+PRESSED_RAD, UNLATCHED_RAD, OPENED_RAD = 0.9, 0.33, 1.1
 """Angles: of the lever when it is down, of the door when the bolt is within the frame, and to which it is opened."""
 LEVER_REACHED_RAD, HINGE_REACHED_RAD, PAST_REACHED_M = 0.75, 1.0, 0.2
 """What has to be reached: angles of lever and hinge, and the waist's way past the frame."""
@@ -115,11 +115,12 @@ def door_stack(system: System, plan: DoorPlan) -> Stack:
 def _told_force(surface: Surface, plan: DoorPlan) -> KnownWrench:
     """The force on a hand's surface as the plan has it."""
     assert surface.point is not None
-    path, forces, arm = plan.motion.pose(surface.point), plan.forces[surface.name], surface.placement.translation
+    path, arm = plan.motion.pose(surface.point), surface.placement.translation
+    columns = np.hstack([plan.forces[surface.name], plan.touches[surface.name]]).T
 
     def wrench(t: float) -> Array:
-        force = np.array([np.interp(t, plan.knots, column) for column in forces.T])
-        return np.concatenate([force, np.cross(path(t).rotation @ arm, force)])
+        force, touch = np.split(np.array([np.interp(t, plan.knots, column) for column in columns]), 2)
+        return np.concatenate([force, np.cross(path(t).rotation @ arm + touch, force)])
 
     return KnownWrench(surface.point, wrench)
 

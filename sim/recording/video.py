@@ -44,7 +44,7 @@ def write_video(simulated: SimulatedMotion, robot: Robot, path: Path) -> None:
     model = build_model(robot)
     model.vis.global_.offwidth, model.vis.global_.offheight = WIDTH, HEIGHT
     model.vis.quality.offsamples, model.vis.quality.shadowsize = SAMPLES, SHADOW_SIZE
-    with _open_gl(), av.open(str(path), "w") as file:
+    with open_gl(WIDTH, HEIGHT), av.open(str(path), "w") as file:
         drawing = _Drawing(model, robot, simulated)
         stream = file.add_stream("libx264", rate=FPS)
         stream.width, stream.height, stream.pix_fmt = WIDTH, HEIGHT, "yuv420p"
@@ -125,22 +125,22 @@ def _encoder() -> Any:
 
 
 @contextmanager
-def _open_gl() -> Iterator[None]:
-    """A current OpenGL context, of the first library that works.
+def open_gl(width: int, height: int) -> Iterator[None]:
+    """A current OpenGL context for pictures of a size in pixels, of the first library that works.
 
     Raises:
         InputError: none does.
     """
     for name in OPEN_GL:
         try:
-            context = importlib.import_module(f"mujoco.{name}").GLContext(WIDTH, HEIGHT)
+            context = importlib.import_module(f"mujoco.{name}").GLContext(width, height)
             context.make_current()
             break
         except Exception:  # whatever a driver that is not there raises
             continue
     else:
         raise InputError(
-            f"mp4 needs OpenGL, and none of {', '.join(OPEN_GL)} works here: install libegl1 or libosmesa6"
+            f"drawing needs OpenGL, and none of {', '.join(OPEN_GL)} works here: install libegl1 or libosmesa6"
         )
     try:
         yield

@@ -18,7 +18,7 @@ from sot.motion.body.coordinates import from_configuration, to_pinocchio
 from sot.motion.body.height import reachable_hip_height, smooth_height_below
 from sot.motion.body.spline import Spline
 from sot.motion.feet.contacts import Phase
-from sot.motion.feet.support import supports
+from sot.motion.feet.support import ZMP_INSET, supports
 from sot.motion.feet.swing import FootPath, feet_heading
 from sot.motion.footing import footing_on
 from sot.motion.ground import UP
@@ -48,6 +48,7 @@ def feet_led(
     ground_height: GroundHeight | None = None,
     where: str = "the floor",
     load: HeldLoad | None = None,
+    inset: tuple[float, float] = ZMP_INSET,
 ) -> Motion:
     """The motion of a robot whose feet follow paths, its waist upright, its centre of mass as high as at rest.
 
@@ -64,6 +65,7 @@ def feet_led(
             [m]: the centre of mass rises with it. The floor's unless given.
         where: what the robot moves on, in words.
         load: what it holds: the centre of mass and the momentum of the motion are then those of both.
+        inset: of the ZMP from the edge of the support, along and across the feet [leg lengths].
 
     Raises:
         InputError: legs do not reach.
@@ -82,7 +84,7 @@ def feet_led(
     nothing = np.zeros((len(middle), 6))
     state = Centroidal(np.tile(rest.com, (len(middle), 1)), nothing, nothing, robot.mass)
     for _ in range(BALANCE_ROUNDS):
-        com = plan_balance(state, wanted, supports(robot, phases), period).com.knots
+        com = plan_balance(state, wanted, supports(robot, phases, inset), period).com.knots
         rise = height(knots, com)
         heights = rest.com[2] + rise - _drop(robot, com - rest.com[:2], rise, heading, paths, period)
         if load is not None:

@@ -57,7 +57,7 @@ class DoorLayout:
 
     def on_lever(self, angle: float) -> tuple[Array, Array]:
         """Place (3,) on the closed door's bar that is pressed [m], and which way its skin faces there (3,)."""
-        along, out = _along_and_out(np.array([angle]))
+        along, out = along_and_out(np.array([angle]))
         return self.lever + self.press * along[0] + self.bar * out[0], out[0]
 
     def leaf_force(self, angle: Array, acceleration: Array) -> Array:
@@ -68,13 +68,13 @@ class DoorLayout:
 
     def lever_force(self, angle: Array, lever: Array) -> Array:
         """Force (T, 3) of the lever's spring on a hand that presses, at angles (T,) of leaf and lever [N]."""
-        _, out = _along_and_out(lever)
+        _, out = along_and_out(lever)
         turns = np.array([pin.utils.rotate("z", a) for a in angle.tolist()])
         force: Array = np.einsum("tij,tj->ti", turns, out) * (self.lever_stiffness / self.press * lever)[:, None]
         return force
 
 
-def _along_and_out(angle: Array) -> tuple[Array, Array]:
+def along_and_out(angle: Array) -> tuple[Array, Array]:
     """Directions (T, 3) along a bar that is turned by angles (T,) from level, and upwards off it."""
     c, s, nothing = np.cos(angle), np.sin(angle), np.zeros(len(angle))
     return np.column_stack([nothing, c, -s]), np.column_stack([nothing, s, c])

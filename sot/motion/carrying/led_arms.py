@@ -121,6 +121,11 @@ def led_surfaces(robot: Robot, y: Array, hands: Sequence[LedSurface]) -> list[Le
     return found
 
 
+def surface_turns(robot: Robot, y: Array, surface: Surface) -> Array:
+    """Rotations (T, 3, 3) of the point that a surface belongs to, at coordinates (T, nv)."""
+    return Kinematics(JointTree(robot), y).frame_pose(_frame(robot, surface))[0]
+
+
 def _frame(robot: Robot, surface: Surface) -> int:
     assert surface.point is not None
     return robot.point(surface.point)

@@ -15,14 +15,15 @@ from sot.motion.balance.held_load import HeldLoad
 from sot.motion.body.coordinates import from_configuration
 from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
-from sot.motion.carrying.door_layout import DoorLayout
-from sot.motion.carrying.led_arms import LedSurface, led_surfaces, with_hands_led
+from sot.motion.carrying.door_layout import DoorLayout, along_and_out
+from sot.motion.carrying.led_arms import LedSurface, led_surfaces, surface_turns, with_hands_led
 from sot.motion.feet.footwork import Foothold
 from sot.motion.feet.swing import FootPath, feet_heading, feet_middle
 from sot.motion.trajectory import Motion
-from sot.motion.way import STANDING_TIME, SWING_TIME, footsteps_along
+from sot.motion.way import Gait, footsteps_along
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
+from sot.robots.surface import Surface
 from sot.smooth import minimum_jerk
 
 Array = NDArray[np.float64]
@@ -31,6 +32,10 @@ Key = tuple[float, Array, Array, float]
 
 PRESSING_SURFACE, PUSHING_SURFACE = "left_palm", "right_hand_end"
 KNOT_PERIOD = 0.02  # s, between knots
+# The push turns the robot about the vertical, and on the edge of a foot there is no friction against that: steps are
+# slow, and the pressure stays near the middle of the foot that stands alone.
+GAIT = Gait(step=0.12, standing=4.0)
+ZMP_INSET = (0.11, 0.07)  # leg lengths, along and across the feet
 # In leg lengths.
 PUSHING_HEIGHT = 1.33  # of the pushing hand's end
 STANDING_BEHIND, STANDING_ASIDE = 0.52, 0.21  # of the body from the lever, before the door
@@ -44,6 +49,7 @@ MOVING_TIME, CLOSING_TIME, PRESSING_TIME, OPENING_TIME = 7.0, 4.0, 8.0, 16.0  # 
 # After the body stands before the door, and after it has followed the door until it is unlatched.
 WAITING_TIME = 2.0 + 2.0 * MOVING_TIME + CLOSING_TIME + PRESSING_TIME
 LEAVING_TIME = OPENING_TIME + 2.0 * MOVING_TIME + 2.0 * CLOSING_TIME
+TOUCH_SHARPNESS = 200.0  # 1/m, by which of a hand's corners the deepest ones count for where it touches
 ARM_ROUNDS = 3  # of the body's balance and the arms, which shift one another
 
 
@@ -56,12 +62,14 @@ class DoorPlan:
         knots: times (T,) [s].
         angle: of the door at these times (T,) [rad].
         forces: surface of a hand -> force on it at these times (T, 3), world axes [N].
+        touches: surface of a hand -> from its middle to where the force acts (T, 3), world axes [m].
     """
 
     motion: Motion
     knots: Array
     angle: Array
     forces: dict[str, Array]
+    touches: dict[str, Array]
 
 
 def pass_door(robot: Robot, door: DoorLayout, rate: float = 1000.0) -> DoorPlan:
@@ -89,11 +97,11 @@ def pass_door(robot: Robot, door: DoorLayout, rate: float = 1000.0) -> DoorPlan:
     followed = FOLLOWING_SHARE * float(door.pushed(door.unlatched)[0] - door.pushed(0.0)[0])
     closer = Foothold(before.x + followed, before.y, before.heading)
     after = _end(door, before, closer, shoulder, leg)
-    walked = footsteps_along(robot, [before, closer, after], waits={0: WAITING_TIME, 1: LEAVING_TIME})
+    walked = footsteps_along(robot, [before, closer, after], gait=GAIT, waits={0: WAITING_TIME, 1: LEAVING_TIME})
     times = _Times(walked.arrivals[0], unit)
     knots = KNOT_PERIOD * np.arange(np.ceil(walked.end / KNOT_PERIOD) + 1)
     phases, paths = walked.feet_at(robot, knots)
-    stride = (SWING_TIME + STANDING_TIME) * unit
+    stride = (GAIT.swing + GAIT.standing) * unit
     body = _smoothed(_body(paths), 2.0 * stride)
 
     def share(start: float, end: float) -> Array:
@@ -107,30 +115,33 @@ def pass_door(robot: Robot, door: DoorLayout, rate: float = 1000.0) -> DoorPlan:
         PRESSING_SURFACE: door.lever_force(angle, lever),
         PUSHING_SURFACE: door.leaf_force(angle, Spline.through(angle[:, None], KNOT_PERIOD).accelerations[:, 0]),
     }
-    width = np.abs(robot.surface(PRESSING_SURFACE).corners).max(axis=0)[0]
     rest = {name: _with_body(body, *at) for name, at in rest_hands.items()}
-    tracks = {
-        PRESSING_SURFACE: _pressing(rest[PRESSING_SURFACE], width, door, leg, times, angle, lever),
-        PUSHING_SURFACE: _pushing(rest[PUSHING_SURFACE], door, leg, times, angle),
-    }
-    hands = [LedSurface(robot.surface(name), *_track(knots, keys)) for name, keys in tracks.items()]
+    own, corners = robot.surface(PRESSING_SURFACE), np.zeros((len(knots), 1, 3))
     kept = np.setdiff1d(np.arange(robot.na), robot.joint_numbers("legs"))
     upper = np.tile(robot.rest[7 + kept], (len(knots), 1))
     place = np.tile([0.0, 0.0, height] - _chest(robot), (len(knots), 1))
     level = np.sum([force * [1.0, 1.0, 0.0] for force in forces.values()], axis=0)
     limits, nothing = Limits.of(robot), np.zeros(len(knots))
     for _ in range(ARM_ROUNDS):
+        pressing, touch = _on_bar(door, angle, lever, corners)
+        tracks = {
+            PRESSING_SURFACE: _pressing(rest[PRESSING_SURFACE], pressing, STANDOFF * leg, times),
+            PUSHING_SURFACE: _pushing(rest[PUSHING_SURFACE], door, leg, times, angle),
+        }
+        hands = [LedSurface(robot.surface(name), *_track(knots, keys)) for name, keys in tracks.items()]
         load = HeldLoad(kept, upper, nothing, "chest", place, level)
-        motion = feet_led(robot, phases, paths, KNOT_PERIOD, rate, where="its way", load=load)
+        motion = feet_led(robot, phases, paths, KNOT_PERIOD, rate, where="its way", load=load, inset=ZMP_INSET)
         y = from_configuration(motion.q[np.minimum(np.round(knots * rate).astype(int), len(motion.q) - 1)])
-        upper = with_hands_led(robot, limits, Spline.through(y, KNOT_PERIOD), hands).knots[:, 6 + kept]
+        led = with_hands_led(robot, limits, Spline.through(y, KNOT_PERIOD), hands).knots
+        upper = led[:, 6 + kept]
+        corners = _corners(robot, own) @ surface_turns(robot, led, own).transpose(0, 2, 1)
     found = led_surfaces(robot, y, hands)
     errors = np.column_stack([np.linalg.norm(a.place - b.place, axis=1) for a, b in zip(found, hands, strict=True)])
     touching = knots > times.touched
-    pressing = touching & (knots < times.opened)
-    if (worst := float(errors[np.column_stack([pressing, touching])].max())) > MAX_ERROR:
+    while_pressing = touching & (knots < times.opened)
+    if (worst := float(errors[np.column_stack([while_pressing, touching])].max())) > MAX_ERROR:
         raise InputError(f"{robot.label} does not reach where its hands should be on the door, by {worst:.3f} m")
-    return DoorPlan(motion, knots, angle, forces)
+    return DoorPlan(motion, knots, angle, forces, {PRESSING_SURFACE: touch, PUSHING_SURFACE: np.zeros_like(touch)})
 
 
 class _Times:
@@ -190,31 +201,52 @@ def _walked_angle(door: DoorLayout, closer: Foothold, shoulder: Array, body: Arr
 
 def _pressing(
     rest: tuple[Array, Array],
-    half_width: float,
-    door: DoorLayout,
-    leg: float,
+    pressing: Array,
+    standoff: float,
     times: _Times,
-    angle: Array,
-    lever: Array,
 ) -> list[Key]:
-    """The palm that presses the lever: over it from the side, down and along with it, and back the same way."""
-    on_lever = np.array(
-        [door.leaf(a).act(door.on_lever(b)[0]) for a, b in zip(angle.tolist(), lever.tolist(), strict=True)]
-    )
-    beside = np.array([door.leaf(a).rotation @ np.array([0.0, half_width, 0.0]) for a in angle.tolist()])
-    on_lever = on_lever + beside  # The bar slopes: the edge towards its axis presses.
-    up, down = leg * np.array([0.0, 0.0, STANDOFF]), np.tile([0.0, 0.0, -1.0], (len(angle), 1))
-    aside = leg * np.array([-1.5 * STANDOFF, 3.0 * STANDOFF, 0.0])
+    """The palm that presses the lever: over it from the side, down and along with it, and back the same way.
+
+    pressing: places (T, 3) of the palm's middle while it presses.
+    """
+    up, down = np.array([0.0, 0.0, standoff]), np.tile([0.0, 0.0, -1.0], (len(pressing), 1))
+    aside = standoff * np.array([-1.5, 3.0, 0.0])
     return [
         (times.begin, *rest, FREE_TILT),
-        (times.raised, on_lever + up + aside, down, FREE_TILT),
-        (times.near, on_lever + up, down, TOUCHING_TILT),
-        (times.touched, on_lever, down, TOUCHING_TILT),
-        (times.off_lever, on_lever, down, TOUCHING_TILT),
-        (times.above, on_lever + up, down, FREE_TILT),
-        (times.back, on_lever + up + aside, down, FREE_TILT),
+        (times.raised, pressing + up + aside, down, FREE_TILT),
+        (times.near, pressing + up, down, TOUCHING_TILT),
+        (times.touched, pressing, down, TOUCHING_TILT),
+        (times.off_lever, pressing, down, TOUCHING_TILT),
+        (times.above, pressing + up, down, FREE_TILT),
+        (times.back, pressing + up + aside, down, FREE_TILT),
         (times.tucked, *rest, FREE_TILT),
     ]
+
+
+def _on_bar(door: DoorLayout, angle: Array, lever: Array, corners: Array) -> tuple[Array, Array]:
+    """Places (T, 3) of a hand's middle while it presses the bar, and where it touches it from there (T, 3) [m].
+
+    The palm cannot turn as far as the bar. So the bar slopes away under it, and whatever of the hand is deepest over
+    the slope touches: the edge of the palm, or what sticks out beyond it. That is where the bar is to be pressed.
+
+    corners: of the hand from its middle (T, n, 3), world axes.
+    """
+    turns = np.array([door.leaf(a).rotation for a in angle.tolist()])
+    along, out = (np.einsum("tij,tj->ti", turns, way) for way in along_and_out(lever))
+    depth = -np.einsum("tnj,tj->tn", corners, out)
+    deepest = depth[lever.argmax()]
+    weights = np.exp(TOUCH_SHARPNESS * (deepest - deepest.max()))
+    touch = np.einsum("n,tnj->tj", weights / weights.sum(), corners)
+    axis = np.array([door.leaf(a).act(door.lever) for a in angle.tolist()])
+    ahead = door.press - np.einsum("tj,tj->t", touch, along)
+    return axis + ahead[:, None] * along + (door.bar + depth.max(axis=1))[:, None] * out, touch
+
+
+def _corners(robot: Robot, own: Surface) -> Array:
+    """Corners (n, 3) of all surfaces of a surface's hand, from its middle, in its point's axes [m]."""
+    others = [surface.corners_at_point for surface in robot.surfaces.values() if surface.point == own.point]
+    corners: Array = np.concatenate(others) - own.placement.translation
+    return corners
 
 
 def _pushing(rest: tuple[Array, Array], door: DoorLayout, leg: float, times: _Times, angle: Array) -> list[Key]:

@@ -36,8 +36,11 @@ class Support:
     inset: Polygon
 
 
-def supports(robot: Robot, phases: Sequence[Phase]) -> tuple[Support, ...]:
-    """The supports over contact phases: a foot carries from FORCE_RAMP_TIME after landing to as long before lifting."""
+def supports(robot: Robot, phases: Sequence[Phase], inset: tuple[float, float] = ZMP_INSET) -> tuple[Support, ...]:
+    """The supports over contact phases: a foot carries from FORCE_RAMP_TIME after landing to as long before lifting.
+
+    inset: along and across the feet, from the edge to where a plan may have the ZMP while no foot slides [leg lengths].
+    """
     changes = {phases[0].start, phases[-1].end}
     stretches = []  # foot, its pose, the time in which it carries
     for foot in robot.feet:
@@ -62,26 +65,28 @@ def supports(robot: Robot, phases: Sequence[Phase]) -> tuple[Support, ...]:
         parts = [(start, end, 0.0)]
         if len(feet) > 1 and early < late:
             parts = [(start, early, 0.0), (early, late, MIN_LOAD_SHARE), (late, end, 0.0)]
-        found += [support_over(robot, phase, first, share) for first, last, share in parts if last > first]
+        found += [support_over(robot, phase, first, share, inset) for first, last, share in parts if last > first]
     return tuple(found)
 
 
-def support_over(robot: Robot, phase: Phase, start: float, share: float) -> Support:
+def support_over(
+    robot: Robot, phase: Phase, start: float, share: float, inset: tuple[float, float] = ZMP_INSET
+) -> Support:
     """The support over the feet of a phase from a time on [s], each of which carries at least a share of the weight."""
     polygon = loaded_polygon(robot.soles, phase, share)
     forward = np.sum([pose.rotation[:2, 0] for pose in phase.feet.values()], axis=0)
-    inset = polygon.shrunk(*zmp_inset(robot, phase), heading=float(np.arctan2(forward[1], forward[0])))
+    usable = polygon.shrunk(*zmp_inset(robot, phase, inset), heading=float(np.arctan2(forward[1], forward[0])))
     soles = {foot: held_sole(robot, foot) for foot in phase.feet}
     if any(soles[foot] is not robot.sole(foot) for foot in phase.feet):
         held = loaded_polygon(soles, phase, share)
-        both = Polygon(np.vstack([inset.normals, held.normals]), np.concatenate([inset.offsets, held.offsets]))
-        inset = both if len(both.vertices) else held
-    return Support(start, polygon, inset)
+        both = Polygon(np.vstack([usable.normals, held.normals]), np.concatenate([usable.offsets, held.offsets]))
+        usable = both if len(both.vertices) else held
+    return Support(start, polygon, usable)
 
 
-def zmp_inset(robot: Robot, phase: Phase) -> tuple[float, float]:
+def zmp_inset(robot: Robot, phase: Phase, inset: tuple[float, float] = ZMP_INSET) -> tuple[float, float]:
     """How far along and across the feet a planned ZMP keeps from the edges of the support of a phase [m]."""
-    along, across = ZMP_INSET_SLIDING if phase.sliding else ZMP_INSET
+    along, across = ZMP_INSET_SLIDING if phase.sliding else inset
     return along * leg_length(robot), across * leg_length(robot)
 
 

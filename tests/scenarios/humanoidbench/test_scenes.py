@@ -6,13 +6,15 @@ import mujoco
 import numpy as np
 import pytest
 
-from scenarios.humanoidbench import push
-from scenarios.humanoidbench.door import DoorScene
+from scenarios.humanoidbench import door, push
+from scenarios.humanoidbench.door import PRESSED_RAD, DoorScene, _told_force
 from scenarios.humanoidbench.package import CLEAR_M, PackageScene
 from scenarios.humanoidbench.push import PushScene
 from scenarios.humanoidbench.size import scene_scale
 from scenarios.replay import Replay
 from sot.motion.carrying.fetch import box_ahead
+from sot.motion.carrying.pass_door import DoorPlan
+from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 
 
@@ -50,7 +52,7 @@ def test_the_robot_walks_around_the_package_and_has_it_ahead_at_its_destination(
         assert np.linalg.norm(between - scene.package, axis=1).min() > 0.99 * CLEAR_M * scene.scale
 
 
-@pytest.mark.parametrize(("lever", "opens"), [(0.0, False), (0.5, False), (1.0, True)])
+@pytest.mark.parametrize(("lever", "opens"), [(0.0, False), (0.5, False), (PRESSED_RAD, True)])
 def test_the_door_opens_only_while_its_lever_is_down(robot: Robot, lever: float, opens: bool) -> None:
     spec = mujoco.MjSpec()
     DoorScene.of(robot, 1).thing(offset=False).add_to(spec)
@@ -62,6 +64,22 @@ def test_the_door_opens_only_while_its_lever_is_down(robot: Robot, lever: float,
         mujoco.mj_step(model, data)
     assert bool(data.qpos[0] > 0.2) == opens
     assert opens or data.qpos[0] < 0.05
+
+
+def test_the_force_on_a_hand_acts_where_the_hand_touches(robot: Robot) -> None:
+    motion, names = Motion.standing(robot, 1.0, 100.0), ("left_palm", "right_hand_end")
+    force, touch = np.tile([0.0, 3.0, 5.0], (2, 1)), np.tile([0.1, -0.07, 0.0], (2, 1))
+    plan = DoorPlan(motion, np.array([0.0, 1.0]), np.zeros(2), dict.fromkeys(names, force), dict.fromkeys(names, touch))
+    surface = robot.surface("left_palm")
+    at = motion.pose("left_hand")(0.5).rotation @ surface.placement.translation + touch[0]
+    told = _told_force(surface, plan).wrench(0.5)
+    np.testing.assert_allclose(told, [*force[0], *np.cross(at, force[0])], atol=1e-9)
+
+
+@pytest.mark.slow
+def test_the_door_is_passed() -> None:
+    danced, found = door.scene_run(Replay("door", "hrp2", rate=500.0), 1, lambda what, share: None)
+    assert danced.run.fell_at_s is None and found["humanoidbench"]["reached"]
 
 
 @pytest.mark.slow

@@ -36,7 +36,7 @@ def test_without_an_encoder_it_is_one_line(tmp_path, monkeypatch):
 
 def test_without_opengl_it_is_one_line(monkeypatch):
     monkeypatch.setattr(video, "OPEN_GL", ("nothing",))
-    with pytest.raises(InputError, match="OpenGL"), video._open_gl():
+    with pytest.raises(InputError, match="OpenGL"), video.open_gl(64, 64):
         pass
 
 
