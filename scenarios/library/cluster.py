@@ -1,5 +1,6 @@
 """Jobs by the workers of a Dask cluster, each of which hands them to a process of its own with the same limits."""
 
+import sys
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -10,6 +11,7 @@ from scenarios.library.worker import Worker
 from sot.errors import InputError
 
 CONNECT_TIMEOUT_S = 30
+WORKER_COMMAND = "DASK_DISTRIBUTED__WORKER__DAEMON=False dask worker {} --nthreads 1"
 _own = threading.local()
 
 
@@ -35,6 +37,9 @@ def cluster_results(address: str, jobs: Sequence[Job], memory_limit: float) -> I
         words = " ".join(str(error).split())[:200]
         raise InputError(f"--cluster {address}: no Dask scheduler answers there: {words}") from None
     with client:
+        if not client.scheduler_info(n_workers=-1)["workers"]:
+            how = WORKER_COMMAND.format(address)
+            print(f"No worker at {address} yet; clips are danced as workers come: {how}", file=sys.stderr)
         futures = [client.submit(run_here, job, memory_limit, pure=False) for job in jobs]
 
         def rows() -> Iterator[Row]:
@@ -57,8 +62,8 @@ def run_here(job: Job, memory_limit: float) -> Row:
     """
     if current_process().daemon:
         raise InputError(
-            "Dask's workers are watched by a nanny and may start no processes: start them with --no-nanny, or with"
-            " DASK_DISTRIBUTED__WORKER__DAEMON=False"
+            "Dask's workers are watched by a nanny and may start no processes; start them so:"
+            f" {WORKER_COMMAND.format('ADDRESS')}"
         )
     worker: Worker | None = getattr(_own, "worker", None)
     if worker is None:

@@ -1,5 +1,10 @@
 """A batch by the workers of a Dask cluster."""
 
+import os
+import subprocess
+import sys
+import threading
+
 import pytest
 
 from scenarios.library import cluster
@@ -27,6 +32,26 @@ def test_two_workers_share_the_clips(tmp_path, monkeypatch):
     assert outcomes == {name: CRASHED if name == "crash" else UPRIGHT for name in names}
     processes = {row["times"]["worker"] for row in done.rows if row["outcome"] == UPRIGHT}
     assert len(processes) >= 2
+
+
+@pytest.mark.slow
+def test_workers_that_come_late_by_the_command_that_is_told_dance_the_clips(tmp_path, capsys):
+    clips, done = tmp_path / "clips.txt", []
+    clips.write_text("groove\t1.0\t0.2\nnothing.bvh\n")
+    request = Replay("", rate=200.0, feet="planted")
+    with distributed.LocalCluster(n_workers=0, processes=False, protocol="tcp", dashboard_address=None) as local:
+        batch = Batch(str(clips), tmp_path / "library", request, cluster=local.scheduler_address)
+        waits = threading.Thread(target=lambda: done.append(run_batch(batch)))
+        waits.start()
+        variable, _, _, *arguments = cluster.WORKER_COMMAND.format(local.scheduler_address).split()
+        command = [sys.executable, "-m", "distributed.cli.dask_worker", *arguments, "--no-dashboard"]
+        name, value = variable.split("=")
+        worker = subprocess.Popen(command, env=os.environ | {name: value, "PYTHONPATH": os.getcwd()})
+        waits.join(300.0)
+        worker.terminate()
+        worker.wait()
+    assert sorted(row["outcome"] for row in done[0].rows) == ["refused", UPRIGHT]
+    assert "No worker at tcp://" in capsys.readouterr().err
 
 
 def test_nobody_at_the_address(tmp_path, monkeypatch):
