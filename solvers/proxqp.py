@@ -93,6 +93,8 @@ class PersistentQPs:
         self.tolerance = tolerance
         self.max_iterations = max_iterations
         self._solvers: dict[tuple[object, int, int], proxqp.dense.QP] = {}
+        one = np.ones((1, 1))  # a program that compiles what would else be compiled in the middle of a run
+        least_squares_on_tight_rows(one, one[0], one, -one[0], one[0], np.zeros(1), np.zeros(1), accuracy)
 
     def solve(self, key: object, problem: QP, use_second_solver: bool = True) -> QPResult:
         """Solve a QP.
@@ -157,12 +159,12 @@ class PersistentQPs:
         tight = np.abs(multipliers) > TIGHT_MULTIPLIER * (1.0 + np.abs(multipliers).max(initial=0.0))
         sides = np.where(tight, np.sign(multipliers), 0.0)
         A, b = np.ascontiguousarray(problem.A), np.asarray(problem.b)
-        exact, found = least_squares_on_tight_rows(
-            A, b, problem.C, problem.lower, problem.upper, sides, y, self.accuracy
-        )
+        exact = least_squares_on_tight_rows(A, b, problem.C, problem.lower, problem.upper, sides, y, self.accuracy)
+        if exact is None:
+            return None
         # The gradients agree where and only where one is as good as the other.
         gap = np.abs(A.T @ (A @ (exact - y))).max(initial=0.0)
-        return exact if found and gap <= self.tolerance * (1.0 + np.abs(A.T @ b).max(initial=0.0)) else None
+        return exact if gap <= self.tolerance * (1.0 + np.abs(A.T @ b).max(initial=0.0)) else None
 
     def _failure_reason(self, qp: proxqp.dense.QP) -> str:
         """Why ProxQP has no answer, in words."""

@@ -21,10 +21,9 @@ MAX_TIGHTENINGS = 4
 """Largest number of times that bounds are added which the shortest answer breaks."""
 
 
-@compiled
 def least_squares_on_tight_rows(
     A: Array, b: Array, C: Array, lower: Array, upper: Array, sides: Array, near: Array, tolerance: float
-) -> tuple[Array, bool]:
+) -> Array | None:
     """The shortest y of those that minimise ``‖A y − b‖²`` with the tight rows of C at their bounds.
 
     Where many y do equally well, the shortest may break bounds: those are then tight, too. Where that leads nowhere it
@@ -38,78 +37,88 @@ def least_squares_on_tight_rows(
         tolerance: Violation that counts as none.
 
     Returns:
-        y, shape (n,), and whether it satisfies the inequalities.
+        y, shape (n,), or None if it breaks bounds.
     """
-    tightened, nowhere = sides.copy(), np.zeros(len(near))
+    tightened, nowhere = sides.copy(), np.zeros_like(near)
     for _ in range(MAX_TIGHTENINGS):
-        y, found = _nearest_on_tight_rows(A, b, C, lower, upper, tightened, nowhere)
-        broken = _broken_sides(matrix_vector(C, y), lower, upper, tolerance)
-        if not found or (broken * tightened).any():
-            break
+        y, broken = _nearest_on_tight_rows(A, b, C, lower, upper, tightened, nowhere, tolerance)
         if not broken.any():
-            return y, True
+            return y
+        if (broken * tightened).any():
+            break
         tightened += broken
-    y, found = _nearest_on_tight_rows(A, b, C, lower, upper, sides, near)
-    return y, found and not _broken_sides(matrix_vector(C, y), lower, upper, tolerance).any()
-
-
-@compiled
-def _broken_sides(value: Array, lower: Array, upper: Array, tolerance: float) -> Array:
-    """+1 where a value is above its upper bound, -1 below the lower one, 0 elsewhere, shape (m,)."""
-    sides = np.zeros(len(value))
-    for row in range(len(value)):
-        if not value[row] <= upper[row] + tolerance:
-            sides[row] = 1.0
-        elif not value[row] >= lower[row] - tolerance:
-            sides[row] = -1.0
-    return sides
+    y, broken = _nearest_on_tight_rows(A, b, C, lower, upper, sides, near, tolerance)
+    return None if broken.any() else y
 
 
 @compiled
 def _nearest_on_tight_rows(
-    A: Array, b: Array, C: Array, lower: Array, upper: Array, sides: Array, origin: Array
-) -> tuple[Array, bool]:
-    """The y nearest to an origin of those that minimise ``‖A y − b‖²`` with the tight rows at their bounds, and whether
-    that could be told."""
-    n, tight = C.shape[1], np.flatnonzero(sides)
-    rows, target = np.empty((len(tight), n)), np.empty(len(tight))
-    for k in range(len(tight)):
-        copy_into(rows[k], C[tight[k]])
-        target[k] = upper[tight[k]] if sides[tight[k]] > 0.0 else lower[tight[k]]
+    A: Array, b: Array, C: Array, lower: Array, upper: Array, sides: Array, origin: Array, tolerance: float
+) -> tuple[Array, Array]:
+    """The y nearest to an origin of those that minimise ``‖A y − b‖²`` with the tight rows at their bounds.
+
+    Returns:
+        y, shape (n,), and +1 where it breaks an upper bound, -1 at a lower one, 0 elsewhere, shape (m,).
+    """
+    m, n = C.shape
+    count = 0
+    for row in range(m):
+        count += sides[row] != 0.0
+    rows, missing, k = np.empty((count, n)), np.empty(count), 0
+    for row in range(m):
+        if sides[row] != 0.0:
+            missing[k] = upper[row] if sides[row] > 0.0 else lower[row]
+            for i in range(n):
+                rows[k, i] = C[row, i]
+                missing[k] -= C[row, i] * origin[i]
+            k += 1
     L, V, factors, kept, _ = lq_factorization(rows)
-    rank, longest, y = len(kept), np.abs(A).max() if A.size else 1.0, np.zeros(n)
-    copy_into(y, forward_substitution(L, kept, target - matrix_vector(rows, origin)))
+    rank, y = len(kept), np.zeros(n)
+    copy_into(y, forward_substitution(L, kept, missing))
     apply_q_transposed(V, factors, rank, y)
-    y += origin
     basis, B = np.zeros((n - rank, n)), np.zeros((len(A), n - rank))
     for k in range(n - rank):
         basis[k, rank + k] = 1.0
         apply_q_transposed(V, factors, rank, basis[k])
-    for i in range(len(A)):
-        copy_into(B[i], matrix_vector(basis, A[i]))
-        if not B[i] @ B[i] > (NEGLIGIBLE_LENGTH * longest) ** 2:
-            B[i] = 0.0
-    z, solved = _shortest_least_squares(B, b - matrix_vector(A, y))
+    longest, rest = 0.0, np.empty(len(A))
+    for i in range(n):
+        y[i] += origin[i]
+        for k in range(len(A)):
+            longest = max(longest, abs(A[k, i]))
+    for k in range(len(A)):
+        rest[k] = b[k]
+        for i in range(n):
+            rest[k] -= A[k, i] * y[i]
+        left, square = matrix_vector(basis, A[k]), 0.0
+        for i in range(n - rank):
+            square += left[i] * left[i]
+        if square > (NEGLIGIBLE_LENGTH * longest) ** 2:
+            copy_into(B[k], left)
+    z = _shortest_least_squares(B, rest)
     for k in range(n - rank):
         for i in range(n):
             y[i] += z[k] * basis[k, i]
-    return y, solved
+    value, broken = matrix_vector(C, y), np.zeros(m)
+    for row in range(m):
+        if not value[row] <= upper[row] + tolerance:
+            broken[row] = 1.0
+        elif not value[row] >= lower[row] - tolerance:
+            broken[row] = -1.0
+    return y, broken
 
 
 @compiled
-def _shortest_least_squares(B: Array, b: Array) -> tuple[Array, bool]:
-    """The shortest z of those that minimise ``‖B z − b‖²``, shape (n,), and whether that could be told."""
+def _shortest_least_squares(B: Array, b: Array) -> Array:
+    """The shortest z of those that minimise ``‖B z − b‖²``, shape (n,); not a number where that cannot be told."""
     z = np.zeros(B.shape[1])
     L, V, factors, kept, _ = lq_factorization(B)
     rank = len(kept)
-    columns = np.empty((rank, len(B)))
+    columns, rest = np.empty((rank, len(B))), b.copy()
     for k in range(rank):
         for i in range(len(B)):
             columns[k, i] = L[i, k]
-    factor, shortest = gram_cholesky(columns)
-    if rank and not shortest > 0.0:
-        return z, False
-    order, rest = np.arange(rank), b.copy()
+    factor, _ = gram_cholesky(columns)
+    order = np.arange(rank)
     for _ in range(2):  # normal equations, and a step of refinement
         step = backward_substitution(factor, order, forward_substitution(factor, order, matrix_vector(columns, rest)))
         for k in range(rank):
@@ -117,4 +126,4 @@ def _shortest_least_squares(B: Array, b: Array) -> tuple[Array, bool]:
             for i in range(len(B)):
                 rest[i] -= step[k] * columns[k, i]
     apply_q_transposed(V, factors, rank, z)
-    return z, True
+    return z
