@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from sim.estimation.source import EstimatedState, SimulatedState, StateSource
-from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_SLIDING, Fallback, RunLog
+from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_ROLLING, FOOT_SLIDING, Fallback, RunLog
 from sim.touch import Touch
 from sim.world import World
 from solvers.conflict import find_conflict
@@ -162,7 +162,9 @@ class StackDriver:
     def _footings(self, t: float) -> dict[str, Footing]:
         """The feet that are to carry now, and what is under them."""
         played = t if self.schedule is None else self.schedule.motion_time(t)
-        standing = (c for c in self._controller.stack.contacts if c.mode == "fixed" and c.load > 0.0)
+        standing = (
+            c for c in self._controller.stack.contacts if c.mode == "fixed" and c.load > 0.0 and not c.is_rolling
+        )
         return {c.point: Footing(c.on.placement, _placed(self._footholds[c.point](played))) for c in standing}
 
     def _sense(self, log: RunLog) -> None:
@@ -177,7 +179,8 @@ class StackDriver:
         for contact in stack.contacts:
             if contact.point in robot.feet and contact.is_footing:
                 i = robot.feet.index(contact.point)
-                log.foot_mode[k, i], log.foot_ramp[k, i] = _MODES[contact.mode], contact.load
+                log.foot_mode[k, i] = FOOT_ROLLING if contact.is_rolling else _MODES[contact.mode]
+                log.foot_ramp[k, i] = contact.load
         self._write_solution(k, t, log, command)
         if log.contact_names:
             self._write_contacts(k, log)

@@ -13,7 +13,7 @@ from sot.hardware.hardware import TORQUE_DRIVEN, Hardware
 from sot.robots.robot import Robot
 from sot.robots.system import System
 
-FOOT_OFF, FOOT_FIXED, FOOT_SLIDING = 0, 1, 2
+FOOT_OFF, FOOT_FIXED, FOOT_SLIDING, FOOT_ROLLING = 0, 1, 2, 3
 """Values of `RunLog.foot_mode`."""
 
 
@@ -68,7 +68,8 @@ class RunLog:
             rigid ones.
         base_estimate, base_velocity_estimate: what an estimator made of the robot's base, as in q and v, (T, 7) and
             (T, 6); no columns where the controller knew the simulated state.
-        foot_mode: planned contact of each foot, `FOOT_OFF`, `FOOT_FIXED` or `FOOT_SLIDING`, (T, 2).
+        foot_mode: planned contact of each foot, `FOOT_OFF`, `FOOT_FIXED`, `FOOT_SLIDING` or, while its heel rises,
+            `FOOT_ROLLING`, (T, 2).
         foot_ramp: share of its largest normal force that each foot may take, 0..1, (T, 2).
         zmp_measured: from the measured contact forces [m], (T, 2); nan without load.
         zmp_control: predicted by the controller, Ramos (11) [m], (T, 2).

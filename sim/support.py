@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 
-from sim.log import FOOT_FIXED, RunLog
+from sim.log import FOOT_FIXED, FOOT_ROLLING, RunLog
 from sot.motion.feet.contacts import Phase, phase_indices, support_polygon
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
@@ -17,17 +17,22 @@ def planned_support(log: RunLog, motion: Motion) -> Iterator[tuple[np.ndarray, P
     A foot counts where the plan puts it, while its contact is fixed and its force ramp is over.
     """
     feet = motion.robot.feet
-    carries = (log.foot_mode == FOOT_FIXED) & (log.foot_ramp >= 1.0)
+    rolls = log.foot_mode == FOOT_ROLLING
+    carries = (rolls | (log.foot_mode == FOOT_FIXED)) & (log.foot_ramp >= 1.0)
     phases = phase_indices(motion.phases, log.time)
     for index, phase in enumerate(motion.phases):
         here = phases == index
-        for loads in product((False, True), repeat=len(feet)):
-            standing = {
-                foot: phase.feet[foot] for foot, on in zip(feet, loads, strict=True) if on and foot in phase.feet
-            }
-            rows = np.flatnonzero(here & (carries == loads).all(axis=1))
-            if standing and len(rows):
-                yield rows, support_polygon(motion.robot, Phase(phase.start, phase.end, standing))
+        for flat, rising in product(product((False, True), repeat=len(feet)), repeat=2):
+            rows = np.flatnonzero(
+                here & ((carries & ~rolls) == flat).all(axis=1) & ((carries & rolls) == rising).all(axis=1)
+            )
+            if not len(rows):
+                continue
+            on = dict(zip(feet, np.logical_or(flat, rising), strict=True))
+            standing = {foot: pose for foot, pose in phase.feet.items() if on[foot]}
+            up = tuple(foot for foot, up in zip(feet, rising, strict=True) if up and foot in standing)
+            if standing:
+                yield rows, support_polygon(motion.robot, Phase(phase.start, phase.end, standing, rising=up))
 
 
 def ground_heights(motion: Motion, times: np.ndarray) -> np.ndarray:

@@ -120,7 +120,7 @@ class Balance(Task):
     def _plan_displacement(self, tick: Tick) -> Displacement:
         """Displacement of the standing feet from their planned places, weighted by the load that they may take: where a
         foot lands beside its place, the plan moves over as gradually as the foot takes its load."""
-        standing = _standing_feet(tick)
+        standing = [contact for contact in _standing_feet(tick) if not contact.is_rolling]
         return Displacement.of(
             [
                 (_planned_place(contact, self._feet, tick.t)[:2], tick.frame(contact.point).position[:2], contact.load)

@@ -19,8 +19,8 @@ from sot.robots.robot import GROUPS, Robot
 FRAME_RATE = 60.0  # Hz, of the 3D view and of what is only looked at; other curves keep the control rate
 MM_PER_M = 1e3
 SLOWED_BELOW_SPEED = 0.999  # share of the dancer's speed; a run above it counts as not slowed down
-FOOT_MODE_NAMES = ("off", "fixed", "sliding")
-"""Names of `RunLog.foot_mode`: `FOOT_OFF`, `FOOT_FIXED`, `FOOT_SLIDING`."""
+FOOT_MODE_NAMES = ("off", "fixed", "sliding", "rolling")
+"""Names of `RunLog.foot_mode`: `FOOT_OFF`, `FOOT_FIXED`, `FOOT_SLIDING`, `FOOT_ROLLING`."""
 LIMB_GROUPS = {
     "left_leg": ("left_leg",),
     "right_leg": ("right_leg",),

@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from sim.hardware.sole_frames import sole_frames
-from sim.log import FOOT_FIXED, FOOT_OFF, RunInfo, RunLog, constant_stretches, nearest_frames
+from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_ROLLING, RunInfo, RunLog, constant_stretches, nearest_frames
 from sim.support import planned_support
 from solvers.rows import Status
 from sot.motion.feet.path import path_length
@@ -204,7 +204,7 @@ def contacts(log: RunLog, robot: Robot) -> Figures:
         for state, rows in constant_stretches(mode):
             if state == FOOT_FIXED:
                 slips.append(float(np.linalg.norm(position[rows, :2] - position[rows.start, :2], axis=1).max()))
-        upward = rotations[index][mode != FOOT_OFF][:, :, 2]
+        upward = rotations[index][(mode != FOOT_OFF) & (mode != FOOT_ROLLING)][:, :, 2]
         tilts.extend(np.arctan2(np.linalg.norm(upward[:, :2], axis=1), upward[:, 2]).tolist())
     switches = np.diff(log.foot_mode, axis=0) != 0
     steps, around = np.abs(np.diff(log.torque, axis=0)), round(SWITCH_WINDOW_S / log.period) if log.ticks > 1 else 0

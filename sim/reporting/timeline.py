@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_SLIDING, RunInfo, RunLog, constant_stretches
+from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_ROLLING, FOOT_SLIDING, RunInfo, RunLog, constant_stretches
 from sim.reporting.chart import Bar, Lane, write_lanes
 from sot.robots.robot import Robot
 
@@ -13,6 +13,7 @@ MODE_COLORS_AND_LABELS = {
     FOOT_OFF: ("#c8c8cc", "off"),
     FOOT_FIXED: ("#3cbeb4", "fixed"),
     FOOT_SLIDING: ("#f0a93a", "sliding"),
+    FOOT_ROLLING: ("#5a96e6", "heel up"),
 }
 TRANSITION_OPACITY = 0.35
 """Opacity of a task on its way from one level to another."""

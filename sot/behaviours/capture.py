@@ -52,7 +52,10 @@ class Capture:
             [
                 (self.home(contact.point, t), tick.frame(contact.point).position[:2], contact.load)
                 for contact in tick.contacts
-                if contact.mode == "fixed" and contact.load > 0.0 and contact.point in self._robot.feet
+                if contact.mode == "fixed"
+                and contact.load > 0.0
+                and contact.point in self._robot.feet
+                and not contact.is_rolling
             ]
         )
         return xi, xi - moved.displaced_place(com[:2]) - moved.displaced_rate(velocity[:2]) / omega

@@ -97,7 +97,7 @@ class RecoverySchedule(SteppingSchedule):
         reference: What it does.
         phases: Which feet stand where meanwhile, as far as it is known.
         swings: Foot -> its path from one foothold to the next, where its contact is off.
-        ramp: As for `SteppingSchedule`.
+        ramp, heel_paths: As for `SteppingSchedule`.
     """
 
     def __init__(
@@ -107,8 +107,9 @@ class RecoverySchedule(SteppingSchedule):
         phases: Sequence[Phase],
         swings: Mapping[str, PoseReference],
         ramp: float = 0.04,
+        heel_paths: Mapping[str, PoseReference] | None = None,
     ) -> None:
-        super().__init__(robot, phases, ramp)
+        super().__init__(robot, phases, ramp, heel_paths)
         self._robot, self._swings, self._capture = robot, swings, Capture(robot, reference)
         self._leg = self._capture.reach.leg_length
         self._time = float(np.sqrt(self._leg / GRAVITY))
@@ -124,7 +125,8 @@ class RecoverySchedule(SteppingSchedule):
     def of(cls, motion: Motion) -> "RecoverySchedule":
         """The schedule of a motion."""
         paths = {foot: PlannedSwing(Footfalls(motion.phases, foot), motion.pose(foot)) for foot in motion.robot.feet}
-        return cls(motion.robot, motion, motion.phases, paths)
+        heels = {foot: motion.pose(foot) for foot in {foot for phase in motion.phases for foot in phase.rising}}
+        return cls(motion.robot, motion, motion.phases, paths, heel_paths=heels)
 
     def observe(self, tick: Tick) -> None:
         """Check whether a step is needed, or update the foothold of the running one."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import inf
 
 from sot.control.contact import Contact
+from sot.control.pose import PoseReference
 from sot.control.schedule import Schedule
 from sot.control.stack import Stack
 from sot.gravity import GRAVITY
@@ -37,6 +38,7 @@ class SteppingSchedule(Schedule):
     """A schedule that leads the contacts of the feet through the phases of a motion.
 
     - A foot gives its load away within `ramp` before it leaves the floor, and takes it within `ramp` after it is back.
+    - Its heel rises before, if the phases say so, once another foot carries.
     - It is not released before another foot stands with all its load and feels some of the weight. If that comes too
       late the step is left out.
     - A swinging foot that feels the floor in the last part of its swing has landed. One that does not feel it in time
@@ -46,14 +48,23 @@ class SteppingSchedule(Schedule):
         robot: The robot.
         phases: Of the motion, `Motion.phases`.
         ramp: How long a contact takes to give its load away, or to take it [s].
+        heel_paths: Foot -> its path in the motion, along which its heel rises where `phases` say so; unless given, feet
+            stay flat.
     """
 
-    def __init__(self, robot: Robot, phases: Sequence[Phase], ramp: float = 0.04) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        phases: Sequence[Phase],
+        ramp: float = 0.04,
+        heel_paths: Mapping[str, PoseReference] | None = None,
+    ) -> None:
         super().__init__()
         self.ramp = ramp
         self._weight = robot.mass * GRAVITY
         falls = {foot: Footfalls(phases, foot) for foot in robot.feet}
         self._feet = [_Foot(name, stances, stances.count_begun(0.0), -ramp) for name, stances in falls.items()]
+        self._heel_paths = dict(heel_paths or {})
 
     def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:
         """Carry out the changes that are due and return them in words; without loads all happens as planned."""
@@ -122,12 +133,17 @@ class SteppingSchedule(Schedule):
         contact.load = min(max((t - foot.landed_at) / self.ramp, 0.0), 1.0) if self.ramp else 1.0
         if foot.next_stance == 0 or foot.next_stance >= len(foot.stances):
             return
-        leaves, lands = foot.stances[foot.next_stance - 1].end, foot.stances[foot.next_stance].start
+        stance, lands = foot.stances[foot.next_stance - 1], foot.stances[foot.next_stance].start
+        leaves, path = stance.end, self._heel_paths.get(foot.name)
+        due = path is not None and stance.rises is not None and stance.rises <= t + 1e-9
+        if due and not contact.is_rolling and contact.load >= 1.0 and self.others_carry(foot.name, stack, loads):
+            contact.roll(path)
         if foot.lifts_at is None and t >= leaves - self.ramp - 1e-9:
             if contact.load >= 1.0 and self.others_carry(foot.name, stack, loads):
                 foot.lifts_at = max(leaves, t + self.ramp)
             elif t > leaves + EARLIEST_LANDING_SHARE * (lands - leaves):
                 foot.next_stance += 1  # too late for this step
+                contact.roll(None)
         if foot.lifts_at is not None:
             contact.load = min(max((foot.lifts_at - t) / self.ramp, 0.0), 1.0) if self.ramp else 0.0
             if t >= foot.lifts_at - 1e-9:
@@ -150,4 +166,5 @@ class SteppingSchedule(Schedule):
             if surface is not None:
                 contact.move_to(surface)
             contact.mode, contact.load = "fixed", 0.0
+            contact.roll(None)
             foot.landed_at, foot.next_stance = t, foot.next_stance + 1

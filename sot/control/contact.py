@@ -7,6 +7,7 @@ import numpy as np
 from sot.control.pose import AXES, AXIS_NAMES, PoseReference
 from sot.control.quantities.contact_rows import (
     closing_acceleration,
+    rolling_acceleration,
     vertex_wrench_map,
     write_held_pyramids,
     write_wrench_map_and_motion_columns,
@@ -14,6 +15,7 @@ from sot.control.quantities.contact_rows import (
 from sot.control.quantities.frames import FrameState
 from sot.control.tick import Mode, Tick
 from sot.errors import InputError
+from sot.robots.soles import front_corners
 from sot.robots.surface import FLOOR, INWARD, Surface
 
 Array = np.ndarray
@@ -55,7 +57,8 @@ class Contact:
 
     Modes:
 
-    - "fixed" holds all six axes, or those of `axes`, and gives forces.
+    - "fixed" holds all six axes, or those of `axes`, and gives forces. While it rolls (`roll`), the first surface turns
+      about its front edge instead of lying flat, and the forces are those of that edge.
     - "sliding" holds height, roll and pitch over the second surface, Ramos IV-C, while a task moves the rest. The paper
       has no forces then, and the foot hovers. Here it bears a light load, bounded from both sides: the variables are
       the vertices' normal forces n, and with each goes the friction ``-mu n u / |u|`` against the velocity u that
@@ -122,8 +125,10 @@ class Contact:
         a foot that carries little is unloaded as gradually as one that carries much."""
         corners = surface.corners @ INWARD
         drawn_in = inset * np.sign(corners - corners.mean(axis=0)) * [1.0, 1.0, 0.0]
-        self._corners = corners - drawn_in  # from the surface's origin, in the axes of the forces
-        self.vertices = self._corners @ (surface.placement.rotation @ INWARD).T + surface.placement.translation
+        self._all_corners = corners - drawn_in  # from the surface's origin, in the axes of the forces
+        self._rolling_path: PoseReference | None = None
+        self._edge = np.array([corners[:, 0].max(), 0.0, 0.0])
+        self._use(self._all_corners)
         self._friction_given = friction
         self.friction = min(surface.friction, on.friction) if friction is None else friction
         self.stiffness, self.damping = stiffness, damping
@@ -139,24 +144,38 @@ class Contact:
         """Relative acceleration (6,) that the surfaces had when the contact was made, world axes [m/s², rad/s²]. The
         contact's own demand fades in from it within the load ramp, so that no joint's torque steps."""
         self._fixed_axes = tuple(k for k, axis in enumerate(AXES) if axis in axes)
-        self._bounds_at: tuple[float, float, float | None, float] = (
-            -1.0,
-            0.0,
-            None,
-            0.0,
-        )  # at which load, weight, least and most
+        self._bounds_at: tuple[float, float, float | None, float, int] = -1.0, 0.0, None, 0.0, 0
+        # at which load, weight, least, most and number of vertices
         self._bounds = np.empty(0), np.empty(0)  # and the bounds of the forces then
         self._normal_selector = np.eye(len(corners))
         sides = ("+x", "+x+y", "+y", "-x+y", "-x", "-x-y", "-y", "+x-y", "normal")
         self._force_labels: dict[int, list[str]] = {0: []} | {
-            len(part) * len(corners): [f"vertex {k} {side}" for k in range(len(corners)) for side in part]
+            len(part) * count: [f"vertex {k} {side}" for k in range(count) for side in part]
             for part in (sides, sides[-1:])
+            for count in (len(front_corners(corners)), len(corners))
         }
         self._force_rows = (
             self._friction_pyramids(self.friction)
             if form == "pyramid"
             else np.hstack([np.zeros((len(corners), 6)), np.eye(len(corners))])
         )
+
+    def roll(self, path: PoseReference | None) -> None:
+        """Let the first surface turn about its front edge from now on, as the point does along a path; None lays it
+        flat."""
+        self._rolling_path = path
+        self._use(self._all_corners if path is None else front_corners(self._all_corners))
+
+    @property
+    def is_rolling(self) -> bool:
+        """Whether it turns about its front edge."""
+        return self.mode == "fixed" and self._rolling_path is not None
+
+    def _use(self, corners: Array) -> None:
+        """Let the forces act at some corners."""
+        placement = self.surface.placement
+        self._corners = corners
+        self.vertices = corners @ (placement.rotation @ INWARD).T + placement.translation
 
     def move_to(self, on: Surface) -> None:
         """Let the first surface touch another one of the world from now on; the contact has to be off.
@@ -263,8 +282,8 @@ class Contact:
             count = len(self.vertices)
             least, most = (share * weight / count for share in SLIDING_LOAD_RANGE_WEIGHTS)
             return self._normal_selector, np.full(count, least), np.full(count, most)
-        if (self.load, weight, self.least, self.most) != self._bounds_at:
-            count = len(self.vertices)
+        count = len(self.vertices)
+        if (self.load, weight, self.least, self.most, count) != self._bounds_at:
             top = self.max_normal_force(weight) / count
             if self.form == "unilateral":
                 lower, upper = np.zeros(count), np.full(count, top)
@@ -274,8 +293,9 @@ class Contact:
                 lower[PYRAMID_SIDES :: PYRAMID_SIDES + 1] = min(max(0.0, 2.0 * self.load - 1.0) * least / count, top)
                 upper[PYRAMID_SIDES :: PYRAMID_SIDES + 1] = top
             lower.flags.writeable = upper.flags.writeable = False  # the same until the load changes, and known to be
-            self._bounds_at, self._bounds = (self.load, weight, self.least, self.most), (lower, upper)
-        return self._force_rows, *self._bounds
+            self._bounds_at, self._bounds = (self.load, weight, self.least, self.most, count), (lower, upper)
+        rows = self._force_rows
+        return (rows[: len(self._bounds[0]), : self.force_count] if self.is_rolling else rows), *self._bounds
 
     def acceleration(self, tick: Tick) -> Array:
         """Relative acceleration that is to be, shape (6,): what lays the surfaces flat on each other and to rest.
@@ -283,10 +303,15 @@ class Contact:
         Velocity damping alone would keep a foot in the tilt in which it has landed.
         """
         at, axes = self.motion(tick), tick.surface_axes(self.on)
-        wanted: Array = closing_acceleration(
-            *(at.position, at.rotation, at.velocity, axes.translation, axes.rotation, self.stiffness, self.damping),
-            *self._arrival_to_fade(),
-        )
+        state: tuple[Any, ...] = at.position, at.rotation, at.velocity
+        held: tuple[Any, ...] = axes.translation, axes.rotation, self.stiffness, self.damping
+        wanted: Array
+        if self._rolling_path is None:
+            wanted = closing_acceleration(*(*state, *held, *self._arrival_to_fade()))
+        else:
+            pose = self._rolling_path(tick.t)
+            turn = pose.rotation, pose.velocity, pose.acceleration
+            wanted = rolling_acceleration(*(*state, *held, self._edge, *turn))
         return wanted
 
     def _arrival_to_fade(self) -> tuple[Array, float]:
@@ -318,7 +343,7 @@ class Contact:
         axes = tick.surface_axes(self.on)
         arrival, left = self._arrival_to_fade()
         valid: bool
-        if self.mode == "fixed" and self.form == "pyramid":
+        if self.mode == "fixed" and self.form == "pyramid" and self._rolling_path is None:
             # In one compiled call, since this is what nearly all ticks are made of.
             held: tuple[Any, ...] = at.position, at.rotation, at.velocity, at.jacobian, at.drift
             gains = self.stiffness, self.damping, arrival, left

@@ -94,6 +94,7 @@ class Dynamics:
             raise InputError(f"task '{task.name}': {type(error).__name__}: {error}") from error
         try:
             key: list[object] = [*contacts, *[contact.mode for contact in contacts]]
+            key += [contact.force_count for contact in contacts]
             key += [own.A.shape for own in rows]
             key += [len(own.lower) for own in rows]
         except (AttributeError, TypeError):

@@ -43,6 +43,9 @@ class TickContact(Protocol):
     is_catching: bool
 
     @property
+    def is_rolling(self) -> bool: ...
+
+    @property
     def force_count(self) -> int: ...
 
     @property

@@ -22,8 +22,7 @@ from sot.motion.feet.footwork import Step
 from sot.motion.feet.slides import SlideWay, find_slide
 from sot.motion.feet.stance import Build, human_on_time_line
 from sot.motion.feet.swing import feet_heading, feet_middle, standing_paths
-from sot.motion.feet.tempo import clock_from_slowness, slowness_raised
-from sot.motion.feet.timetable import TIME_GRID
+from sot.motion.feet.tempo import TIME_GRID, clock_from_slowness, slowness_raised
 from sot.motion.feet.travel import HIGH_LIFT_LEGS, KEPT_TIME_SHARE
 from sot.motion.human.human import Human
 from sot.robots.robot import Robot
@@ -56,6 +55,7 @@ class Fitter:
     limits: Limits
     hip_height_error: float | None
     as_danced: bool = False
+    heels: bool = True
 
     def stepping_course(self, human: Human, contacts: Sequence[Step] | None, keep_lifts: bool) -> Course:
         """A course that steps.
@@ -64,7 +64,7 @@ class Fitter:
         keep_lifts: whether high lifts are the dancer's, and take as long.
         """
         on_time_line = human_on_time_line(human, PLAN_RATE)
-        course = stepping_course(on_time_line, self.robot, self.build, contacts, keep_lifts, self.as_danced)
+        course = stepping_course(on_time_line, self.robot, self.build, contacts, keep_lifts, self.as_danced, self.heels)
         return self.with_dancers_swings(course, tuple(map(float, kept_lifts(course))))
 
     def with_dancers_swings(self, course: Course, shares: tuple[float, ...]) -> Course:

@@ -131,6 +131,7 @@ def plan(
     height: float | None = None,
     limbs: LimbFit | None = None,
     as_danced: bool = False,
+    heels: bool = True,
 ) -> Plan:
     """The motion with which a robot dances like a human.
 
@@ -149,6 +150,8 @@ def plan(
         limbs: fits limbs that do something else than the human's, before the body is balanced with them and after.
         as_danced: whether the dancer's time and way are kept, with nothing slowed down or shortened; physics has to
             judge what becomes of it.
+        heels: whether heels of feet that are left behind may rise before they leave the floor: who plays the motion
+            has to know of `Phase.rising`.
 
     Raises:
         InputError: another kind of `feet`, contacts for planted ones, or a slide for others or in too short a clip; or
@@ -156,7 +159,7 @@ def plan(
     """
     try:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            once = partial(_plan, human, robot, feet, rate, contacts, slide, height, limbs, as_danced)
+            once = partial(_plan, human, robot, feet, rate, contacts, slide, height, limbs, as_danced, heels)
             planned = _with_lifts_kept(once) if feet == "dancer" else once(keep_lifts=False)
         if np.isfinite(planned.motion.q).all() and np.isfinite(planned.motion.a).all():
             return planned
@@ -208,6 +211,7 @@ def _plan(
     height: float | None,
     limbs: LimbFit | None,
     as_danced: bool,
+    heels: bool,
     keep_lifts: bool,
 ) -> Plan:
     if feet not in FEET_MODES:
@@ -218,7 +222,7 @@ def _plan(
         raise InputError("only planted feet slide, and let the hips bounce: choose them, or leave slide and height out")
     supports(robot, planted_phases(robot, 1.0))  # compiles what it needs, once an installation: that is no planning
     begun = time.perf_counter()
-    fit = Fitter(robot, Build.of(robot), Limits.of(robot, MAX_LEG_EXTENSION_STEPPING), height, as_danced)
+    fit = Fitter(robot, Build.of(robot), Limits.of(robot, MAX_LEG_EXTENSION_STEPPING), height, as_danced, heels)
     smooth = human.low_passed(CAPTURE_NOISE_HZ)
     course = None if feet == "planted" else fit.stepping_course(smooth, contacts, keep_lifts)
     if course is None or (feet in ("auto", "dancer") and contacts is None and len(course.phases) == 1):

@@ -299,6 +299,7 @@ class Motion:
             "phase_times": np.array([(phase.start, phase.end) for phase in self.phases]),
             "phase_stands": np.array([[foot in phase.feet for foot in self.robot.feet] for phase in self.phases]),
             "phase_slides": np.array([[foot in phase.sliding for foot in self.robot.feet] for phase in self.phases]),
+            "phase_rises": np.array([[foot in phase.rising for foot in self.robot.feet] for phase in self.phases]),
             "phase_feet": np.array(
                 [
                     [phase.feet.get(foot, pin.SE3.Identity()).homogeneous for foot in self.robot.feet]
@@ -358,9 +359,10 @@ def _checked_columns(path: Path, content: Mapping[str, Array], robot: Robot) -> 
 
 def _checked_phases(path: Path, content: Mapping[str, Array], robot: Robot) -> tuple[Phase, ...]:
     times, stands, slides, feet = (content[f"phase_{name}"] for name in ("times", "stands", "slides", "feet"))
+    rises = content.get("phase_rises", np.zeros_like(slides))  # older files have none
     count, sides = len(np.atleast_1d(times)), len(robot.feet)
-    shapes = (count, 2), (count, sides), (count, sides), (count, sides, 4, 4)
-    if count < 1 or (times.shape, stands.shape, slides.shape, feet.shape) != shapes:
+    shapes = (count, 2), (count, sides), (count, sides), (count, sides), (count, sides, 4, 4)
+    if count < 1 or (times.shape, stands.shape, slides.shape, rises.shape, feet.shape) != shapes:
         raise InputError(f"{path}: its contact phases have wrong shapes")
     return tuple(
         Phase(
@@ -368,6 +370,7 @@ def _checked_phases(path: Path, content: Mapping[str, Array], robot: Robot) -> t
             float(end),
             {foot: pin.SE3(pose) for foot, pose, on in zip(robot.feet, poses, standing, strict=True) if on},
             tuple(foot for foot, on in zip(robot.feet, sliding, strict=True) if on),
+            rising=tuple(foot for foot, up in zip(robot.feet, rising, strict=True) if up),
         )
-        for (start, end), standing, sliding, poses in zip(times, stands, slides, feet, strict=True)
+        for (start, end), standing, sliding, rising, poses in zip(times, stands, slides, rises, feet, strict=True)
     )

@@ -170,7 +170,7 @@ def carry_after(clip: Path, robot: Robot, mass: float, rate: float) -> ClipCarry
     human = recognise(read(clip))
     human = replace(human, rate=PACE * human.rate)
     box = ClipBox.of(clip, human, robot)
-    planned = plan(human, _loaded(robot, mass), "steps", rate, limbs=box.limbs)
+    planned = plan(human, _loaded(robot, mass), "steps", rate, limbs=box.limbs, heels=False)
     motion, (lifted, placed) = replace(planned.motion, robot=robot), box.moved(planned.clock)
     knots = np.arange(round(motion.duration * PLAN_RATE) + 1) / PLAN_RATE
     y = from_configuration(np.array([motion.sample(t).q for t in knots.tolist()]))

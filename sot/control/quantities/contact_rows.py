@@ -40,6 +40,51 @@ def closing_acceleration(
 
 
 @compiled
+def rolling_acceleration(
+    position: Array,
+    rotation: Array,
+    velocity: Array,
+    origin: Array,
+    axes: Array,
+    stiffness: float,
+    damping: float,
+    edge: Array,
+    turned: Array,
+    turning: Array,
+    turn_acceleration: Array,
+) -> Array:
+    """Acceleration of a surface that turns about an edge of its own, along its y axis, as a reference turns.
+
+    Seen from the edge, what is beyond the reference's turn is closed as by `closing_acceleration`, whose arguments the
+    first ones are.
+
+    Args:
+        edge: A point of the edge, from the surface's origin, in its axes (3,) [m].
+        turned: Rotation (3, 3) of the reference, flat where its z axis is vertical.
+        turning, turn_acceleration: Its velocity and acceleration (6,), of which the angular parts count.
+    """
+    angle, rate, bend = np.arctan2(-turned[2, 0], turned[2, 2]), 0.0, 0.0
+    for k in range(3):
+        rate += turned[k, 1] * turning[3 + k]
+        bend += turned[k, 1] * turn_acceleration[3 + k]
+    cosine, sine = np.cos(angle), np.sin(angle)
+    flat, place, lever = np.empty((3, 3)), np.empty(3), np.empty(3)  # the lever leads from the edge to the origin
+    for k in range(3):
+        flat[k, 0] = cosine * rotation[k, 0] + sine * rotation[k, 2]
+        flat[k, 1] = rotation[k, 1]
+        flat[k, 2] = cosine * rotation[k, 2] - sine * rotation[k, 0]
+        lever[k] = -(rotation[k, 0] * edge[0] + rotation[k, 1] * edge[1] + rotation[k, 2] * edge[2])
+        place[k] = position[k] - lever[k]
+    spin, beyond, none = velocity[3:].copy(), velocity.copy(), np.zeros(6)
+    beyond[:3] -= np.cross(spin, lever)
+    beyond[3:] -= rate * rotation[:, 1]
+    wanted = closing_acceleration(place, flat, beyond, origin, axes, stiffness, damping, none, 0.0)
+    wanted[3:] += bend * rotation[:, 1]
+    wanted[:3] += np.cross(wanted[3:].copy(), lever) + np.cross(spin, np.cross(spin, lever))
+    return wanted
+
+
+@compiled
 def write_held_pyramids(
     position: Array,
     rotation: Array,

@@ -1,6 +1,7 @@
 """The ways of feet in the air: the dancer's, as far as the robot's legs can do them, from foothold to foothold."""
 
 from collections.abc import Sequence
+from itertools import zip_longest
 
 import numpy as np
 import pinocchio as pin
@@ -19,6 +20,7 @@ from sot.motion.body.targets import Targets
 from sot.motion.feet.course import Course
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import foot_track
+from sot.motion.feet.heel_rise import HeelRise, Toes
 from sot.motion.feet.stance import Build
 from sot.motion.feet.swing import (
     FootPath,
@@ -73,27 +75,37 @@ class DancersFeet:
         travel, times = self._course.travel, self._course.human.times
         if travel is None:
             return dict(self._course.feet)
-        paths = foot_paths(self._robot, travel.stands, travel.steps, travel.lifts, self._reach, times)
+        rises = self._course.rises
+        paths = foot_paths(self._robot, travel.stands, travel.steps, travel.lifts, self._reach, times, rises)
         swings = swings_between(travel.stands, travel.steps, travel.lifts, self._reach)
-        for number, (swing, share) in enumerate(zip(swings, shares, strict=True)):
+        for number, (swing, share, rise) in enumerate(zip_longest(swings, shares, rises)):
             path, knots = paths[swing.step.foot], np.flatnonzero(swing.knots(times))
             if share > 0.0 and len(knots) >= MIN_KNOTS:
                 free = share * freedom(swing.step, times[knots], self._reach.leg_length)
                 if (number, share) not in self._found:
-                    self._found[number, share] = self._swing(swing, knots, share, free)
+                    self._found[number, share] = self._swing(swing, knots, share, free, rise)
                 found = self._found[number, share]
                 if found is not None:
                     path.position[knots], path.rotation[knots] = found
                     path.free[knots] = path.yielding[knots] = free
         return paths
 
-    def _swing(self, swing: Swing, knots: Indices, share: float, free: Array) -> tuple[Array, Array] | None:
-        """Places (n, 3) and rotations (n, 3, 3) of the foot's frame in a swing; None if the ankle has no way."""
+    def _swing(
+        self, swing: Swing, knots: Indices, share: float, free: Array, rise: HeelRise | None
+    ) -> tuple[Array, Array] | None:
+        """Places (n, 3) and rotations (n, 3, 3) of the foot's frame in a swing; None if the ankle has no way.
+
+        Of a foot whose heel rises, the way is that of the ankle were the foot flat.
+        """
         foot, times = swing.step.foot, self._course.human.times
         over = swing.share(times[knots])
         hips, ankles, turned = self._legs[foot]
         plain = swing_track(swing, over, self._reach)
-        upright = np.array([0.0, 0.0, self._rest_ankle(foot)])
+        toes = Toes.of(self._robot, foot)
+        upright, heading = np.array([0.0, 0.0, toes.height]), Rotation.from_euler("z", plain[:, 3:])
+        pitch = np.zeros(len(knots)) if rise is None else rise.angles(times[knots])
+        shift = toes.ankle_shift(pitch)
+        upright = upright + heading.apply(np.insert(shift, 1, 0.0, axis=1))
         wanted = plain[:, :3] + share * (ankles[knots] - upright - plain[:, :3])
         wanted[:, 2] = np.maximum(wanted[:, 2], plain[:, 2])  # the dancer lifts its heel before its foot
         ends = np.array([[hold.x, hold.y, 0.0] for hold in (swing.here, swing.there)])
@@ -108,21 +120,14 @@ class DancersFeet:
         if flat is None or up is None:
             return None
 
-        heading = Rotation.from_euler("z", plain[:, 3:])
+        heading = heading * Rotation.from_euler("y", pitch[:, None])
         tilt = heading.inv() * Rotation.from_matrix(turned[knots] @ self._rest[foot].rotation.T)
-        below = self._rest[foot].translation - upright  # from the ankle to the foot's frame
+        below = self._rest[foot].translation - [0.0, 0.0, toes.height]  # from the ankle to the foot's frame
         corners = self._robot.sole(foot) @ self._rest[foot].rotation.T + below
-        room = up[:, 0] + upright[2] - SOLE_ROOM_LEGS * self._air.leg * free
-        turn = (
-            heading * _tilt_above(room, share * free[:, None] * tilt.as_rotvec() * [1.0, 1.0, 0.0], corners)
-        ).as_matrix()
+        room = up[:, 0] + upright[:, 2] - SOLE_ROOM_LEGS * self._air.leg * free
+        tilts = share * free[:, None] * tilt.as_rotvec() * [1.0, 1.0, 0.0]
+        turn = (heading * _tilt_above(room, tilts, corners, heading)).as_matrix()
         return np.hstack([flat, up]) + upright + turn @ below, turn @ self._rest[foot].rotation
-
-    def _rest_ankle(self, foot: str) -> float:
-        """The height of the ankle over a flat sole [m]."""
-        data = self._robot.model.createData()
-        pin.framesForwardKinematics(self._robot.model, data, self._robot.rest)
-        return float(data.oMf[self._robot.point(foot.replace("foot", "ankle"))].translation[2])
 
     def _fit_legs(self, travel: Travel, y: Array, limits: Limits) -> None:
         """Fit both legs to the dancer's at the bodies y (T, nv)."""
@@ -169,13 +174,13 @@ def _bodies_at(robot: Robot, build: Build, wanted: Targets) -> Array:
     return from_configuration(q)
 
 
-def _tilt_above(room: Array, tilt: Array, corners: Array) -> Rotation:
-    """A foot's tilt, as rotation vectors (n, 3), lessened smoothly where a corner (nc, 3) of its sole would be lower
-    below the ankle than there is room (n,) [m]."""
+def _tilt_above(room: Array, tilt: Array, corners: Array, turned: Rotation) -> Rotation:
+    """A foot's tilt, as rotation vectors (n, 3) from how it is turned (n,) already, lessened smoothly where a corner
+    (nc, 3) of its sole would be lower below the ankle than there is room (n,) [m]."""
     shares = np.linspace(0.0, 1.0, TILTS_TRIED)
     fits = np.empty((TILTS_TRIED, len(room)), bool)
     for k, share in enumerate(shares):
-        fits[k] = (Rotation.from_rotvec(share * tilt).as_matrix() @ corners.T)[:, 2].min(axis=1) >= -room
+        fits[k] = ((turned * Rotation.from_rotvec(share * tilt)).as_matrix() @ corners.T)[:, 2].min(axis=1) >= -room
     share = shares[np.maximum(np.logical_and.accumulate(fits).sum(axis=0) - 1, 0)]
     share = uniform_filter1d(minimum_filter1d(share, TILT_WINDOW), TILT_WINDOW)
     return Rotation.from_rotvec(share[:, None] * tilt)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
+from sot.robots.soles import front_corners
 from sot.robots.surface import Surface
 
 Array = NDArray[np.float64]
@@ -24,6 +25,7 @@ class Phase:
         feet: standing foot -> pose of its frame, the sole flat on the floor.
         sliding: feet that slide on the floor.
         surfaces: standing foot -> surface of the world under it; the floor where nothing is said.
+        rising: feet whose heels rise: they stand on the front edges of their soles, where they were flat.
     """
 
     start: float
@@ -31,6 +33,7 @@ class Phase:
     feet: Mapping[str, pin.SE3]
     sliding: tuple[str, ...] = ()
     surfaces: Mapping[str, Surface] = field(default_factory=dict)
+    rising: tuple[str, ...] = ()
 
 
 def planted_phases(robot: Robot, duration: float) -> tuple[Phase, ...]:
@@ -42,9 +45,18 @@ def planted_phases(robot: Robot, duration: float) -> tuple[Phase, ...]:
 
 
 def support_polygon(robot: Robot, phase: Phase) -> Polygon:
-    """The convex hull of the soles of the feet that stand in a phase."""
-    corners = np.vstack([[pose.act(corner)[:2] for corner in robot.sole(foot)] for foot, pose in phase.feet.items()])
-    return Polygon.hull(corners)
+    """The convex hull of what the feet of a phase stand on."""
+    soles = bearing_soles(robot.soles, phase)
+    return Polygon.hull(
+        np.vstack([[pose.act(corner)[:2] for corner in soles[foot]] for foot, pose in phase.feet.items()])
+    )
+
+
+def bearing_soles(soles: Mapping[str, Array], phase: Phase) -> Mapping[str, Array]:
+    """The corners (nc, 3) of soles on which feet stand in a phase: of one whose heel rises, those of its front edge."""
+    if not phase.rising:
+        return soles
+    return {**soles, **{foot: front_corners(soles[foot]) for foot in phase.rising}}
 
 
 def phase_indices(phases: Sequence[Phase], times: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Step
+from sot.motion.feet.heel_rise import HeelRise, heel_rises
 from sot.motion.feet.slides import Slide, paths_with_slides, phases_with_slides
 from sot.motion.feet.stance import Build
 from sot.motion.feet.swing import FootPath, contact_phases, foot_paths, standing_paths
@@ -32,6 +33,7 @@ class Course:
         swing_shares: of each step, how much of its swing is the dancer's, 0 to 1; none where all are plain ones.
         swing_paths: the paths of the feet for such shares, once some are known.
         keeps_lifts: whether high lifts keep the dancer's time in the air, and half of their way before time is added.
+        heels, rises: whether heels may rise, and the heel rise of each step.
     """
 
     human: Human
@@ -42,6 +44,8 @@ class Course:
     swing_shares: tuple[float, ...] = ()
     swing_paths: Callable[[Sequence[float]], Mapping[str, FootPath]] | None = None
     keeps_lifts: bool = False
+    heels: bool = False
+    rises: tuple[HeelRise | None, ...] = ()
 
 
 def standing_course(human: Human, robot: Robot) -> Course:
@@ -63,15 +67,17 @@ def stepping_course(
     contacts: Sequence[Step] | None,
     keep_lifts: bool = False,
     as_danced: bool = False,
+    heels: bool = True,
 ) -> Course:
     """The course of feet that step where and when the human's do.
 
     contacts: the steps to make, in the clip's time, instead of those found.
     keep_lifts: whether high lifts keep the dancer's time in the air.
     as_danced: whether the dancer's time and way are kept.
+    heels: whether heels may rise.
     """
     travel = plan_travel(human, build, LegReach.of(robot), contacts, keep_lifts, as_danced)
-    course = _course_along(travel, robot)
+    course = _course_along(travel, robot, heels)
     return replace(course, keeps_lifts=keep_lifts)
 
 
@@ -82,7 +88,7 @@ def with_clock(course: Course, robot: Robot, clock: Array) -> Course:
         ValueError: its feet slide, at a speed of their own.
     """
     if course.travel is not None:
-        slow = _course_along(travel_at_clock(course.travel, clock), robot)
+        slow = _course_along(travel_at_clock(course.travel, clock), robot, course.heels)
         return replace(slow, keeps_lifts=course.keeps_lifts)
     if len(course.phases) > 1:
         raise ValueError("feet that slide have a speed of their own")
@@ -92,8 +98,13 @@ def with_clock(course: Course, robot: Robot, clock: Array) -> Course:
     return replace(slow, clock=np.interp(course.clock, human.times, clock))
 
 
-def _course_along(going: Travel, robot: Robot) -> Course:
+def _course_along(going: Travel, robot: Robot, heels: bool) -> Course:
     human, reach = going.human, LegReach.of(robot)
-    phases = contact_phases(robot, going.stands, going.steps, human.duration)
-    feet = foot_paths(robot, going.stands, going.steps, going.lifts, reach, human.times)
-    return Course(human, phases, feet, going.clock, going)
+    rises: tuple[HeelRise | None, ...] = ()
+    if heels:
+        pelvis = human.frames["pelvis"]
+        heading = np.arctan2(pelvis[:, 1, 0], pelvis[:, 0, 0])
+        rises = heel_rises(robot, going.stands, going.steps, human.points["waist"], heading, human.times, reach)
+    phases = contact_phases(robot, going.stands, going.steps, human.duration, rises)
+    feet = foot_paths(robot, going.stands, going.steps, going.lifts, reach, human.times, rises)
+    return Course(human, phases, feet, going.clock, going, heels=heels, rises=rises)

@@ -19,12 +19,14 @@ class Stance:
         start, end: in motion time [s].
         pose: of the foot's frame.
         surface: of the world under it, if the phases say so.
+        rises: when its heel begins to rise [s]; None if it stays flat.
     """
 
     start: float
     end: float
     pose: pin.SE3
     surface: Surface | None = None
+    rises: float | None = None
 
 
 class Footfalls:
@@ -41,10 +43,13 @@ class Footfalls:
             if foot not in phase.feet:
                 continue
             pose, surface = phase.feet[foot], phase.surfaces.get(foot)
+            rises = phase.start if foot in phase.rising else None
             if stances and stances[-1].end >= phase.start - 1e-9:
-                stances[-1] = Stance(stances[-1].start, phase.end, pose, surface)
+                before = stances[-1]
+                rises = before.rises if before.rises is not None else rises
+                stances[-1] = Stance(before.start, phase.end, pose, surface, rises)
             else:
-                stances.append(Stance(phase.start, phase.end, pose, surface))
+                stances.append(Stance(phase.start, phase.end, pose, surface, rises))
         self._set_stances(stances)
 
     def _set_stances(self, stances: Sequence[Stance]) -> None:
@@ -55,7 +60,7 @@ class Footfalls:
         """With the stance at `lift` in two: between, until `land`, the foot is in the air, and then at another pose."""
         at = self.count_begun(lift) - 1
         stance = self.stances[at]
-        parts = replace(stance, end=lift), replace(stance, start=land, end=max(stance.end, land), pose=pose)
+        parts = replace(stance, end=lift, rises=None), replace(stance, start=land, end=max(stance.end, land), pose=pose)
         changed = copy(self)
         changed._set_stances((*self.stances[:at], *parts, *self.stances[at + 1 :]))
         return changed

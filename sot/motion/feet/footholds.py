@@ -205,6 +205,7 @@ def reachable_footholds(
     stiffness: Array,
     body: Array,
     min_scale: float = MIN_PATH_SCALE,
+    body_travel: Array | None = None,
 ) -> tuple[dict[str, list[Foothold]], Array]:
     """The footholds that the legs reach from one another, without crossing or touching, nearest to the wanted ones
     along a path that is scaled by as little as that needs.
@@ -228,6 +229,8 @@ def reachable_footholds(
         stiffness: (K, K) of the scales [m²].
         body: (steps, 2, 2) its place when each foot lifts and when it lands [m].
         min_scale: least that a piece of the path is scaled to.
+        body_travel: (steps, 2, K) how far each piece at scale 1 brings the body while each foot is in the air: a foot's
+            speed counts from there [m]; nowhere unless given.
 
     Returns:
         The footholds, and the scales (K,), `min_scale` to 1.
@@ -240,6 +243,10 @@ def reachable_footholds(
     # In the changes, p − w − C (s − 1) and s − 1, each limit and each price is about a few neighbours in time.
     spots, count = len(target), C.shape[1]
     along = rows @ C
+    if body_travel is not None and len(steps):
+        travelled = (directions() @ body_travel).reshape(-1, count)
+        along[-len(travelled) :] += travelled
+        least[-len(travelled) :] -= travelled.sum(axis=1)
     along[np.abs(along) < ROUNDING_ERROR] = 0.0
     limits = sp.block_array([[rows, sp.csr_array(along)], [None, sp.eye_array(count)]], format="csr")
     lower = np.concatenate([least - rows @ target, np.full(count, min_scale - 1.0)])

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from sot.motion.feet.contacts import Phase
+from sot.motion.feet.contacts import Phase, bearing_soles
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
 from sot.robots.size import held_sole, leg_length
@@ -53,13 +53,14 @@ def supports(robot: Robot, phases: Sequence[Phase], inset: tuple[float, float] =
             stretches.append((foot, phase.feet[foot], start, end))
             changes |= {start} if begins else set()
             changes |= {end} if ends else set()
-    times = sorted(changes)
+    times = sorted(changes | {phase.start for phase in phases if phase.rising})
     found = []
     for start, end in pairwise(times):
         middle = 0.5 * (start + end)
         feet = {foot: pose for foot, pose, first, last in stretches if first <= middle < last}
-        sliding = next((phase.sliding for phase in phases if phase.start <= middle < phase.end), ())
-        phase = Phase(start, end, feet, sliding)
+        now = next((phase for phase in phases if phase.start <= middle < phase.end), phases[-1])
+        rising = tuple(foot for foot in now.rising if foot in feet and len(feet) > 1)
+        phase = Phase(start, end, feet, now.sliding, rising=rising)
         early = start if start == times[0] else min(start + LOAD_TRANSFER_TIME, end)
         late = end if end == times[-1] else max(end - LOAD_TRANSFER_TIME, start)
         parts = [(start, end, 0.0)]
@@ -73,12 +74,12 @@ def support_over(
     robot: Robot, phase: Phase, start: float, share: float, inset: tuple[float, float] = ZMP_INSET
 ) -> Support:
     """The support over the feet of a phase from a time on [s], each of which carries at least a share of the weight."""
-    polygon = loaded_polygon(robot.soles, phase, share)
+    polygon = loaded_polygon(bearing_soles(robot.soles, phase), phase, share)
     forward = np.sum([pose.rotation[:2, 0] for pose in phase.feet.values()], axis=0)
     usable = polygon.shrunk(*zmp_inset(robot, phase, inset), heading=float(np.arctan2(forward[1], forward[0])))
     soles = {foot: held_sole(robot, foot) for foot in phase.feet}
     if any(soles[foot] is not robot.sole(foot) for foot in phase.feet):
-        held = loaded_polygon(soles, phase, share)
+        held = loaded_polygon(bearing_soles(soles, phase), phase, share)
         both = Polygon(np.vstack([usable.normals, held.normals]), np.concatenate([usable.offsets, held.offsets]))
         usable = both if len(both.vertices) else held
     return Support(start, polygon, usable)

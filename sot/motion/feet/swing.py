@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
 import pinocchio as pin
@@ -12,6 +13,7 @@ from sot.gravity import GRAVITY
 from sot.motion.feet.contacts import Phase
 from sot.motion.feet.footholds import LegReach, min_ankle_separation
 from sot.motion.feet.footwork import Foothold, Step
+from sot.motion.feet.heel_rise import HeelRise, Toes
 from sot.robots.robot import Robot
 from sot.smooth import minimum_jerk
 
@@ -72,9 +74,16 @@ def feet_middle(feet: Mapping[str, FootPath]) -> Array:
 
 
 def contact_phases(
-    robot: Robot, stands: Mapping[str, Sequence[Foothold]], steps: Sequence[Step], duration: float
+    robot: Robot,
+    stands: Mapping[str, Sequence[Foothold]],
+    steps: Sequence[Step],
+    duration: float,
+    rises: Sequence[HeelRise | None] = (),
 ) -> tuple[Phase, ...]:
-    """The contact phases of steps: double supports, and single supports while a foot swings."""
+    """The contact phases of steps: double supports, in which heels may rise, and single supports while a foot swings.
+
+    rises: the heel rise of each step; none unless given.
+    """
     rest = feet_at_rest(robot)
     now = dict.fromkeys(stands, 0)
 
@@ -82,8 +91,12 @@ def contact_phases(
         return {foot: foot_pose(stands[foot][now[foot]], rest[foot]) for foot in feet}
 
     phases, start = [], 0.0
-    for step in steps:
-        phases.append(Phase(start, step.lift, poses(*stands)))
+    for step, rise in zip_longest(steps, rises):
+        if rise is not None:
+            phases.append(Phase(start, rise.start, poses(*stands)))
+            phases.append(Phase(rise.start, step.lift, poses(*stands), rising=(step.foot,)))
+        else:
+            phases.append(Phase(start, step.lift, poses(*stands)))
         phases.append(Phase(step.lift, step.land, poses(*(foot for foot in stands if foot != step.foot))))
         now[step.foot] += 1
         start = step.land
@@ -134,29 +147,38 @@ def foot_paths(
     lifts: Sequence[float],
     reach: LegReach,
     times: Array,
+    rises: Sequence[HeelRise | None] = (),
 ) -> dict[str, FootPath]:
     """The paths of the feet's frames at times (T,): a swing starts and ends at rest and without acceleration.
 
+    A foot whose heel rises turns about its toes, which go the way that the flat foot's would.
+
     lifts: how high the dancer's foot gets in each step, in the robot's size [m].
+    rises: the heel rise of each step; none unless given.
     """
     rest = feet_at_rest(robot)
     ankles = {foot: np.tile([own[0].x, own[0].y, 0.0, own[0].heading], (len(times), 1)) for foot, own in stands.items()}
-    free = {foot: np.zeros(len(times)) for foot in stands}
+    free, pitch = ({foot: np.zeros(len(times)) for foot in stands} for _ in range(2))
+    for step, rise in zip(steps, rises, strict=False):
+        if rise is not None:
+            pitch[step.foot] += rise.angles(times)
     for swing in swings_between(stands, steps, lifts, reach):
         foot, there, inside = swing.step.foot, swing.there, swing.knots(times)
         track = ankles[foot]
         track[times >= swing.step.land] = (there.x, there.y, 0.0, there.heading)
         share = swing.share(times[inside])
         track[inside], free[foot][inside] = swing_track(swing, share, reach), _height_profile(share)
-    return {
-        foot: FootPath(
-            track[:, :3] + Rotation.from_euler("z", track[:, 3:]).apply(rest[foot].translation),
-            Rotation.from_euler("z", track[:, 3:]).as_matrix() @ rest[foot].rotation,
+    paths = {}
+    for foot, track in ankles.items():
+        flat, toes = Rotation.from_euler("z", track[:, 3:]), np.array([Toes.of(robot, foot).ahead, 0.0, 0.0])
+        turned = flat * Rotation.from_euler("y", pitch[foot][:, None])
+        paths[foot] = FootPath(
+            track[:, :3] + flat.apply(toes) + turned.apply(rest[foot].translation - toes),
+            turned.as_matrix() @ rest[foot].rotation,
             free[foot],
             np.zeros(len(times)),
         )
-        for foot, track in ankles.items()
-    }
+    return paths
 
 
 def freedom(step: Step, times: Array, leg: float) -> Array:

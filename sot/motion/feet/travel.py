@@ -10,8 +10,7 @@ from sot.motion.feet.footholds import MIN_PATH_SCALE, LegReach, reachable_footho
 from sot.motion.feet.footwork import Foothold, FootTrack, Step, find_steps, foot_track, footholds, stance_frames
 from sot.motion.feet.path import ScalablePath, path_length
 from sot.motion.feet.stance import LEAD_IN_TIME, STANDING_PERCENTILE, Build
-from sot.motion.feet.tempo import MAX_SLOWNESS, AskedStep, Tempo, step_at_clock, step_tempo
-from sot.motion.feet.timetable import TIME_GRID
+from sot.motion.feet.tempo import MAX_SLOWNESS, TIME_GRID, AskedStep, Tempo, step_at_clock, step_tempo
 from sot.motion.human.human import SIDES, Human
 from sot.smooth import low_passed
 
@@ -108,6 +107,7 @@ def plan_travel(
         way.stiffness,
         human.points["waist"][ends, :2],
         min_scale=1.0 if as_danced else MIN_PATH_SCALE,
+        body_travel=way.carry[ends[:, 1]] - way.carry[ends[:, 0]],
     )
     scaled = _human_shifted(human, way.shift(scales))
     own = footholds(_foot_tracks(scaled), moves, human.rate)

@@ -9,7 +9,7 @@ from sot.motion.feet.contacts import Phase, planted_phases
 from sot.robots.robot import Robot
 
 LEFT, RIGHT = "left_foot", "right_foot"
-LIFT, LAND = 0.5, 1.0
+RISE, LIFT, LAND = 0.4, 0.5, 1.0
 PERIOD = 0.002
 
 
@@ -90,6 +90,34 @@ def test_a_step_for_which_it_is_too_late_is_left_out(robot, stepping, stack):
     changes, ramp = modes(stepping, stack, lambda t: carried(robot, 0.1, 0.9))
     assert changes == []
     assert set(ramp.values()) == {1.0}
+
+
+def rolling_until(stepping, stack, until, loads=None):
+    """When the right foot rolls, first and last."""
+    found = []
+    for k in range(round(until / PERIOD)):
+        stepping.apply(k * PERIOD, stack, loads(k * PERIOD) if loads else None)
+        if stack.contact(RIGHT).is_rolling:
+            found.append(round(k * PERIOD, 3))
+    return found[0], found[-1]
+
+
+@pytest.mark.parametrize(("carries_from", "rises"), [(0.0, RISE), (0.45, 0.45)])
+def test_a_heel_rises_when_it_is_time_and_another_foot_carries(robot, stack, carries_from, rises):
+    both = planted_phases(robot, 0.0)[0].feet
+    phases = [
+        Phase(0.0, RISE, both),
+        Phase(RISE, LIFT, both, rising=(RIGHT,)),
+        Phase(LIFT, LAND, {LEFT: both[LEFT]}),
+        Phase(LAND, 2.0, both),
+    ]
+    stepping = SteppingSchedule(robot, phases, heel_paths={RIGHT: lambda t: None})
+
+    def loads(t):
+        return carried(robot, 0.5 if t >= carries_from else 0.1, 0.5 if t < LIFT or t >= LAND else 0.0)
+
+    assert rolling_until(stepping, stack, 2.0, loads) == (rises, LIFT - PERIOD)
+    assert stack.contact(RIGHT).mode == "fixed" and len(stack.contact(RIGHT).vertices) == 4
 
 
 def test_planted_feet_stay(robot, stack):

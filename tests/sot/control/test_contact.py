@@ -244,6 +244,24 @@ def test_what_a_contact_writes_is_what_it_says(robot, form, mode):
     np.testing.assert_allclose(motion, -3.0 * at.jacobian.T @ G, atol=1e-12)
 
 
+def test_a_rolling_contact_bears_at_its_front_edge_and_flat_again_at_all(robot):
+    contact, tick = Contact(robot.surface(FOOT)), standing(robot, 5)
+    vertices, pose = contact.vertices, tick.frame(FOOT)
+    axes = contact.motion(tick).rotation
+    still = Pose(pose.position, axes, np.zeros(6), np.zeros(6))
+    contact.roll(lambda t: still)
+    assert contact.is_rolling
+    ahead = (vertices - vertices.mean(axis=0)) @ (pose.rotation.T @ axes)[:, 0] > 0.0
+    np.testing.assert_array_equal(contact.vertices, vertices[ahead])
+    F, lower, upper = contact.force_inequalities(500.0)
+    assert F.shape == (9 * ahead.sum(), contact.force_count) and len(lower) == len(upper) == len(F)
+    assert len(contact.force_labels(len(F))) == len(F)
+    np.testing.assert_allclose(contact.acceleration(tick), 0.0, atol=1e-9)
+    contact.roll(None)
+    assert not contact.is_rolling
+    np.testing.assert_array_equal(contact.vertices, vertices)
+
+
 def test_a_contact_moves_to_another_surface_of_the_world_while_it_is_off(robot):
     square = np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]])
     tread = Surface("tread", square, pin.SE3(np.eye(3), np.array([0.0, 0.0, 0.1])), friction=0.2)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from sot.motion.body.free_feet import DancersFeet, _tilt_above
 from sot.motion.body.limits import Limits
@@ -54,6 +55,19 @@ def test_a_sole_in_the_air_is_above_the_floor(robot, course, dancers_feet):
         assert corners[:, :, 2].min() > -1e-3
 
 
+def test_a_swing_goes_on_from_where_its_heel_has_risen_to(robot):
+    course = stepping_course(human_on_time_line(walker(stride=0.5), RATE), robot, Build.of(robot), None)
+    assert any(course.rises)
+    for foot, path in feet_of(robot, course).paths([1.0] * len(course.travel.steps)).items():
+        turned = Rotation.from_matrix(path.rotation[1:]) * Rotation.from_matrix(path.rotation[:-1]).inv()
+        assert turned.magnitude().max() * RATE < robot.velocity.max()
+        for step, rise in zip(course.travel.steps, course.rises, strict=True):
+            if rise is not None and step.foot == foot:
+                first = np.searchsorted(course.human.times, step.lift + 1e-9)
+                moved = np.linalg.norm(np.diff(path.position[first - 2 : first + 2], axis=0), axis=1)
+                assert moved.max() < 0.02
+
+
 def test_a_slower_clock_moves_the_dancers_steps_as_well(robot, course):
     slow = with_clock(course, robot, 1.25 * course.human.times)
     for before, after in zip(course.travel.moves, slow.travel.moves, strict=True):
@@ -63,9 +77,9 @@ def test_a_slower_clock_moves_the_dancers_steps_as_well(robot, course):
 def test_a_tilt_is_lessened_to_the_room_that_there_is():
     corners = np.array([[0.1, 0.0, -0.1], [-0.1, 0.0, -0.1]])
     tilt = np.tile([0.0, 0.5, 0.0], (40, 1))
-    free = _tilt_above(np.full(40, 0.2), tilt, corners)
+    free = _tilt_above(np.full(40, 0.2), tilt, corners, Rotation.identity(40))
     np.testing.assert_allclose(free.as_rotvec(), tilt, atol=1e-9)
-    tight = _tilt_above(np.full(40, 0.11), tilt, corners)
+    tight = _tilt_above(np.full(40, 0.11), tilt, corners, Rotation.identity(40))
     assert (tight.as_matrix() @ corners.T)[:, 2].min() >= -0.11
     assert tight.as_rotvec()[:, 1].max() > 0.05
 

@@ -31,6 +31,21 @@ def test_phases_of_one_stance_become_one(falls):
     assert [stance.pose.translation[0] for stance in falls.stances] == [0.0, 0.3]
 
 
+def test_a_stance_knows_when_its_heel_rises(falls):
+    a = place(0.0)
+    both = {"left": a, "right": a}
+    phases = [
+        Phase(0.0, 1.0, both),
+        Phase(1.0, 1.2, both, rising=("right",)),
+        Phase(1.2, 1.5, {"left": a}),
+        Phase(1.5, 2.0, both),
+    ]
+    found = Footfalls(phases, "right")
+    assert [stance.rises for stance in found.stances] == [1.0, None]
+    assert [stance.rises for stance in Footfalls(phases, "left").stances] == [None]
+    assert [stance.rises for stance in found.with_step(0.4, 0.8, place(0.1)).stances] == [None, 1.0, None]
+
+
 @pytest.mark.parametrize(("t", "begun"), [(-0.1, 0), (0.0, 1), (1.49, 1), (1.5, 2), (9.0, 2)])
 def test_stances_begun(falls, t, begun):
     assert falls.count_begun(t) == begun

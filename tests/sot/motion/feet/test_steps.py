@@ -24,8 +24,15 @@ from sot.motion.feet.path import ScalablePath
 from sot.motion.feet.stance import Build, human_on_time_line, human_over_feet
 from sot.motion.feet.support import FORCE_RAMP_TIME, supports
 from sot.motion.feet.swing import HEIGHT_PROFILE_CURVATURE, _height_profile
-from sot.motion.feet.tempo import AskedStep, clock_from_slowness, step_tempo
-from sot.motion.feet.timetable import MIN_DOUBLE_SUPPORT_TIME, MIN_STANCE_TIME, MIN_SWING_TIME, retimed_steps
+from sot.motion.feet.tempo import (
+    MIN_DOUBLE_SUPPORT_TIME,
+    MIN_STANCE_TIME,
+    MIN_SWING_TIME,
+    AskedStep,
+    clock_from_slowness,
+    retimed_steps,
+    step_tempo,
+)
 from sot.motion.feet.travel import KEPT_TIME_SHARE, travel_at_clock, with_time_kept
 from sot.robots.leg_range import DIRECTION_COUNT, HIP_HEIGHTS_LEGS, RANGE_MARGIN, flat_foot_distances
 from sot.robots.robot import Robot
@@ -192,6 +199,27 @@ def test_a_path_is_scaled_where_its_strides_are_too_long(robot):
                 np.hypot(stand.x - scales @ piece, stand.y - across[foot])
                 < MAX_FOOTHOLD_OFFSET * reach.leg_length + 1e-6
             )
+
+
+def test_a_foot_s_speed_counts_from_a_body_that_goes_along(robot):
+    """Strides of 0.9 m in half a second: as far as the foot gets by itself, and as far again as the body gets."""
+    reach = LegReach.of(robot)
+    wanted = {
+        "left_foot": [Foothold(x, 0.1, 0.0) for x in (0.0, 0.45, 1.35)],
+        "right_foot": [Foothold(x, -0.1, 0.0) for x in (0.0, 0.9)],
+    }
+    moves = [Step("left_foot", 1.0, 1.5), Step("right_foot", 1.7, 2.2), Step("left_foot", 2.4, 2.9)]
+    turned, over = reachable_headings(wanted, moves, reach), between(wanted, moves)
+    travel = np.tile([[[0.25], [0.0]]], (3, 1, 1))
+    alone, _ = reachable_footholds(wanted, turned, moves, reach, *still(wanted), over)
+    along, scales = reachable_footholds(wanted, turned, moves, reach, *still(wanted), over, body_travel=travel)
+    own = reach.swing_length(0.5)
+
+    def stride(found):
+        return found["right_foot"][1].x - found["right_foot"][0].x
+
+    assert stride(alone) == pytest.approx(own, abs=1e-3)
+    assert own + 0.05 < stride(along) < own + 0.25 * scales[0] + 1e-3
 
 
 def test_of_two_feet_that_want_each_others_place_one_gets_it(robot):
