@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from sot.motion.feet.climbing.terrain import Terrain
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Step
 from sot.motion.feet.slides import Slide, paths_with_slides, phases_with_slides
 from sot.motion.feet.stance import Build
-from sot.motion.feet.swing import FootPath, contact_phases, foot_paths, standing_paths
-from sot.motion.feet.travel import Travel, plan_travel, travel_at_clock
+from sot.motion.feet.swing import FootPath, contact_phases, foot_paths, mean_ground, standing_paths
+from sot.motion.feet.travel import Travel, human_raised, plan_travel, travel_at_clock
 from sot.motion.human.human import Human
 from sot.robots.robot import Robot
 
@@ -63,14 +64,16 @@ def stepping_course(
     contacts: Sequence[Step] | None,
     keep_lifts: bool = False,
     as_danced: bool = False,
+    terrain: Terrain | None = None,
 ) -> Course:
     """The course of feet that step where and when the human's do.
 
     contacts: the steps to make, in the clip's time, instead of those found.
     keep_lifts: whether high lifts keep the dancer's time in the air.
     as_danced: whether the dancer's time and way are kept.
+    terrain: what there is to step on; the floor alone unless given.
     """
-    travel = plan_travel(human, build, LegReach.of(robot), contacts, keep_lifts, as_danced)
+    travel = plan_travel(human, build, LegReach.of(robot), contacts, keep_lifts, as_danced, terrain)
     course = _course_along(travel, robot)
     return replace(course, keeps_lifts=keep_lifts)
 
@@ -96,4 +99,4 @@ def _course_along(going: Travel, robot: Robot) -> Course:
     human, reach = going.human, LegReach.of(robot)
     phases = contact_phases(robot, going.stands, going.steps, human.duration)
     feet = foot_paths(robot, going.stands, going.steps, going.lifts, reach, human.times)
-    return Course(human, phases, feet, going.clock, going)
+    return Course(human_raised(human, mean_ground(feet)), phases, feet, going.clock, going)
