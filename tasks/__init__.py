@@ -3,7 +3,7 @@
 from tasks.balance import Balance
 from tasks.bounds import AccelerationBounds, JointBounds, TorqueBounds, TorqueRateBounds
 from tasks.center_of_mass import CenterOfMass
-from tasks.contact_forces import LeastForces, Squeeze
+from tasks.contact_forces import LeastForces
 from tasks.foot_sliding import FootSliding
 from tasks.free_point import FreePoint
 from tasks.momentum import AngularMomentum
@@ -24,7 +24,6 @@ __all__ = [
     "OperationalPoint",
     "Posture",
     "SelfCollision",
-    "Squeeze",
     "SwingFoot",
     "TorqueBounds",
     "TorqueRateBounds",

@@ -1,4 +1,4 @@
-"""Contact forces: the smallest ones that the levels above leave open, and what hands squeeze with."""
+"""The smallest contact forces, or those nearest to what contacts wish for, that the levels above leave open."""
 
 import numpy as np
 
@@ -50,32 +50,3 @@ class LeastForces(Task):
                 self._asked, self._wishes = asked, np.concatenate([contact.wishes() for contact in tick.contacts])
             wanted = self._wishes * reserves if reserve else self._wishes
         return self.make_rows(self._A, wanted, wanted)
-
-
-class Squeeze(Task):
-    """Normal forces of the contacts that wish for one, as what hands squeeze with, nearest to their wishes.
-
-    `LeastForces` asks for the same on the last level. There it is free to the levels above: hands that squeeze a thing
-    move nothing, and where the rates of torques are limited a motion that is held back by them is bought with a
-    squeeze. Beside the tasks of such a motion, it has its price.
-
-    Args:
-        weight: Scale within the level [1/N].
-    """
-
-    variable = "force"
-
-    def __init__(self, weight: float, name: str = "Squeeze") -> None:
-        super().__init__(name, "N", "N", weight)
-
-    def rows(self, tick: Tick) -> Rows:
-        """Rows ``sum of a contact's normal forces = what it wishes for``, one for each that wishes."""
-        contacts = [contact for contact in tick.contacts if contact.force_count]
-        wishing = [contact for contact in contacts if contact.wish > 0.0]
-        A, wanted, row, end = np.zeros((len(wishing), sum(c.force_count for c in contacts))), np.zeros(len(wishing)), 0, 0
-        for contact in contacts:
-            own = slice(end, end := end + contact.force_count)
-            if contact.wish > 0.0:
-                A[row, own], wanted[row] = contact.normal_map(), contact.load * contact.wish
-                row += 1
-        return self.make_rows(A, wanted, wanted)

@@ -13,6 +13,7 @@ from sot.motion import Motion
 from sot.proximity import Proximity
 from sot.robots import Robot, System, Thing
 from tasks import OperationalPoint, SelfCollision
+from tasks.self_collision import _write_lower_bounds
 
 
 @pytest.fixture(scope="module")
@@ -101,3 +102,24 @@ def test_an_arm_stops_before_a_table(knows):
         ahead.append(controller.tick.frame("right_hand").position[0] - start[0])
     assert max(ahead) > 0.03
     assert (max(pressed) < 1.0) == knows
+
+
+def test_what_is_pushed_slowly_at_a_thing_is_braked_in_proportion(system):
+    """A distance with the least acceleration that its row allows, pushed on all the time: no kick where it is stopped,
+    for a pair with a thing; the robot's own pairs are stopped with all that is relied upon."""
+    task, period, greatest = SelfCollision(system), 0.002, {}
+    own, with_thing = 0, len(Proximity(system.robot).pairs)
+    J = np.ones((1, system.nv))
+    for pair in (own, with_thing):
+        kept, gap, rate, asked = task.min_distances[pair], 0.005, -0.03, []
+        for _ in range(400):
+            lower = np.empty(1)
+            state = np.array([kept + gap]), np.array([rate]), J, np.zeros(1), np.array([pair])
+            limits = task.min_distances, np.arange(len(task.pairs)) >= with_thing, task._soft
+            _write_lower_bounds(*state, *limits, np.full(system.robot.na, 60.0), period, lower)
+            asked.append(max(lower[0], -2.0))
+            gap, rate = gap + period * rate + 0.5 * period**2 * asked[-1], rate + period * asked[-1]
+            assert gap > -1e-5
+        assert gap < 1e-3  # it gets there
+        greatest[pair] = max(asked)
+    assert greatest[with_thing] < 4.0 and greatest[own] > 10.0
