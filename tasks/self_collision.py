@@ -36,6 +36,12 @@ SOFT_BRAKING_LEGS = 0.0166
 `AccelerationBounds`). Where both hands hold a thing, joints have next to no leverage on its distance from an arm:
 stopping a slow approach at once took every motor's whole torque for a tick, and the hands' squeeze with it."""
 
+CORNER_HORIZON = 0.03
+"""Time [s] within which another corner of a pair with a thing may become the nearest and is reckoned with: what braking
+in proportion takes."""
+CORNER_DISTANCE_LEGS = 0.0166
+"""Distance [leg lengths] from the nearest point beyond which another corner, nearer than that, has a row of its own."""
+
 MIN_DISTANCE_LEGS = 0.0166
 """Distance that is kept [leg lengths]: half of what plans keep, which keeps the two from contradicting each other."""
 REST_DISTANCE_SHARE = 0.5
@@ -79,6 +85,7 @@ class SelfCollision(Task):
         # What is carried, and the trunk before a thing, is moved by joints that are not between the two shapes as well.
         self._carried_by_others = np.arange(len(self.pairs)) >= self._proximity.own_pairs
         self._soft = np.where(self._carried_by_others, SOFT_BRAKING_LEGS * leg_length(system.robot), 0.0)
+        self._corner_distance = CORNER_DISTANCE_LEGS * leg_length(system.robot)
         self._watched = np.zeros(0, dtype=int)
         self._watched_labels: list[str] = []
         self._last_look = -np.inf
@@ -99,13 +106,21 @@ class SelfCollision(Task):
         if not 0.0 < tick.t - self._last_look < LOOK_PERIOD - TIME_TOLERANCE:
             self._watched, self._last_look = self._pairs_to_watch(tick), tick.t
             self._watched_labels = [" and ".join(self.pairs[k]) for k in self._watched.tolist()]
-        near, count = self._watched, len(self._watched)
-        if count > len(self._unbounded_below):
-            self._allocate_rows(count, self._system.nv)
-        if not count:
+        near = self._watched
+        if not len(near):
             self.error, self.labels = _NO_ERROR, ()
             return self.make_rows(self._zero_rows, self._unbounded_below, self._unbounded_above)
-        distances, rates, A, drifts = self.motion(tick, near)
+        motion = self.motion(tick, near)
+        labels = self._watched_labels
+        if len(with_things := near[self._carried_by_others[near]]):
+            again, there = self._second_corners(tick, with_things)
+            near = np.concatenate([near, again])
+            motion = DistanceMotion(*(np.concatenate(both) for both in zip(motion, there, strict=True)))
+            labels = [*labels, *(" and ".join(self.pairs[k]) + ", another corner" for k in again.tolist())]
+        count = len(near)
+        if count > len(self._unbounded_below):
+            self._allocate_rows(count, self._system.nv)
+        distances, rates, A, drifts = motion
         lower = self._unbounded_below.copy()
         if count < len(lower):
             A, jacobian = self._zero_rows.copy(), A
@@ -114,8 +129,13 @@ class SelfCollision(Task):
             *(distances, rates, A, drifts, near, self.min_distances, self._carried_by_others, self._soft),
             *(self._acceleration, tick.period, lower),
         )
-        self.labels = self._watched_labels
+        self.labels = labels
         return self.make_rows(A, lower, self._unbounded_above)
+
+    def _second_corners(self, tick: Tick, pairs: Array) -> tuple[Array, DistanceMotion]:
+        """The pairs that are nearly as near with another corner, and how the distances there move."""
+        v = tick.v[: self._system.nv]
+        return self._proximity.second_corners(pairs, v, tick.period, CORNER_HORIZON, self._corner_distance)
 
     def _allocate_rows(self, pairs: int, nv: int) -> None:
         """For the rows of some pairs; those of none are read-only, so that nobody writes them twice."""
