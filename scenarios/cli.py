@@ -139,7 +139,8 @@ def run_command(
     scenario: Annotated[str, typer.Argument(help="A name of `sot list scenarios`, or a file of your own (.py).")],
     study: options.Study = None,
     clip: Annotated[
-        str | None, typer.Option(help="For ramos and the studies of clips: a file, or a name of `sot list clips`.")
+        str | None,
+        typer.Option(help="For ramos, stairs and the studies of clips: a file, or a name of `sot list clips`."),
     ] = None,
     start: Start = 0.0,
     duration: Duration = None,

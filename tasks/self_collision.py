@@ -31,6 +31,17 @@ RELIED_DECELERATION = 25.0
 beside one another at up to 20 m/s², hands likewise: what relies on less brakes motions that are in order. An approach
 that is too fast for it is stopped as much harder as it takes, steadily."""
 
+SOFT_BRAKING_LEGS = 0.0166
+"""Distance [leg lengths] that braking in proportion to a slow approach takes, of pairs with a thing (see
+`AccelerationBounds`). Where both hands hold a thing, joints have next to no leverage on its distance from an arm:
+stopping a slow approach at once took every motor's whole torque for a tick, and the hands' squeeze with it."""
+
+CORNER_HORIZON = 0.03
+"""Time [s] within which another corner of a pair with a thing may become the nearest and is reckoned with: what braking
+in proportion takes."""
+CORNER_DISTANCE_LEGS = 0.0166
+"""Distance [leg lengths] from the nearest point beyond which another corner, nearer than that, has a row of its own."""
+
 MIN_DISTANCE_LEGS = 0.0166
 """Distance that is kept [leg lengths]: half of what plans keep, which keeps the two from contradicting each other."""
 REST_DISTANCE_SHARE = 0.5
@@ -73,6 +84,8 @@ class SelfCollision(Task):
         self.pairs = self._proximity.pairs
         # What is carried, and the trunk before a thing, is moved by joints that are not between the two shapes as well.
         self._carried_by_others = np.arange(len(self.pairs)) >= self._proximity.own_pairs
+        self._soft = np.where(self._carried_by_others, SOFT_BRAKING_LEGS * leg_length(system.robot), 0.0)
+        self._corner_distance = CORNER_DISTANCE_LEGS * leg_length(system.robot)
         self._watched = np.zeros(0, dtype=int)
         self._watched_labels: list[str] = []
         self._last_look = -np.inf
@@ -93,23 +106,36 @@ class SelfCollision(Task):
         if not 0.0 < tick.t - self._last_look < LOOK_PERIOD - TIME_TOLERANCE:
             self._watched, self._last_look = self._pairs_to_watch(tick), tick.t
             self._watched_labels = [" and ".join(self.pairs[k]) for k in self._watched.tolist()]
-        near, count = self._watched, len(self._watched)
-        if count > len(self._unbounded_below):
-            self._allocate_rows(count, self._system.nv)
-        if not count:
+        near = self._watched
+        if not len(near):
             self.error, self.labels = _NO_ERROR, ()
             return self.make_rows(self._zero_rows, self._unbounded_below, self._unbounded_above)
-        distances, rates, A, drifts = self.motion(tick, near)
+        motion = self.motion(tick, near)
+        labels = self._watched_labels
+        if len(with_things := near[self._carried_by_others[near]]):
+            again, there = self._second_corners(tick, with_things)
+            near = np.concatenate([near, again])
+            motion = DistanceMotion(*(np.concatenate(both) for both in zip(motion, there, strict=True)))
+            labels = [*labels, *(" and ".join(self.pairs[k]) + ", another corner" for k in again.tolist())]
+        count = len(near)
+        if count > len(self._unbounded_below):
+            self._allocate_rows(count, self._system.nv)
+        distances, rates, A, drifts = motion
         lower = self._unbounded_below.copy()
         if count < len(lower):
             A, jacobian = self._zero_rows.copy(), A
             A[:count] = jacobian
         self.error = _write_lower_bounds(
-            *(distances, rates, A, drifts, near, self.min_distances, self._carried_by_others),
+            *(distances, rates, A, drifts, near, self.min_distances, self._carried_by_others, self._soft),
             *(self._acceleration, tick.period, lower),
         )
-        self.labels = self._watched_labels
+        self.labels = labels
         return self.make_rows(A, lower, self._unbounded_above)
+
+    def _second_corners(self, tick: Tick, pairs: Array) -> tuple[Array, DistanceMotion]:
+        """The pairs that are nearly as near with another corner, and how the distances there move."""
+        v = tick.v[: self._system.nv]
+        return self._proximity.second_corners(pairs, v, tick.period, CORNER_HORIZON, self._corner_distance)
 
     def _allocate_rows(self, pairs: int, nv: int) -> None:
         """For the rows of some pairs; those of none are read-only, so that nobody writes them twice."""
@@ -128,7 +154,7 @@ class SelfCollision(Task):
         proximity, v, period, kept = self._proximity, tick.v[: self._system.nv], tick.period, self.min_distances
         proximity.move_to(tick.data)
         within = _watch_distances(
-            proximity.rate_bounds(v), period, kept, self._unwatched_until - TIME_TOLERANCE, tick.t
+            proximity.rate_bounds(v), period, kept, self._soft, self._unwatched_until - TIME_TOLERANCE, tick.t
         )
         if self._system.things:
             within[self._left_alone(tick)] = -np.inf
@@ -136,7 +162,7 @@ class SelfCollision(Task):
         if not len(near):
             return near
         _, rates = proximity.jacobian_and_rates(near, v)
-        looks = _skippable_looks(proximity.latest_distances[near], rates, period, kept[near])
+        looks = _skippable_looks(proximity.latest_distances[near], rates, period, kept[near], self._soft[near])
         self._unwatched_until[near] = tick.t + LOOK_PERIOD * looks
         watched: Array = near[looks == 0.0]
         return watched
@@ -161,6 +187,7 @@ def _write_lower_bounds(
     pairs: Array,
     kept: Array,
     carried_by_others: Array,
+    soft: Array,
     acceleration: Array,
     period: float,
     lower: Array,
@@ -175,6 +202,7 @@ def _write_lower_bounds(
         pairs: Their indices (n,).
         kept, carried_by_others: Distances that are kept [m], and whether joints that are not between the two shapes
             move one of them, of all pairs.
+        soft: Distances that braking in proportion takes [m], of all pairs.
         acceleration: What is relied upon of the joints (na,) [rad/s²].
         period: The tick's [s].
         lower: What is written (n,).
@@ -189,30 +217,32 @@ def _write_lower_bounds(
         brake, left = min(RELIED_DECELERATION, achievable), 2.0 * gap - period * speed
         if speed > 0.0 and left > 0.0:
             brake = min(max(RELIED_DECELERATION, speed**2 / left), achievable)
-        wanted = -max_viable_acceleration(gap, speed, period, np.inf, brake, 0.0) - drifts[n]
+        wanted = -max_viable_acceleration(gap, speed, period, np.inf, brake, soft[pairs[n]]) - drifts[n]
         lower[n], missing[n] = min(wanted, achievable), max(-gap, 0.0)
     return missing
 
 
 @compiled
-def _stopping_distance(speed: float, period: float, looks: float) -> float:
+def _stopping_distance(speed: float, period: float, looks: float, soft: float) -> float:
     """Distance [m] on which an approach at a speed [m/s] is stopped if it is watched only after some looks."""
     speed = speed + looks * SPEED_CHANGE_BOUND
-    return min(speed * (speed / (2.0 * WATCH_DECELERATION) + period + looks * LOOK_PERIOD), WATCH_DISTANCE_BOUND)
+    lag = np.sqrt(2.0 * soft / RELIED_DECELERATION)
+    late = period + lag + looks * LOOK_PERIOD
+    return min(speed * (speed / (2.0 * WATCH_DECELERATION) + late), WATCH_DISTANCE_BOUND)
 
 
 @compiled
-def _watch_distances(speeds: Array, period: float, kept: Array, unwatched_until: Array, t: float) -> Array:
+def _watch_distances(speeds: Array, period: float, kept: Array, soft: Array, unwatched_until: Array, t: float) -> Array:
     """Distances [m] below which pairs that approach at these speeds at most need a closer look."""
     within = np.full(len(speeds), -np.inf)
     for k in range(len(speeds)):
         if unwatched_until[k] <= t:
-            within[k] = kept[k] + _stopping_distance(speeds[k], period, 1.0)
+            within[k] = kept[k] + _stopping_distance(speeds[k], period, 1.0, soft[k])
     return within
 
 
 @compiled
-def _skippable_looks(distances: Array, rates: Array, period: float, kept: Array) -> Array:
+def _skippable_looks(distances: Array, rates: Array, period: float, kept: Array, soft: Array) -> Array:
     """Number of looks that each pair may be left out of.
 
     Even if it has sped up by then, at each look by the bound, it is far enough apart to be stopped.
@@ -221,7 +251,7 @@ def _skippable_looks(distances: Array, rates: Array, period: float, kept: Array)
     for k in range(len(looks)):
         speed = max(-rates[k], 0.0)
         while looks[k] < MAX_SKIPPED_LOOKS and distances[k] >= kept[k] + _stopping_distance(
-            speed, period, looks[k] + 1.0
+            speed, period, looks[k] + 1.0, soft[k]
         ):
             looks[k] += 1.0
     return looks

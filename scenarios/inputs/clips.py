@@ -97,6 +97,8 @@ _CLIPS = (
         for name, what, seconds in (
             ("walk_turns", "around a corner, turning on the spot, and back", 19.5),
             ("walk_stops", "with stops, backwards and sideways", 25.5),
+            ("walk_stairs", "up four treads and down again, both feet on each of them", 16.6),
+            ("walk_stairs_over", "up four treads and down again, one foot on each of them", 10.64),
         )
     ),
     Clip(

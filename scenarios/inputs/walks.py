@@ -1,6 +1,6 @@
-"""Clips of ours that walk: ahead, around corners, turning on the spot, stopping, backwards and sideways.
+"""Clips of ours that walk: ahead, around corners, turning on the spot, stopping, backwards, sideways, and over stairs.
 
-`python -m scenarios.inputs.walks NAME FILE` writes one of them, "walk_turns" or "walk_stops".
+`python -m scenarios.inputs.walks NAME FILE` writes one of them, by a name of `WALKS`.
 
 A walk is a list of footsteps. A foot swings from one to the next along minimum-jerk paths; the hips go with the middle
 of both feet and sway over the one that stands, arms swing against the legs. Walks start and end at rest.
@@ -36,18 +36,24 @@ TOES_DOWN_DEG = 20.0  # deg, in the first half of a step
 SWAY_M = 0.03  # m, of the hips toward the foot that stands
 SMOOTHING_S = 0.16  # s, standard deviation with which the hips follow the feet
 STRIDE_M, STRIDE_BACK_M, STRIDE_ASIDE_M = 0.45, 0.3, 0.25  # m, between two footsteps of one walk
+STAIR_SWING_S = 0.7  # time of a step from tread to tread
+TREAD_RISE_M, TREAD_DEPTH_M = 0.16, 0.30  # m, of stairs
+RISE_SHARE = 0.6  # of a step's time, in which the foot gets up to the next tread or, at its end, down to it
+STAIR_HIP_DROP = 0.5  # of the height between both feet, by which the hips are lower than over the mean of them
 ARM_SWING_PER_M = 0.9  # rad per m that the other foot is ahead of the hips
 OTHER = {"Left": "Right", "Right": "Left"}
 
 
 @dataclass
 class _Swing:
-    """A foot's way to where it stands next: x, z [m], and heading [rad]."""
+    """A foot's way to where it stands next: x, z [m], heading [rad], and the height of what it stands on there [m]."""
 
     side: str
     lift: float
     goal: Array
     height: float
+    level: float
+    time: float
 
 
 @dataclass
@@ -58,6 +64,8 @@ class _Walk:
     heading: float = 0.0
     side: str = "Left"
     t: float = REST_S
+    level: float = 0.0
+    swing_time: float = SWING_S
     swings: list[_Swing] = field(default_factory=list)
 
     def step(self, ahead: float = 0.0, aside: float = 0.0, turn_deg: float = 0.0) -> None:
@@ -70,9 +78,10 @@ class _Walk:
     def set_down(self, height: float) -> None:
         """The foot whose turn it is comes down beside the walk's place."""
         goal = self.place + SIDES[self.side] * ANKLE_FROM_MIDDLE_M * _axes(self.heading)[1]
-        self.swings.append(_Swing(self.side, self.t, np.append(goal, self.heading), height))
+        end = np.append(goal, self.heading)
+        self.swings.append(_Swing(self.side, self.t, end, height, self.level, self.swing_time))
         self.side = OTHER[self.side]
-        self.t += SWING_S + BETWEEN_S
+        self.t += self.swing_time + BETWEEN_S
 
     def stop(self, seconds: float) -> None:
         """The other foot comes beside the one that stands, and both stay."""
@@ -121,7 +130,35 @@ def walk_stops() -> str:
     return _text(walk)
 
 
-WALKS: dict[str, Callable[[], str]] = {"walk_turns": walk_turns, "walk_stops": walk_stops}
+def walk_stairs() -> str:
+    """Up four treads and down again on the other side, both feet on each of them."""
+    return _stairs(steps_on_tread=2)
+
+
+def walk_stairs_over() -> str:
+    """The same, one foot on each of them."""
+    return _stairs(steps_on_tread=1)
+
+
+def _stairs(steps_on_tread: int) -> str:
+    walk = _Walk(swing_time=STAIR_SWING_S)
+    for rise in (*4 * (TREAD_RISE_M,), *4 * (-TREAD_RISE_M,)):
+        walk.level += rise
+        walk.step(TREAD_DEPTH_M)
+        for _ in range(steps_on_tread - 1):
+            walk.step()
+    if steps_on_tread == 1:
+        walk.step()
+    walk.t += REST_S
+    return _text(walk)
+
+
+WALKS: dict[str, Callable[[], str]] = {
+    "walk_turns": walk_turns,
+    "walk_stops": walk_stops,
+    "walk_stairs": walk_stairs,
+    "walk_stairs_over": walk_stairs_over,
+}
 
 
 def write_walk(name: str, path: Path) -> None:
@@ -141,18 +178,18 @@ def _text(walk: _Walk) -> str:
     feet = {side: _foot_way(walk, side, t) for side in SIDES}
     middle = np.mean([way[:, :3] for way in feet.values()], axis=0)
     stands = {side: 1.0 - np.minimum(way[:, 3] / LIFT_M, 1.0) for side, way in feet.items()}
+    levels = np.array([way[:, 5] for way in feet.values()])
+    ground = _smoothed(levels.mean(axis=0) - STAIR_HIP_DROP * np.ptp(levels, axis=0))
     sway = SWAY_M * (stands["Left"] - stands["Right"])
     ahead, left = _axes(middle[:, 2])
     middle[:, :2] += sway[:, None] * left.T
     middle = np.column_stack([_smoothed(column) for column in middle.T])
-    hips = np.column_stack(
-        [middle[:, 0], np.full(len(t), ANKLE_HEIGHT_M + THIGH_M + SHANK_M - HIP_DROP_M), middle[:, 1]]
-    )
+    hips = np.column_stack([middle[:, 0], ANKLE_HEIGHT_M + THIGH_M + SHANK_M - HIP_DROP_M + ground, middle[:, 1]])
     pelvis = np.column_stack([middle[:, 2], 0.0 * t, 0.0 * t])
     angles = {"Hips": pelvis}
     for side, sign in SIDES.items():
-        x, z, heading, height, pitch = feet[side].T
-        ankle = np.column_stack([x, ANKLE_HEIGHT_M + height, z])
+        x, z, heading, height, pitch, level = feet[side].T
+        ankle = np.column_stack([x, ANKLE_HEIGHT_M + level + height, z])
         legs = leg_angles(hips, pelvis, sign, ankle, pitch, heading)
         angles |= {side + joint: angle for joint, angle in legs.items()}
         way = feet[OTHER[side]][:, :2] - hips[:, [0, 2]]
@@ -163,16 +200,19 @@ def _text(walk: _Walk) -> str:
 
 
 def _foot_way(walk: _Walk, side: str, t: Array) -> Array:
-    """x, z [m], heading [rad], height over standing [m] and how far the toes point down [rad] of a foot, (T, 5)."""
+    """x, z [m], heading [rad], height over standing [m], how far the toes point down [rad], and height of what it is
+    on [m] of a foot, (T, 6)."""
     at = np.append(SIDES[side] * ANKLE_FROM_MIDDLE_M * _axes(0.0)[1], 0.0)
-    way = np.tile(np.append(at, [0.0, 0.0]), (len(t), 1))
+    way, level = np.tile(np.append(at, [0.0, 0.0, 0.0]), (len(t), 1)), 0.0
     for swing in walk.swings:
         if swing.side == side:
-            share = np.clip((t - swing.lift) / SWING_S, 0.0, 1.0)
+            share = np.clip((t - swing.lift) / swing.time, 0.0, 1.0)
             way[:, :3] += minimum_jerk(share)[:, None] * (swing.goal - at)
             way[:, 3] += swing.height * 16.0 * share**2 * (1.0 - share) ** 2
             way[:, 4] += np.radians(TOES_DOWN_DEG) * np.sin(2.0 * np.pi * share) * 4.0 * share * (1.0 - share)
-            at = swing.goal
+            begin = 0.0 if swing.level > level else 1.0 - RISE_SHARE
+            way[:, 5] += (swing.level - level) * minimum_jerk(np.clip((share - begin) / RISE_SHARE, 0.0, 1.0))
+            at, level = swing.goal, swing.level
     return way
 
 

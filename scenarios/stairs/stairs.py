@@ -7,13 +7,22 @@ from typing import Any, ClassVar
 import numpy as np
 from rich.console import Console
 
+from scenarios.inputs.dancer import requested_human
 from scenarios.inputs.stack_file import Composition
-from scenarios.replay import ProgressCallback, Replay, check_writable, make_solver, run_motion, write_outputs
+from scenarios.replay import (
+    ProgressCallback,
+    Replay,
+    check_writable,
+    make_solver,
+    run_motion,
+    write_outputs,
+)
 from scenarios.stacks import stepping_schedule, stepping_stack
 from sim.hardware.sole_frames import sole_frames
 from sim.log import FOOT_FIXED, RunLog
 from sim.reporting import report
-from sot.motion import climb
+from sot.errors import InputError
+from sot.motion import climb, plan
 from sot.motion.feet.contacts import planted_phases
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
@@ -49,7 +58,7 @@ class Stairs:
     treads: int = 4
     seed: int | None = None
 
-    takes_clip: ClassVar[bool] = False
+    takes_clip: ClassVar[bool] = True
 
     def things(self, robot: Robot, noise: Array | None = None) -> list[Thing]:
         """The treads as blocks on the floor, in order; `noise` is added to their heights (n,) [m]."""
@@ -69,10 +78,10 @@ DEFAULT_OPTIONS = Stairs()
 
 
 def run(request: Replay, stairs: Stairs, out: Path, tell: ProgressCallback) -> dict[str, Any]:
-    """Climb the stairs, record and report.
+    """Climb the stairs, as the human in a clip does if one is named; record and report.
 
     Args:
-        request: Robot, solver, rate, pushes and mismatch.
+        request: Clip and its part, robot, solver, rate, pushes and mismatch.
         stairs: What is climbed.
         out: Folder to write to.
         tell: Told of the progress.
@@ -83,10 +92,15 @@ def run(request: Replay, stairs: Stairs, out: Path, tell: ProgressCallback) -> d
     check_writable(out)
     make_solver(request.solver)
     robot = Robot.load(request.robot)
-    tell("planning", None)
     told = stairs.things(robot)
     treads = [thing.surface("top") for thing in told]
-    motion = climb(robot, [*treads, FLOOR], request.rate)
+    if not request.clip and (request.start or request.duration is not None):
+        raise InputError("these stairs are climbed without a clip: name the one that --start and --duration are of")
+    tell("planning", None)
+    planned = None
+    if request.clip:
+        planned = plan(requested_human(request, robot), robot, "steps", request.rate, treads=treads)
+    motion = planned.motion if planned else climb(robot, [*treads, FLOOR], request.rate)
     noise = None
     if stairs.seed is not None:
         noise = NOISE_M * np.random.default_rng(stairs.seed).standard_normal(len(told))
@@ -95,14 +109,15 @@ def run(request: Replay, stairs: Stairs, out: Path, tell: ProgressCallback) -> d
     def compose(robot: Robot, motion: Motion) -> Composition:
         return Composition(stepping_stack(robot, motion), stepping_schedule(robot, motion))
 
-    danced = run_motion(replace(request, clip="stairs"), compose, motion, None, tell, things=actual)
+    asked = request if request.clip else replace(request, clip="stairs")
+    danced = run_motion(asked, compose, motion, planned, tell, things=actual)
     log = danced.run.log.trimmed()
     figures = stair_figures(log, robot, [thing.surface("top") for thing in actual])
     return write_outputs(danced, out, tell, report.rounded({"stairs": figures}))
 
 
 def stair_figures(log: RunLog, robot: Robot, treads: list[Surface]) -> dict[str, Any]:
-    """How many treads both soles stood on, and how near their corners came to the treads' edges [m].
+    """How many treads both soles stood on, and one at least, and how near their corners came to the edges [m].
 
     Args:
         log: Rows of the run.
@@ -120,10 +135,11 @@ def stair_figures(log: RunLog, robot: Robot, treads: list[Surface]) -> dict[str,
             on &= tread.edge_margins(middle) > 0.0
             if on.any():
                 margins[index, k] = float(tread.edge_margins(corners[on]).min())
-    reached = np.isfinite(margins).all(axis=0)
+    reached = np.isfinite(margins)
     return {
         "treads": len(treads),
-        "treads_stood_on": int(reached.sum()),
+        "treads_stood_on": int(reached.all(axis=0).sum()),
+        "treads_stepped_on": int(reached.any(axis=0).sum()),
         "edge_margin_min_m": float(np.nanmin(margins)) if reached.any() else None,
     }
 
@@ -132,6 +148,6 @@ def show(figures: dict[str, Any], console: Console) -> None:
     """Print what became of the climb."""
     own = figures["stairs"]
     margin = "" if own["edge_margin_min_m"] is None else f", soles {1e3 * own['edge_margin_min_m']:.0f} mm from edges"
-    console.print(
-        f"stairs: stood on {own['treads_stood_on']} of {own['treads']} treads{margin}", highlight=False, soft_wrap=True
-    )
+    both, one, all_treads = own["treads_stood_on"], own["treads_stepped_on"], own["treads"]
+    with_both = "" if both == one else f", on {both} with both feet"
+    console.print(f"stairs: stood on {one} of {all_treads} treads{with_both}{margin}", highlight=False, soft_wrap=True)

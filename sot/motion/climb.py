@@ -9,6 +9,8 @@ import pinocchio as pin
 from sot.errors import InputError
 from sot.gravity import GRAVITY
 from sot.motion.balance.feet_led import GroundHeight, feet_led
+from sot.motion.feet.climbing.edge_swing import CLEARANCE, edge_swing
+from sot.motion.feet.climbing.terrain import EDGE_MARGIN
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.swing import FootPath
 from sot.motion.trajectory import Motion
@@ -20,12 +22,8 @@ from sot.smooth import minimum_jerk
 Array = np.ndarray
 
 KNOT_PERIOD = 0.02  # s, between knots
-EDGE_MARGIN = 0.01  # leg lengths, from a sole to the edges of its tread
-CLEARANCE = 0.05  # leg lengths, of a sole over the higher one of the treads that it leaves and comes to
 SWING_TIME, STANDING_TIME = 4.8, 2.4  # √(leg / g): of a step, and on both feet before the next one
 WAITING_TIME = 4.8  # √(leg / g) on both feet at the start and at the end
-RISE_SHARE = 0.45  # of a swing's time, in which a foot rises, and in which it comes down
-WAY_SHARES = 0.15, 0.85  # of a swing's time, between which a foot moves ahead, as long as it is over the higher tread
 
 
 class _Swing(NamedTuple):
@@ -110,23 +108,12 @@ def _paths(robot: Robot, swings: Sequence[_Swing], times: Array, clearance: floa
             if own != foot:
                 continue
             share = (times - lift) / (land - lift)
-            before, after = here.translation[2], there.translation[2]
-            higher, top = max(before, after), max(before, after) + clearance
-            begin = max(WAY_SHARES[0], _time_share(higher - before, top - before))
-            end = min(WAY_SHARES[1], 1.0 - _time_share(higher - after, top - after))
-            ahead = minimum_jerk((share - begin) / (end - begin))
+            ahead, height = edge_swing(share, here.translation[2], there.translation[2], clearance)
             way = here.translation + ahead[:, None] * (there.translation - here.translation)
-            way[:, 2] = before + (top - before) * minimum_jerk(share / RISE_SHARE)
-            way[:, 2] -= (top - after) * minimum_jerk((share - 1.0 + RISE_SHARE) / RISE_SHARE)
+            way[:, 2] = height
             position[share > 0.0] = way[share > 0.0]
         paths[foot] = FootPath(position, np.tile(start.rotation, (len(times), 1, 1)), *np.zeros((2, len(times))))
     return paths
-
-
-def _time_share(part: float, whole: float) -> float:
-    """Share of a swing's time within which a foot has risen by a part of the whole height."""
-    shares = np.linspace(0.0, 1.0, 201)
-    return RISE_SHARE * float(np.interp(part / whole, minimum_jerk(shares), shares))
 
 
 def _ground_height(swings: Sequence[_Swing]) -> GroundHeight:

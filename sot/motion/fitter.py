@@ -16,6 +16,7 @@ from sot.motion.body.limits import Limits
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import Targets, targets_of_human
 from sot.motion.body.whole_body import retarget
+from sot.motion.feet.climbing.terrain import Terrain
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.course import Course, stepping_course, with_clock, with_slides
 from sot.motion.feet.footwork import Step
@@ -48,7 +49,8 @@ BOUNCE_HZ = 0.5  # slower motion of the hips is no bounce
 
 @dataclass(frozen=True)
 class Fitter:
-    """The fit of a robot's body to a course of human and feet; one that is as danced is nowhere slowed down."""
+    """The fit of a robot's body to a course of human and feet; one that is as danced is nowhere slowed down.
+    Feet that step do so on a terrain, the floor alone unless it is given."""
 
     robot: Robot
     build: Build
@@ -56,6 +58,7 @@ class Fitter:
     hip_height_error: float | None
     as_danced: bool = False
     heels: bool = True
+    terrain: Terrain | None = None
 
     def stepping_course(self, human: Human, contacts: Sequence[Step] | None, keep_lifts: bool) -> Course:
         """A course that steps.
@@ -64,7 +67,9 @@ class Fitter:
         keep_lifts: whether high lifts are the dancer's, and take as long.
         """
         on_time_line = human_on_time_line(human, PLAN_RATE)
-        course = stepping_course(on_time_line, self.robot, self.build, contacts, keep_lifts, self.as_danced, self.heels)
+        course = stepping_course(
+            on_time_line, self.robot, self.build, contacts, keep_lifts, self.as_danced, self.heels, self.terrain
+        )
         return self.with_dancers_swings(course, tuple(map(float, kept_lifts(course))))
 
     def with_dancers_swings(self, course: Course, shares: tuple[float, ...]) -> Course:
@@ -169,7 +174,7 @@ class Fitter:
 
 def kept_lifts(course: Course) -> tuple[bool, ...]:
     """Which swings are high lifts that keep the dancer's time, where a course keeps them."""
-    if course.travel is None or not course.keeps_lifts:
+    if course.travel is None or course.travel.climbs or not course.keeps_lifts:
         return ()
     high, travel = HIGH_LIFT_LEGS * course.human.leg, course.travel
     return tuple(
@@ -181,7 +186,7 @@ def kept_lifts(course: Course) -> tuple[bool, ...]:
 def followed_swings(course: Course) -> tuple[float, ...]:
     """How much of each swing may be the dancer's at no price: all, but where the robot steps at another time or much
     faster, turns the foot far, or had to be slowed down; there as much as it is already."""
-    if course.travel is None:
+    if course.travel is None or course.travel.climbs:
         return ()
     stands, shares = {foot: list(own) for foot, own in course.travel.stands.items()}, []
     already = course.swing_shares or (0.0,) * len(course.travel.steps)

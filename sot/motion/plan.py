@@ -23,20 +23,24 @@ from sot.motion.body.limits import MAX_LEG_EXTENSION_STEPPING, Limits
 from sot.motion.body.spline import Spline
 from sot.motion.body.targets import Targets, key_points
 from sot.motion.body.whole_body import fit_limbs
+from sot.motion.feet.climbing.terrain import Terrain
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.course import Course, standing_course
 from sot.motion.feet.flight import Flight, find_flights, flight_remark
+from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Step
 from sot.motion.feet.slides import SlideWay
 from sot.motion.feet.stance import LEAD_IN_TIME, TAIL_TIME, Build, human_on_time_line, human_over_feet
 from sot.motion.feet.support import supports
-from sot.motion.feet.travel import Travel
+from sot.motion.feet.swing import mean_ground
+from sot.motion.feet.travel import Travel, climb_remarks
 from sot.motion.fitter import PLAN_RATE as PLAN_RATE
 from sot.motion.fitter import Fitter
 from sot.motion.human.human import Human
 from sot.motion.likeness import hip_heading
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
+from sot.robots.surface import Surface
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -103,7 +107,7 @@ class Plan:
     @property
     def remarks(self) -> list[str]:
         """What the robot does otherwise than the dancer, a sentence each."""
-        told = [one.words for one in self.human.remarks]
+        told = climb_remarks(self.human.remarks, self.travel)
         if self.flights:
             told.append(flight_remark(self.flights, self.travel is not None))
         if self.lean_cut:
@@ -132,6 +136,7 @@ def plan(
     limbs: LimbFit | None = None,
     as_danced: bool = False,
     heels: bool = True,
+    treads: Sequence[Surface] = (),
 ) -> Plan:
     """The motion with which a robot dances like a human.
 
@@ -152,6 +157,7 @@ def plan(
             judge what becomes of it.
         heels: whether heels of feet that are left behind may rise before they leave the floor: who plays the motion
             has to know of `Phase.rising`.
+        treads: level surfaces of the world above the floor, on which feet that step may step, too.
 
     Raises:
         InputError: another kind of `feet`, contacts for planted ones, or a slide for others or in too short a clip; or
@@ -159,7 +165,8 @@ def plan(
     """
     try:
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            once = partial(_plan, human, robot, feet, rate, contacts, slide, height, limbs, as_danced, heels)
+            asked = rate, contacts, slide, height, limbs, as_danced, heels, treads
+            once = partial(_plan, human, robot, feet, *asked)
             planned = _with_lifts_kept(once) if feet == "dancer" else once(keep_lifts=False)
         if np.isfinite(planned.motion.q).all() and np.isfinite(planned.motion.a).all():
             return planned
@@ -212,6 +219,7 @@ def _plan(
     limbs: LimbFit | None,
     as_danced: bool,
     heels: bool,
+    treads: Sequence[Surface],
     keep_lifts: bool,
 ) -> Plan:
     if feet not in FEET_MODES:
@@ -220,9 +228,13 @@ def _plan(
         raise InputError("planted feet make no steps: leave the contacts out, or choose steps")
     if (slide is not None or height is not None) and feet != "planted":
         raise InputError("only planted feet slide, and let the hips bounce: choose them, or leave slide and height out")
+    if treads and feet == "planted":
+        raise InputError("planted feet step on no tread: choose steps, or leave the treads out")
+    terrain = Terrain(treads, LegReach.of(robot)) if treads else None
     supports(robot, planted_phases(robot, 1.0))  # compiles what it needs, once an installation: that is no planning
     begun = time.perf_counter()
-    fit = Fitter(robot, Build.of(robot), Limits.of(robot, MAX_LEG_EXTENSION_STEPPING), height, as_danced, heels)
+    limits = Limits.of(robot, MAX_LEG_EXTENSION_STEPPING)
+    fit = Fitter(robot, Build.of(robot), limits, height, as_danced, heels, terrain)
     smooth = human.low_passed(CAPTURE_NOISE_HZ)
     course = None if feet == "planted" else fit.stepping_course(smooth, contacts, keep_lifts)
     if course is None or (feet in ("auto", "dancer") and contacts is None and len(course.phases) == 1):
@@ -257,7 +269,7 @@ def _plan(
                 f"{one.foot:.2f} m off their places; choose another part"
                 + ("" if feet == "planted" else ", or planted feet")
             )
-    motion = sampled_motion(robot, body_motion, course.phases, rate)
+    motion = sampled_motion(robot, body_motion, course.phases, rate, mean_ground(course.feet))
     figures = {
         "key_point_rms_m": _key_point_rms(robot, wanted, body_motion, span),
         "frames_per_s": human.count / (retargeted - begun),
@@ -305,11 +317,17 @@ def _clip_time(clock: Array, t: float) -> float:
     return float(np.interp(t, clock, np.arange(len(clock)) / PLAN_RATE))
 
 
-def sampled_motion(robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate: float) -> Motion:
-    """A spline as a motion sampled at a rate [Hz], with the ZMP that its whole-body dynamics needs."""
+def sampled_motion(
+    robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate: float, ground: Array | None = None
+) -> Motion:
+    """A spline as a motion sampled at a rate [Hz], with the ZMP that its whole-body dynamics needs.
+
+    ground: (T,) height of what the feet stand on, in the mean, at the spline's knots: that of the ZMP [m].
+    """
     times = np.arange(round(spline.duration * rate) + 1) / rate
     q, v, a = to_pinocchio(*(spline(times, derivative) for derivative in range(3)))
     state = Centroidal.along(robot, q, v, a)
+    over = state if ground is None else state.above(np.interp(times, spline.period * np.arange(len(ground)), ground))
     return Motion(
         robot=robot,
         rate=rate,
@@ -319,7 +337,7 @@ def sampled_motion(robot: Robot, spline: Spline, phases: tuple[Phase, ...], rate
         com=state.com,
         com_velocity=state.velocity,
         com_acceleration=state.acceleration,
-        zmp=state.zmp(),
+        zmp=over.zmp(),
         momentum=state.momentum[:, 3:],
         phases=phases,
     )

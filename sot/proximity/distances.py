@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from sot.proximity.cores import Cores, measure_cores
+from sot.proximity.corners import Corners, corner_motion, second_corners
 from sot.proximity.movement import (
     core_distance_motion,
     distance_drifts,
@@ -86,7 +87,8 @@ class Proximity:
         self._small_last = np.take_along_axis(self._indices, np.argsort(-self._balls[1][self._indices], axis=1), axis=1)
         self.latest_distances = np.full(len(indices), -np.inf)
         self._latest_poses = np.zeros((len(indices), 12))
-        self._now, self._ahead = (_Places(self._geometry, self._indices) for _ in range(2))
+        self._now, self._ahead, self._later = (_Places(self._geometry, self._indices) for _ in range(3))
+        self._corners = Corners.of(len(indices))
         self._data = None
         self.move_to(_rest_data(system))
         with_things = self.measure(np.arange(own_pairs, len(indices)))
@@ -141,7 +143,11 @@ class Proximity:
             *(now.rotations, now.translations, ahead.rotations, ahead.translations),
         )
         ahead.measure(pairs)
-        return distance_drifts(ahead.normals, ahead.points, pairs, twists, rates, period)
+        return distance_drifts(
+            *(self._indices, pairs, twists, rates, period),
+            *(now.rotations, now.translations, now.distances, now.normals, now.points),
+            *(ahead.rotations, ahead.translations, ahead.normals, ahead.points),
+        )
 
     def motion(self, pairs: Array, v: Array, period: float) -> DistanceMotion:
         """Distances of pairs (n,) and how they move at a velocity v (nv,), see `drifts`."""
@@ -155,6 +161,35 @@ class Proximity:
         distances = self.measure(pairs)
         jacobian, rates = self.jacobian_and_rates(pairs, v)
         return DistanceMotion(distances, rates, jacobian, self.drifts(pairs, rates, v, period))
+
+    def second_corners(
+        self, pairs: Array, v: Array, period: float, horizon: float, least: float
+    ) -> tuple[Array, DistanceMotion]:
+        """The pairs with a second corner nearly as near, and how the distances there move, after `motion` of them.
+
+        A corner that is farther away would come unseen until it is the nearest, and the other one would go. It is the
+        one that has been the nearest before, or will be within a horizon [s] at the velocities v (nv,).
+
+        Args:
+            pairs: Which (n,).
+            v: (nv,).
+            period: Of the tick [s].
+            horizon: How far is looked ahead [s].
+            least: Distance from the nearest point from which on another one is a second one, and within which it is
+                nearly as near [m].
+        """
+        now, ahead, later, (_, starts, counts) = self._now, self._ahead, self._later, self._tree
+        tree, places = (starts, counts, self._chains, self._indices), (now.rotations, now.translations)
+        move_pairs(self._J, v, horizon, *tree, pairs, *places, later.rotations, later.translations)
+        later.measure(pairs)
+        has = second_corners(self._indices, pairs, least, *now.arrays, *later.arrays, *self._corners)
+        chosen, corners = pairs[has], self._corners
+        twists = move_pairs(self._J, v, period, *tree, chosen, *places, ahead.rotations, ahead.translations)
+        jacobian, rates, drifts = corner_motion(
+            *(self._indices, chosen, now.normals, corners.points, self._J, v, period, self._relative_motion, twists),
+            *(*places, ahead.rotations, ahead.translations),
+        )
+        return chosen, DistanceMotion(corners.distances[chosen], rates, jacobian, drifts)
 
 
 class _Places:

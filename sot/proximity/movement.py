@@ -13,6 +13,8 @@ Array = np.ndarray
 
 SERIES_ANGLE = 1e-4
 """Angle [rad] below which the coefficients of a rotation are those of a series."""
+MAX_SLIDE_SPEED = 5.0
+"""Speed [m/s] at which a nearest point may slide along its shape; one that is faster has jumped to another corner."""
 
 
 @compiled
@@ -185,19 +187,78 @@ def move_pairs(
 
 
 @compiled
-def distance_drifts(normals: Array, points: Array, pairs: Array, twists: Array, rates: Array, period: float) -> Array:
+def distance_drifts(
+    indices: Array,
+    pairs: Array,
+    twists: Array,
+    rates: Array,
+    period: float,
+    rotations: Array,
+    translations: Array,
+    distances: Array,
+    normals: Array,
+    points: Array,
+    to_rotations: Array,
+    to_translations: Array,
+    to_normals: Array,
+    to_points: Array,
+) -> Array:
     """J̇ v of the distances of some of the pairs (n,), by how their rates (n,) change within a period.
 
-    Normals and nearest points of all pairs and the bodies' twists (n, 2, 6) are those after the period.
+    Where the nearest point jumps to another corner meanwhile, the points that are the nearest now are carried along,
+    and their normal stays: J is of those. The other's speed over a period would be an acceleration that no joint has.
+
+    Args:
+        indices: Shapes of all pairs (pairs, 2).
+        pairs: Which of them (n,).
+        twists: Of their bodies after the period (n, 2, 6).
+        rates: J v now (n,).
+        period: The period [s].
+        rotations, translations, distances, normals, points: Places of the shapes now, and of all pairs distances,
+            normals and nearest points of the second shapes.
+        to_rotations, to_translations, to_normals, to_points: The same after the period.
     """
-    drifts = np.empty(len(pairs))
+    drifts, carried, here = np.empty(len(pairs)), np.empty((2, 3)), np.empty(3)
     for n in range(len(pairs)):
-        x, y, z = points[pairs[n]]
-        u, v, w, a, b, c = twists[n, 1] - twists[n, 0]
-        nx, ny, nz = normals[pairs[n]]
-        ahead = nx * (u + b * z - c * y) + ny * (v + c * x - a * z) + nz * (w + a * y - b * x)
+        pair = pairs[n]
+        for side in range(2):
+            for i in range(3):
+                here[i] = points[pair, i] - (distances[pair] * normals[pair, i] if side == 0 else 0.0)
+            carried[side] = moved_along(
+                here, indices[pair, side], rotations, translations, to_rotations, to_translations
+            )
+        x, y, z = to_points[pair]
+        slide = np.sqrt((x - carried[1, 0]) ** 2 + (y - carried[1, 1]) ** 2 + (z - carried[1, 2]) ** 2)
+        if slide > MAX_SLIDE_SPEED * period:
+            ahead = speed_along(normals[pair], twists[n, 1], carried[1])
+            ahead -= speed_along(normals[pair], twists[n, 0], carried[0])
+        else:
+            ahead = speed_along(to_normals[pair], twists[n, 1] - twists[n, 0], to_points[pair])
         drifts[n] = (ahead - rates[n]) / period
     return drifts
+
+
+@compiled
+def moved_along(
+    place: Array, shape: int, rotations: Array, translations: Array, to_rotations: Array, to_translations: Array
+) -> Array:
+    """Where a place (3,) on a shape is when that is elsewhere."""
+    there = to_translations[shape].copy()
+    for k in range(3):
+        own = 0.0
+        for i in range(3):
+            own += rotations[shape, i, k] * (place[i] - translations[shape, i])
+        for i in range(3):
+            there[i] += to_rotations[shape, i, k] * own
+    return there
+
+
+@compiled
+def speed_along(way: Array, twist: Array, place: Array) -> float:
+    """Speed along a way (3,) of a place (3,) that moves with a twist (6,)."""
+    u, v, w, a, b, c = twist
+    x, y, z = place
+    return way[0] * (u + b * z - c * y) + way[1] * (v + c * x - a * z) + way[2] * (w + a * y - b * x)
 
 
 @compiled
@@ -237,7 +298,12 @@ def core_distance_motion(
     told &= measure_cores(
         indices, pairs, kinds, halves, radii, to_rotations, to_translations, to_distances, to_normals, to_points
     )
-    return told, distances[pairs], rates, jacobian, distance_drifts(to_normals, to_points, pairs, twists, rates, period)
+    drifts = distance_drifts(
+        *(indices, pairs, twists, rates, period),
+        *(rotations, translations, distances, normals, points),
+        *(to_rotations, to_translations, to_normals, to_points),
+    )
+    return told, distances[pairs], rates, jacobian, drifts
 
 
 @compiled

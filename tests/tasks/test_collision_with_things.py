@@ -12,7 +12,8 @@ from sot.control.tick import Tick
 from sot.motion import Motion
 from sot.proximity import Proximity
 from sot.robots import Robot, System, Thing
-from tasks import OperationalPoint, SelfCollision
+from tasks import OperationalPoint, SelfCollision, TorqueRateBounds
+from tasks.self_collision import _write_lower_bounds
 
 
 @pytest.fixture(scope="module")
@@ -82,22 +83,48 @@ def test_only_what_is_carried_keeps_off_things_unless_a_contact_brings_them_toge
 
 @pytest.mark.parametrize("knows", [True, False])
 def test_an_arm_stops_before_a_table(knows):
-    """A hand that is sent through a table's side: in physics, with and without the table in the task."""
+    """A hand that is sent through a table's side: in physics, with and without the table in the task. It turns until
+    two corners are as near, and no torque steps by that; rates of torques are not limited."""
     robot, period = Robot.load("hrp2"), 0.002
     motion = Motion.standing(robot, 2.0, 1.0 / period)
     start = motion.pose("right_hand")(0.0).position
     table = Thing.load("table", placement=(start[0] + 0.25, start[1], 0.0), size=(0.3, 0.2, 0.8))
     stack, world = planted_stack(robot, motion), World(robot, period, things=[table])
+    stack.hard[:] = [limit for limit in stack.hard if not isinstance(limit, TorqueRateBounds)]
     if knows:
         stack.hard[:] = [limit for limit in stack.hard if not isinstance(limit, SelfCollision)]
         stack.hard.append(SelfCollision(System(robot, [table])))
     controller = Controller(robot, stack, Cascade(), period)
     there = start + np.array([0.15, 0.0, 0.0])
     stack.add(OperationalPoint(robot, "right_hand", there, axes="xyz", kp=9.0, weight=50.0, name="hand"), "posture")
-    pressed, ahead = [], []
+    pressed, ahead, torques = [], [], []
     for k in range(500):
-        world.step(controller(k * period, *world.state()).torque)
+        torques.append(controller(k * period, *world.state()).torque.copy())
+        world.step(torques[-1])
         pressed.append(sum(touch.normal for pair, touch in world.touches().items() if "table" in pair))
         ahead.append(controller.tick.frame("right_hand").position[0] - start[0])
     assert max(ahead) > 0.03
     assert (max(pressed) < 1.0) == knows
+    if knows:
+        assert np.abs(np.diff(torques[10:], axis=0)).max() < 50.0
+
+
+def test_what_is_pushed_slowly_at_a_thing_is_braked_in_proportion(system):
+    """A distance with the least acceleration that its row allows, pushed on all the time: no kick where it is stopped,
+    for a pair with a thing; the robot's own pairs are stopped with all that is relied upon."""
+    task, period, greatest = SelfCollision(system), 0.002, {}
+    own, with_thing = 0, len(Proximity(system.robot).pairs)
+    J = np.ones((1, system.nv))
+    for pair in (own, with_thing):
+        kept, gap, rate, asked = task.min_distances[pair], 0.005, -0.03, []
+        for _ in range(400):
+            lower = np.empty(1)
+            state = np.array([kept + gap]), np.array([rate]), J, np.zeros(1), np.array([pair])
+            limits = task.min_distances, np.arange(len(task.pairs)) >= with_thing, task._soft
+            _write_lower_bounds(*state, *limits, np.full(system.robot.na, 60.0), period, lower)
+            asked.append(max(lower[0], -2.0))
+            gap, rate = gap + period * rate + 0.5 * period**2 * asked[-1], rate + period * asked[-1]
+            assert gap > -1e-5
+        assert gap < 1e-3  # it gets there
+        greatest[pair] = max(asked)
+    assert greatest[with_thing] < 4.0 and greatest[own] > 10.0

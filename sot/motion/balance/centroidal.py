@@ -1,6 +1,6 @@
 """Centroidal quantities of a whole-body motion: centre of mass, momentum and zero moment point."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -67,6 +67,10 @@ class Centroidal:
 
         com, momentum = mixed(self.com, other.com), mixed(self.momentum, other.momentum)
         return Centroidal(com, momentum, mixed(self.rate, other.rate), self.mass)
+
+    def above(self, ground: Array) -> "Centroidal":
+        """The quantities with a centre of mass whose height counts from that of the ground (T,) [m]."""
+        return replace(self, com=self.com - np.outer(ground, [0.0, 0.0, 1.0]))
 
     def pendulum(self) -> tuple[Array, Array]:
         """h (T,) and offset (T, 2) of the ZMP on z = 0, z = c − h c̈ + offset in the plane:

@@ -1,7 +1,6 @@
 """A motion led by its feet: their paths are given, the centre of mass keeps balance, the posture stays near rest."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -21,7 +20,6 @@ from sot.motion.feet.contacts import Phase
 from sot.motion.feet.support import ZMP_INSET, supports
 from sot.motion.feet.swing import FootPath, feet_heading
 from sot.motion.footing import footing_on
-from sot.motion.ground import UP
 from sot.motion.human.human import SIDES
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
@@ -123,7 +121,7 @@ def _sampled(spline: Spline, times: Array) -> tuple[Array, Array, Array]:
 
 def _above_ground(state: Centroidal, times: Array, height: GroundHeight) -> Centroidal:
     """The state with heights that count from the ground."""
-    return replace(state, com=state.com - np.outer(height(times, state.com[:, :2]), UP))
+    return state.above(height(times, state.com[:, :2]))
 
 
 def _drop(robot: Robot, way: Array, rise: Array, heading: Array, paths: Mapping[str, FootPath], period: float) -> Array:

@@ -47,7 +47,8 @@ def centred_on_long_stances(
         knots = np.flatnonzero(inside > 0.0)
         raised = [path.position[:, 2] for foot, path in feet.items() if foot not in phase.feet]
         if len(phase.feet) == 1 and len(raised) == 1 and len(knots):
-            lift = float(raised[0][knots].max() - raised[0].min()) / leg
+            stood = raised[0][[max(knots[0] - 1, 0), min(knots[-1] + 1, len(com) - 1)]]
+            lift = float(raised[0][knots].max() - stood.max()) / leg
             share = _rise((phase.end - phase.start) / time_constant, *LONG_STANCE) * _rise(lift, *HIGH_LIFT_LEGS)
             held = support_over(robot, phase, phase.start, 0.0).inset
             room = held.offsets - held.normals @ held.centre

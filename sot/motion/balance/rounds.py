@@ -24,7 +24,7 @@ from sot.motion.body.targets import Targets
 from sot.motion.feet.contacts import Phase
 from sot.motion.feet.stance import Build
 from sot.motion.feet.support import supports
-from sot.motion.feet.swing import FootPath, any_foot_moves
+from sot.motion.feet.swing import FootPath, any_foot_moves, mean_ground
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -83,7 +83,8 @@ class BalanceRounds:
         self._com_reach = ComReach(robot, build, feet)
         self._relieved_phases = phases if relieved else None
         self._grip = Grip(robot, phases, times) if self._steps else None
-        self._state = centroidal_state(self.body_motion, robot)
+        self._ground = mean_ground(feet)
+        self._state = centroidal_state(self.body_motion, robot, None, self._ground)
         self._asked = deepcopy(self._state)
         self._strain = np.zeros(wanted.length)
         self._rated = np.zeros(wanted.length, bool)  # knots of which the strain is known
@@ -200,12 +201,13 @@ class BalanceRounds:
             self._fits[len(y)] = PartFit(
                 body.columns, len(y), period, self._limits, rest_at_end=part == self._everything
             )
-        bends = self._grip.excess(y, self._state[part], part.start) if self._grip else None
+        in_world = self._state[part].above(-self._ground[part])
+        bends = self._grip.excess(y, in_world, part.start) if self._grip else None
         spline = Spline(self.body_motion.control[control][:, body.columns], period)
         self.body_motion.control[control, body.columns] = (
             self._fits[len(y)].refine(body, spline, y, 1, bends, part.start).control
         )
-        state = centroidal_state(self.body_motion, robot, period * np.arange(part.start, part.stop))
+        state = centroidal_state(self.body_motion, robot, period * np.arange(part.start, part.stop), self._ground)
         self._state[part] = state
         self._asked[part] = self._asked[part].toward(state, RELAXATION)
         off = np.abs(state.zmp() - zmp).max(axis=1)

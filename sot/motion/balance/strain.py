@@ -12,7 +12,7 @@ from sot.motion.body.coordinates import to_pinocchio
 from sot.motion.body.kinematics import JointTree, Kinematics
 from sot.motion.body.spline import Spline
 from sot.motion.feet.support import Support
-from sot.motion.feet.swing import FootPath
+from sot.motion.feet.swing import FootPath, mean_ground
 from sot.robots.robot import Robot
 from sot.robots.size import leg_length
 
@@ -69,9 +69,9 @@ def strain(
     The way of its ZMP back from outside the support, or from near its edge for longer than an instant, there or half
     way to the next knot; or that of a foot back to its path, whichever is farther.
 
-    state: its own at the knots of the part.
+    state: its own at the knots of the part, its height over what the feet stand on.
     """
-    margin = _zmp_margins(robot, where, body_motion, state, part)
+    margin = _zmp_margins(robot, where, body_motion, state, part, mean_ground(feet))
     least = MIN_ZMP_MARGIN_LEGS * leg_length(robot)
     near = np.pad(margin < least, 1)
     outside = (margin < 0.0) | (near[1:-1] & (near[:-2] | near[2:]))
@@ -90,8 +90,9 @@ def shortfalls(
 ) -> list[Shortfall]:
     """The stretches of a motion in which a foot is off its path, or the ZMP outside the support."""
     period, everything = body_motion.period, slice(0, len(body_motion.knots))
-    state = centroidal_state(body_motion, robot)
-    outside = np.maximum(_of_knots(-_zmp_margins(robot, where, body_motion, state, everything)), 0.0)
+    ground = mean_ground(feet)
+    state = centroidal_state(body_motion, robot, None, ground)
+    outside = np.maximum(_of_knots(-_zmp_margins(robot, where, body_motion, state, everything, ground)), 0.0)
     off = _foot_errors(robot, feet, body_motion, everything)
     short = np.pad((off > MAX_FOOT_ERROR_LEGS * leg_length(robot)) | (outside > 0.0), 1)
     joined = binary_closing(short, iterations=round(0.5 * MERGED_GAP_S / period)) | short
@@ -102,21 +103,32 @@ def shortfalls(
     ]
 
 
-def centroidal_state(body_motion: Spline, robot: Robot, times: Array | None = None) -> Centroidal:
-    """The centroidal quantities of a motion at times (n,) [s], by default at its knots."""
+def centroidal_state(
+    body_motion: Spline, robot: Robot, times: Array | None = None, ground: Array | None = None
+) -> Centroidal:
+    """The centroidal quantities of a motion at times (n,) [s], by default at its knots.
+
+    ground: (T,) heights at its knots, from which the centre of mass counts [m].
+    """
     if times is None:
-        return Centroidal.along(
-            robot, *to_pinocchio(body_motion.knots, body_motion.velocities, body_motion.accelerations)
-        )
-    return Centroidal.along(robot, *to_pinocchio(*(body_motion(times, derivative) for derivative in range(3))))
+        at_knots = body_motion.knots, body_motion.velocities, body_motion.accelerations
+        state = Centroidal.along(robot, *to_pinocchio(*at_knots))
+        times = body_motion.period * np.arange(len(state.com), dtype=float)
+    else:
+        state = Centroidal.along(robot, *to_pinocchio(*(body_motion(times, derivative) for derivative in range(3))))
+    if ground is None:
+        return state
+    return state.above(np.interp(times, body_motion.period * np.arange(len(ground)), ground))
 
 
-def _zmp_margins(robot: Robot, where: Sequence[Support], body_motion: Spline, state: Centroidal, part: slice) -> Array:
+def _zmp_margins(
+    robot: Robot, where: Sequence[Support], body_motion: Spline, state: Centroidal, part: slice, ground: Array
+) -> Array:
     """The distance of the ZMP to the edge of the support, negative outside, at the knots of a part and half-way between
     them (2 n - 1,) [m]."""
     times = body_motion.period * (part.start + 0.5 * np.arange(2 * len(state.com) - 1))
     zmp, margin = np.empty((len(times), 2)), np.empty(len(times))
-    zmp[::2], zmp[1::2] = state.zmp(), centroidal_state(body_motion, robot, times[1::2]).zmp()
+    zmp[::2], zmp[1::2] = state.zmp(), centroidal_state(body_motion, robot, times[1::2], ground).zmp()
     for support, stop in zip(where, [*(support.start for support in where[1:]), np.inf], strict=True):
         rows = (times >= support.start) & (times < stop)
         margin[rows] = support.polygon.margin(zmp[rows])

@@ -6,14 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from sot.motion.feet.climbing.terrain import Terrain
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Step
 from sot.motion.feet.heel_rise import HeelRise, heel_rises
 from sot.motion.feet.slides import Slide, paths_with_slides, phases_with_slides
 from sot.motion.feet.stance import Build
-from sot.motion.feet.swing import FootPath, contact_phases, foot_paths, standing_paths
-from sot.motion.feet.travel import Travel, plan_travel, travel_at_clock
+from sot.motion.feet.swing import FootPath, contact_phases, foot_paths, mean_ground, standing_paths
+from sot.motion.feet.travel import Travel, human_raised, plan_travel, travel_at_clock
 from sot.motion.human.human import Human
 from sot.robots.robot import Robot
 
@@ -68,16 +69,18 @@ def stepping_course(
     keep_lifts: bool = False,
     as_danced: bool = False,
     heels: bool = True,
+    terrain: Terrain | None = None,
 ) -> Course:
     """The course of feet that step where and when the human's do.
 
     contacts: the steps to make, in the clip's time, instead of those found.
     keep_lifts: whether high lifts keep the dancer's time in the air.
     as_danced: whether the dancer's time and way are kept.
-    heels: whether heels may rise.
+    heels: whether heels may rise; on level ground alone.
+    terrain: what there is to step on; the floor alone unless given.
     """
-    travel = plan_travel(human, build, LegReach.of(robot), contacts, keep_lifts, as_danced)
-    course = _course_along(travel, robot, heels)
+    travel = plan_travel(human, build, LegReach.of(robot), contacts, keep_lifts, as_danced, terrain)
+    course = _course_along(travel, robot, heels and terrain is None)
     return replace(course, keeps_lifts=keep_lifts)
 
 
@@ -107,4 +110,5 @@ def _course_along(going: Travel, robot: Robot, heels: bool) -> Course:
         rises = heel_rises(robot, going.stands, going.steps, human.points["waist"], heading, human.times, reach)
     phases = contact_phases(robot, going.stands, going.steps, human.duration, rises)
     feet = foot_paths(robot, going.stands, going.steps, going.lifts, reach, human.times, rises)
-    return Course(human, phases, feet, going.clock, going, heels=heels, rises=rises)
+    raised = human_raised(human, mean_ground(feet))
+    return Course(raised, phases, feet, going.clock, going, heels=heels, rises=rises)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from sot.motion.feet.stance import LEAD_IN_TIME, TAIL_TIME
 from sot.motion.human.human import SIDES, Human
+from sot.robots.surface import FLOOR, Surface
 
 Array = NDArray[np.float64]
 Modes = NDArray[np.int8]
@@ -55,11 +56,25 @@ class FootTrack:
 
 @dataclass(frozen=True)
 class Foothold:
-    """Where a foot stands: x, y of the point on the floor below its ankle [m], and heading, unwrapped [rad]."""
+    """Where a foot stands.
+
+    Attributes:
+        x, y: of the point below its ankle [m].
+        heading: unwrapped [rad].
+        surface: under it.
+        passed: height of what the foot comes over on its way there [m].
+    """
 
     x: float
     y: float
     heading: float
+    surface: Surface = FLOOR
+    passed: float = 0.0
+
+    @property
+    def height(self) -> float:
+        """Of the surface there [m]."""
+        return float(self.surface.height_at(np.array([self.x, self.y])))
 
 
 @dataclass(frozen=True)

@@ -110,6 +110,7 @@ def human_on_time_line(human: Human, rate: float) -> Human:
         human,
         points={name: place[index] for name, place in human.points.items()},
         frames={body: rotation[index] for body, rotation in human.frames.items()},
+        ground={foot: level[index] for foot, level in human.ground.items()},
     )
 
 

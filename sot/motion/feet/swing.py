@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from sot.gravity import GRAVITY
+from sot.motion.feet.climbing.edge_swing import CLEARANCE, edge_swing
 from sot.motion.feet.contacts import Phase
 from sot.motion.feet.footholds import LegReach, min_ankle_separation
 from sot.motion.feet.footwork import Foothold, Step
 from sot.motion.feet.heel_rise import HeelRise, Toes
 from sot.robots.robot import Robot
+from sot.robots.surface import FLOOR, Surface
 from sot.smooth import minimum_jerk
 
 Array = NDArray[np.float64]
@@ -35,12 +37,14 @@ class FootPath:
         rotation: (T, 3, 3).
         free: (T,) by how much the foot may tilt: 1 in the middle of a swing, 0 where it stands or slides.
         yielding: (T,) by how much it may be off its path in all ways; nothing in a swing that is an arc.
+        ground: (T,) height of what it stands on, from the last one to the next one in a swing [m].
     """
 
     position: Array
     rotation: Array
     free: Array
     yielding: Array
+    ground: Array | float = 0.0
 
 
 def standing_paths(phase: Phase, length: int) -> dict[str, FootPath]:
@@ -73,6 +77,13 @@ def feet_middle(feet: Mapping[str, FootPath]) -> Array:
     return at
 
 
+def mean_ground(feet: Mapping[str, FootPath]) -> Array:
+    """The mean height (T,) of what the feet stand on [m]."""
+    heights = [np.broadcast_to(path.ground, len(path.position)) for path in feet.values()]
+    ground: Array = np.mean(heights, axis=0)
+    return ground
+
+
 def contact_phases(
     robot: Robot,
     stands: Mapping[str, Sequence[Foothold]],
@@ -90,17 +101,22 @@ def contact_phases(
     def poses(*feet: str) -> dict[str, pin.SE3]:
         return {foot: foot_pose(stands[foot][now[foot]], rest[foot]) for foot in feet}
 
+    def surfaces(*feet: str) -> dict[str, Surface]:
+        return {foot: stands[foot][now[foot]].surface for foot in feet} if climbs else {}
+
+    climbs = any(stand.surface is not FLOOR for own in stands.values() for stand in own)
     phases, start = [], 0.0
     for step, rise in zip_longest(steps, rises):
+        others = [foot for foot in stands if foot != step.foot]
         if rise is not None:
-            phases.append(Phase(start, rise.start, poses(*stands)))
-            phases.append(Phase(rise.start, step.lift, poses(*stands), rising=(step.foot,)))
-        else:
-            phases.append(Phase(start, step.lift, poses(*stands)))
-        phases.append(Phase(step.lift, step.land, poses(*(foot for foot in stands if foot != step.foot))))
+            phases.append(Phase(start, rise.start, poses(*stands), surfaces=surfaces(*stands)))
+            start = rise.start
+        up = (step.foot,) if rise is not None else ()
+        phases.append(Phase(start, step.lift, poses(*stands), surfaces=surfaces(*stands), rising=up))
+        phases.append(Phase(step.lift, step.land, poses(*others), surfaces=surfaces(*others)))
         now[step.foot] += 1
         start = step.land
-    return (*phases, Phase(start, duration, poses(*stands)))
+    return (*phases, Phase(start, duration, poses(*stands), surfaces=surfaces(*stands)))
 
 
 @dataclass(frozen=True)
@@ -157,7 +173,8 @@ def foot_paths(
     rises: the heel rise of each step; none unless given.
     """
     rest = feet_at_rest(robot)
-    ankles = {foot: np.tile([own[0].x, own[0].y, 0.0, own[0].heading], (len(times), 1)) for foot, own in stands.items()}
+    ankles = {foot: np.tile(_at(own[0]), (len(times), 1)) for foot, own in stands.items()}
+    ground = {foot: np.full(len(times), own[0].height) for foot, own in stands.items()}
     free, pitch = ({foot: np.zeros(len(times)) for foot in stands} for _ in range(2))
     for step, rise in zip(steps, rises, strict=False):
         if rise is not None:
@@ -165,7 +182,8 @@ def foot_paths(
     for swing in swings_between(stands, steps, lifts, reach):
         foot, there, inside = swing.step.foot, swing.there, swing.knots(times)
         track = ankles[foot]
-        track[times >= swing.step.land] = (there.x, there.y, 0.0, there.heading)
+        track[times >= swing.step.land] = _at(there)
+        ground[foot] += (there.height - swing.here.height) * minimum_jerk(swing.share(times))
         share = swing.share(times[inside])
         track[inside], free[foot][inside] = swing_track(swing, share, reach), _height_profile(share)
     paths = {}
@@ -177,6 +195,7 @@ def foot_paths(
             turned.as_matrix() @ rest[foot].rotation,
             free[foot],
             np.zeros(len(times)),
+            ground[foot],
         )
     return paths
 
@@ -190,7 +209,7 @@ def freedom(step: Step, times: Array, leg: float) -> Array:
 
 def swing_track(swing: Swing, share: Array, reach: LegReach) -> Array:
     """x, y, height and heading (n, 4) of a swing at shares (n,) of its time, clear of the standing foot."""
-    track = _swing_track(swing.here, swing.there, share, swing.height)
+    track = _swing_track(swing.here, swing.there, share, swing.height, CLEARANCE * reach.leg_length)
     beside, needed, across = sole_gap(swing, track, reach)
     window = _height_profile(share)
     wide = float((np.maximum(needed - beside, 0.0) / np.maximum(window, 0.1)).max(initial=0.0))
@@ -218,12 +237,20 @@ def least_height(share: Array, reach: LegReach) -> Array:
     return SWING_HEIGHT_RANGE[0] * reach.leg_length * _height_profile(share)
 
 
-def _swing_track(here: Foothold, there: Foothold, share: Array, lift: float) -> Array:
-    """x, y, height and heading (n, 4) of a swing, at shares (n,) of its time."""
-    begin = np.array([here.x, here.y, 0.0, here.heading])
-    end = np.array([there.x, there.y, 0.0, there.heading])
-    track = begin + minimum_jerk(share)[:, None] * (end - begin)
-    track[:, 2] = lift * _height_profile(share)
+def _at(stand: Foothold) -> Array:
+    """x, y, height and heading (4,) of a foothold."""
+    return np.array([stand.x, stand.y, stand.height, stand.heading])
+
+
+def _swing_track(here: Foothold, there: Foothold, share: Array, lift: float, clearance: float) -> Array:
+    """x, y, height and heading (n, 4) of a swing, at shares (n,) of its time; over an edge with a clearance [m]."""
+    begin, end = _at(here), _at(there)
+    if here.height == there.height and there.passed <= there.height:
+        ahead, height = minimum_jerk(share), here.height + lift * _height_profile(share)
+    else:
+        ahead, height = edge_swing(share, here.height, there.height, clearance, there.passed)
+    track: Array = begin + ahead[:, None] * (end - begin)
+    track[:, 2] = height
     return track
 
 
@@ -250,4 +277,4 @@ def feet_at_rest(robot: Robot) -> dict[str, pin.SE3]:
 
 def foot_pose(stand: Foothold, rest: pin.SE3) -> pin.SE3:
     """The pose of a foot's frame at a foothold; rest: its pose at rest, of `feet_at_rest`."""
-    return pin.SE3(pin.utils.rotate("z", stand.heading), np.array([stand.x, stand.y, 0.0])) * rest
+    return pin.SE3(pin.utils.rotate("z", stand.heading), np.array([stand.x, stand.y, stand.height])) * rest

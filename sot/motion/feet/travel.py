@@ -6,12 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from sot.motion.feet.climbing.edge_swing import CLEARANCE, edge_swing_length
+from sot.motion.feet.climbing.terrain import MissingRise, Terrain
 from sot.motion.feet.footholds import MIN_PATH_SCALE, LegReach, reachable_footholds, reachable_headings
 from sot.motion.feet.footwork import Foothold, FootTrack, Step, find_steps, foot_track, footholds, stance_frames
 from sot.motion.feet.path import ScalablePath, path_length
 from sot.motion.feet.stance import LEAD_IN_TIME, STANDING_PERCENTILE, Build
 from sot.motion.feet.tempo import MAX_SLOWNESS, TIME_GRID, AskedStep, Tempo, step_at_clock, step_tempo
-from sot.motion.human.human import SIDES, Human
+from sot.motion.human.human import SIDES, Human, Remark
+from sot.robots.surface import FLOOR
 from sot.smooth import low_passed
 
 Array = NDArray[np.float64]
@@ -21,6 +24,7 @@ MIN_FOOTFALL_LENGTH = 0.10  # m of a dancer: a shorter step is not counted as a 
 OMISSIBLE_LENGTH_LEGS = 0.115  # leg lengths: a shorter step may be left out where there is no time for it
 OMISSIBLE_TURN, OMISSIBLE_LIFT_LEGS = 1.0, 0.15  # rad and leg lengths: unless it turns or lifts the foot by more
 HIGH_LIFT_LEGS, KEPT_TIME_SHARE = 0.3, 0.95  # leg lengths of a lift that keeps so much of the dancer's time in the air
+MAX_NAMED_RISES = 3  # in a sentence
 MAX_TIME_RESERVED_FOR_TURN = 0.4  # s that a step takes at least for the foot's turn, at most
 
 
@@ -49,6 +53,8 @@ class Travel:
         path: length of the dancer's way through the room, in the robot's size but not scaled otherwise [m].
         dancer: all steps of the dancer, in the clip's time.
         footfalls: of the dancer's steps longer than MIN_FOOTFALL_LENGTH.
+        on_terrain: whether there was more to step on than the floor.
+        missing: steps up and down of the dancer for which the terrain has no surface, in the clip's time.
     """
 
     human: Human
@@ -62,6 +68,13 @@ class Travel:
     path: float
     dancer: tuple[Step, ...]
     footfalls: tuple[Footfall, ...]
+    on_terrain: bool = False
+    missing: tuple[MissingRise, ...] = ()
+
+    @property
+    def climbs(self) -> bool:
+        """Whether a foot ever stands on something else than the floor."""
+        return any(stand.surface is not FLOOR for own in self.stands.values() for stand in own)
 
 
 def plan_travel(
@@ -71,11 +84,13 @@ def plan_travel(
     contacts: Sequence[Step] | None,
     keep_lifts: bool = False,
     as_danced: bool = False,
+    terrain: Terrain | None = None,
 ) -> Travel:
     """The robot's steps and footholds for a human on the motion's time line; high lifts may keep their time in the air.
 
     Its path is scaled down, piece by piece, where its strides are out of reach; footholds are moved by the least, and
-    the body with them. As it is danced, nothing is slowed down, and the path keeps its scale.
+    the body with them. As it is danced, nothing is slowed down, and the path keeps its scale. On a terrain,
+    footholds are laid onto its surfaces.
     """
     ratio = build.leg / human.leg
     human = human.scaled(ratio)
@@ -109,6 +124,11 @@ def plan_travel(
         min_scale=1.0 if as_danced else MIN_PATH_SCALE,
         body_travel=way.carry[ends[:, 1]] - way.carry[ends[:, 0]],
     )
+    missing = list[MissingRise]()
+    if terrain is not None:
+        found, missing = terrain.laid(found, timed, _levels(human, asked_at))
+        asked_landings = {step.land: move.step.land for move, step in zip(pace.moves, timed, strict=True)}
+        missing = [replace(one, time=asked_landings[one.time] - LEAD_IN_TIME) for one in missing]
     scaled = _human_shifted(human, way.shift(scales))
     own = footholds(_foot_tracks(scaled), moves, human.rate)
     moved = {
@@ -128,7 +148,27 @@ def plan_travel(
         path=path,
         dancer=tuple(Step(step.foot, step.lift - LEAD_IN_TIME, step.land - LEAD_IN_TIME) for step in dancer),
         footfalls=_footfalls(scaled, dancer, long, made, pace.clock),
+        on_terrain=terrain is not None,
+        missing=tuple(missing),
     )
+
+
+def climb_remarks(remarks: Sequence[Remark], travel: Travel | None) -> list[str]:
+    """The sentences of a human's remarks; of its climbs they say what the robot found to step on, if it looked."""
+    if travel is None or not travel.on_terrain:
+        return [one.words for one in remarks]
+    told = [
+        one.words.rpartition(";")[0] + "; the robot steps on what the scene has there." if one.climbed else one.words
+        for one in remarks
+    ]
+    if travel.missing:
+        where = [f"{one.rise:+.2f} m at {one.time:.1f} s" for one in travel.missing[:MAX_NAMED_RISES]]
+        more = f" and {len(travel.missing) - MAX_NAMED_RISES} more" if len(travel.missing) > MAX_NAMED_RISES else ""
+        told.append(
+            f"The scene has nothing to step on as the dancer does by {', '.join(where)}{more}, in the robot's size:"
+            " it stays level there."
+        )
+    return told
 
 
 def travel_at_clock(travel: Travel, clock: Array) -> Travel:
@@ -149,6 +189,20 @@ def travel_at_clock(travel: Travel, clock: Array) -> Travel:
             replace(fall, landed=None if fall.landed is None else late(fall.landed)) for fall in travel.footfalls
         ),
     )
+
+
+def human_raised(human: Human, by: Array) -> Human:
+    """The human raised by (T,) [m]."""
+    if not by.any():
+        return human
+    up = np.outer(by, [0.0, 0.0, 1.0])
+    return replace(human, points={name: place + up for name, place in human.points.items()})
+
+
+def _levels(human: Human, frames: Mapping[str, Sequence[NDArray[np.int_]]]) -> dict[str, list[float]]:
+    """The height of what each foot of the human stands on in some stances, each given by its frames [m]."""
+    ground = {foot: human.ground.get(foot, np.zeros(human.count)) for foot in frames}
+    return {foot: [float(np.median(ground[foot][own])) for own in stances] for foot, stances in frames.items()}
 
 
 def _foot_tracks(human: Human) -> dict[str, FootTrack]:
@@ -206,9 +260,12 @@ def _asked_steps(
         here, there = own[step.foot][now[step.foot] : now[step.foot] + 2]
         now[step.foot] += 1
         moved, turned = float(np.hypot(there.x - here.x, there.y - here.y)), abs(there.heading - here.heading)
-        lift = _lift_height(feet[step.foot], step, human.rate)
+        lift, rise = _lift_height(feet[step.foot], step, human.rate), _rise(human, step)
+        way = min(moved, reach.max_stride)
+        if rise:
+            way = edge_swing_length(way, rise, CLEARANCE * reach.leg_length)
         least = max(
-            reach.swing_time(min(moved, reach.max_stride)),
+            reach.swing_time(way),
             min(turned / reach.turn_speed, MAX_TIME_RESERVED_FOR_TURN),
         )
         small = (
@@ -216,11 +273,21 @@ def _asked_steps(
             and moved < OMISSIBLE_LENGTH_LEGS * human.leg
             and turned < OMISSIBLE_TURN
             and lift < OMISSIBLE_LIFT_LEGS * human.leg
+            and not rise
         )
         moves.append(AskedStep(step, moved, least, small, high=lift > HIGH_LIFT_LEGS * human.leg))
     if not keep_lifts:
         return moves
     return [with_time_kept(move, moves) if move.high else move for move in moves]
+
+
+def _rise(human: Human, step: Step) -> float:
+    """How much higher the human's foot stands after a step than before [m]."""
+    if step.foot not in human.ground:
+        return 0.0
+    ends = np.clip(np.round(human.rate * np.array([step.lift, step.land])).astype(int), 0, human.count - 1)
+    lift, land = human.ground[step.foot][ends]
+    return float(land - lift)
 
 
 def with_time_kept(lift: AskedStep, moves: Sequence[AskedStep]) -> AskedStep:

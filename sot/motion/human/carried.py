@@ -1,12 +1,17 @@
-"""What carries a human besides its feet on the floor: hands, knees, or something above the floor."""
+"""What carries a human besides its feet on the floor: hands, knees, or something above the floor.
 
-from dataclasses import dataclass
+A human who climbs is put over level ground, and what each foot stood on is kept.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sot.gravity import GRAVITY
 from sot.motion.human.human import SIDES, Human
+from sot.smooth import minimum_jerk
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -16,6 +21,7 @@ KNEE_HEIGHT = 0.15  # the same of a knee
 OFF_FLOOR_HEIGHT = 0.08  # leg lengths: the lower foot of who is off the floor is higher
 FLOOR_PERCENTILE = 10.0  # of an ankle's height: that of a standing one
 STILL_SPEED = 0.2  # leg lengths/s, of a foot that stands on something
+MIN_STANCE_DURATION = 0.5  # times √(leg / g): a foot that is still for less stands on nothing
 MIN_FLIGHT_S = 0.2  # s, of both feet off the floor
 MIN_RISE_SHARE = 0.5  # of g T²/8, by which the body of who leaps for T rises; legs that are drawn up hide some of it
 MIN_ONE_LEG_SHARE = 0.9  # of the clip, on one leg
@@ -78,6 +84,48 @@ def leg_stood_on(human: Human) -> str:
     up = _foot_heights(human) > OFF_FLOOR_HEIGHT * human.leg
     alone = [bool(np.mean(up[1 - k] & ~up[k]) >= MIN_ONE_LEG_SHARE) for k in range(len(SIDES))]
     return next((side for side, only in zip(SIDES, alone, strict=True) if only), "")
+
+
+def over_level_ground(human: Human, climbs: Sequence[OffFloor]) -> Human:
+    """The human who climbs, each foot lowered by the height of what it stands on, and the body by the mean of both.
+
+    `ground` keeps these heights. From one stance of a foot to the next they change with least jerk.
+
+    Args:
+        human: the clip.
+        climbs: stretches in which it stands above the floor.
+    """
+    levels = dict(zip(SIDES, _levels(human, climbs), strict=True))
+    body = 0.5 * (levels["left"] + levels["right"])
+    points = {}
+    for name, place in human.points.items():
+        side, _, joint = name.partition("_")
+        under = levels[side] if joint in ("ankle", "toe") else body
+        if joint == "knee":
+            under = 0.5 * (levels[side] + body)
+        points[name] = place - np.outer(under, [0.0, 0.0, 1.0])
+    return replace(human, points=points, ground={f"{side}_foot": level for side, level in levels.items()})
+
+
+def _levels(human: Human, climbs: Sequence[OffFloor]) -> list[Array]:
+    """Height (T,) of what each foot stands on, from its last stance to its next one while it is in the air [m]."""
+    frames, found = np.arange(human.count), []
+    shortest = MIN_STANCE_DURATION * human.leg_time * human.rate
+    for side, height in zip(SIDES, _foot_heights(human), strict=True):
+        speed = np.linalg.norm(np.gradient(human.points[f"{side}_ankle"], axis=0), axis=1) * human.rate
+        still = speed < STILL_SPEED * human.leg
+        edges = np.flatnonzero(np.diff(still.astype(np.int8), prepend=0, append=0))
+        level, last, now = np.zeros(human.count), 0, 0.0
+        for first, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+            if end - first < shortest:
+                continue
+            climbed = any(first < one.end and one.first < end for one in climbs)
+            stance = float(np.median(height[first:end]))
+            stance = stance if climbed and stance > OFF_FLOOR_HEIGHT * human.leg else 0.0
+            level[last:] = now + (stance - now) * minimum_jerk((frames[last:] - last) / max(first - last, 1))
+            last, now = end, stance
+        found.append(level)
+    return found
 
 
 def _foot_heights(human: Human) -> Array:

@@ -1,6 +1,6 @@
 """A human in motion: canonical points and the frames of pelvis, chest and head over time."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -35,12 +35,14 @@ class Remark:
         start, end: of the stretch, in the clip's time [s].
         words: the sentence.
         on_feet: whether the dancer's feet carry it there.
+        climbed: height above the floor of what the dancer stands on there, at most [m], where a scene may have it.
     """
 
     start: float
     end: float
     words: str
     on_feet: bool = True
+    climbed: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,8 @@ class Human:
             the human stands upright and looks ahead.
         start: seconds of the clip before the first frame.
         remarks: on what happens in its frames, in order of time.
+        ground: foot -> (T,) height of what it stands on above the floor, of a human who climbs [m]: its points are
+            lower by that, as if all of it were one level.
     """
 
     name: str
@@ -64,6 +68,7 @@ class Human:
     frames: dict[str, np.ndarray]
     start: float = 0.0
     remarks: tuple[Remark, ...] = ()
+    ground: dict[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def count(self) -> int:
@@ -134,6 +139,7 @@ class Human:
             self,
             points={name: position[first:last] for name, position in self.points.items()},
             frames={body: rotation[first:last] for body, rotation in self.frames.items()},
+            ground={foot: level[first:last] for foot, level in self.ground.items()},
             start=begins,
             remarks=tuple(one for one in self.remarks if one.start <= ends and one.end >= begins),
         )
@@ -152,6 +158,7 @@ class Human:
             rate=rate,
             points={name: points[:, i] for i, name in enumerate(self.points)},
             frames={body: rotation.as_matrix() for body, rotation in frames.items()},
+            ground={foot: np.interp(times, self.times, level) for foot, level in self.ground.items()},
         )
 
     def low_passed(self, cutoff_hz: float) -> "Human":
@@ -176,7 +183,11 @@ class Human:
 
     def scaled(self, factor: float) -> "Human":
         """The motion with every position multiplied by `factor`."""
-        return replace(self, points={name: factor * position for name, position in self.points.items()})
+        return replace(
+            self,
+            points={name: factor * position for name, position in self.points.items()},
+            ground={foot: factor * level for foot, level in self.ground.items()},
+        )
 
 
 def nearest_rotations(matrices: np.ndarray) -> np.ndarray:

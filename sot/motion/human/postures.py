@@ -9,7 +9,14 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from sot.gravity import GRAVITY
-from sot.motion.human.carried import OffFloor, hands_down, kneeling, leg_stood_on, stretches_off_floor
+from sot.motion.human.carried import (
+    OffFloor,
+    hands_down,
+    kneeling,
+    leg_stood_on,
+    over_level_ground,
+    stretches_off_floor,
+)
 from sot.motion.human.human import SIDES, Human, Remark
 from sot.smooth import low_passed, minimum_jerk
 
@@ -34,8 +41,8 @@ def standing(human: Human) -> Human:
     """The human on its feet on the floor, with a remark for each stretch in which it is not.
 
     Who lies, leans on both hands or is upside down is turned upright, of who crawls the trunk is, of who hangs from its
-    hips halfway, and who climbs or floats is put on the floor. Who sits, kneels or puts a hand down stays as it is: its
-    hips are as low as they are, and the robot's as low as it can have them.
+    hips halfway, who climbs is put over level ground, and who floats on the floor. Who sits, kneels or puts a hand
+    down stays as it is: its hips are as low as they are, and the robot's as low as it can have them.
     """
     shortest = MIN_POSTURE_DURATION * human.leg_time * human.rate
     lies, inverted, crawls, folds, sits = _postures(human)
@@ -71,9 +78,11 @@ def standing(human: Human) -> Human:
         )
     if not remarks:
         return human
+    if climbs := [one for one in carried if one.stands]:
+        human = over_level_ground(human, climbs)
     upper = tuple(name for name in human.points if not name.endswith(LEG_POINTS))
     for found, turned, tilt in (
-        ([(one.first, one.end) for one in carried], (), 0.0),
+        ([(one.first, one.end) for one in carried if not one.stands], (), 0.0),
         ([*stretches["lies"], *stretches["is upside down"]], tuple(human.points), 0.0),
         (stretches["crawls"], upper, 0.0),
         (stretches["hangs its head below its hips"], upper, MIN_RECLINED_TILT),
@@ -90,7 +99,8 @@ def _remark(human: Human, first: int, end: int, what: str, instead: str, on_feet
 def _off_floor_remark(human: Human, one: OffFloor) -> Remark:
     if one.stands:
         what = f"The dancer stands up to {one.height:.2f} m above the floor, as who climbs does,"
-        return _remark(human, one.first, one.end, what, "stays on the floor", False)
+        told = _remark(human, one.first, one.end, what, "steps on the floor", False)
+        return replace(told, climbed=one.height)
     needed = GRAVITY * ((one.end - one.first) / human.rate) ** 2 / 8.0
     what = (
         f"Both feet are off the floor, and the body rises by {max(one.rise, 0.0):.2f} m where a leap as long takes"

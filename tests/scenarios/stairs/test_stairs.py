@@ -48,3 +48,20 @@ def test_a_tread_is_climbed_and_left_with_heights_told_wrong(tmp_path, robot):
     assert not found["fell"] and found["stairs"]["treads_stood_on"] == 1
     assert found["stairs"]["edge_margin_min_m"] > 0.0
     assert found["contacts"]["slip_max_m"] < 0.01
+
+
+def test_a_part_without_a_clip_is_refused(tmp_path, capsys):
+    assert main(["run", "stairs", "--start", "2", "--out", str(tmp_path / "run")]) == 2
+    assert "name the one that --start and --duration are of" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("clip", "both"), [("walk_stairs", 7), ("walk_stairs_over", 0)])
+def test_who_climbs_is_followed_with_heights_told_wrong(tmp_path, clip, both):
+    assert main(["run", "stairs", "--clip", clip, "--rate", "500", "--seed", "2", "--out", str(tmp_path)]) == 0
+    found = json.loads((tmp_path / "report.json").read_text())
+    assert not found["fell"] and found["contacts"]["slip_max_m"] < 0.01
+    assert found["stairs"]["treads_stepped_on"] == 7 and found["stairs"]["treads_stood_on"] == both
+    assert found["stairs"]["edge_margin_min_m"] > 0.0
+    assert any(remark.endswith("the robot steps on what the scene has there.") for remark in found["remarks"])

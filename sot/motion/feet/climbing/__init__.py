@@ -1,0 +1,1 @@
+"""Steps onto what a scene has above the floor: where, and over which edges."""
