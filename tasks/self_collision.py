@@ -151,6 +151,7 @@ class SelfCollision(Task):
         """Pairs whose approach may have to be braked before the next look."""
         if tick.t < self._last_look:
             self._unwatched_until[:] = -np.inf  # another run
+            self._proximity.forget_corners()
         proximity, v, period, kept = self._proximity, tick.v[: self._system.nv], tick.period, self.min_distances
         proximity.move_to(tick.data)
         within = _watch_distances(

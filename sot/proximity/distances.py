@@ -162,6 +162,10 @@ class Proximity:
         jacobian, rates = self.jacobian_and_rates(pairs, v)
         return DistanceMotion(distances, rates, jacobian, self.drifts(pairs, rates, v, period))
 
+    def forget_corners(self) -> None:
+        """Forget which corners have been the nearest: another run begins."""
+        self._corners.is_told[:] = False
+
     def second_corners(
         self, pairs: Array, v: Array, period: float, horizon: float, least: float
     ) -> tuple[Array, DistanceMotion]:

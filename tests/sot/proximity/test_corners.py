@@ -81,8 +81,10 @@ def test_the_corner_that_was_the_nearest_is_remembered(system: System) -> None:
     assert second.distances[0] == pytest.approx(
         corner_heights(system, over)[corner_heights(system, q).argmin()], abs=1e-6
     )
-    _, _, (alone, _) = told(system, over, still)
-    assert not len(alone)
+    for other in (None, proximity):
+        proximity.forget_corners()
+        _, _, (alone, _) = told(system, over, still, other)
+        assert not len(alone)
 
 
 def test_a_corner_that_is_far_from_the_other_shape_has_no_row(system: System) -> None:
