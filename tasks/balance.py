@@ -111,7 +111,9 @@ class Balance(Task):
 
     def _update_support(self, tick: Tick) -> None:
         """Compute support polygon and displacement anew if due: standing feet creep by little."""
-        loads = [contact.load if contact.mode == "fixed" else 0.0 for contact in tick.contacts if contact.is_footing]
+        footings = [contact for contact in tick.contacts if contact.is_footing]
+        loads = [contact.load if contact.mode == "fixed" else 0.0 for contact in footings]
+        loads += [contact.heel_load for contact in footings]
         if loads != self._ramps or not 0.0 < tick.t - self._updated_at < SUPPORT_UPDATE_INTERVAL:
             self._polygon, self._displacement = self._support_polygon(tick), self._plan_displacement(tick)
             self._ground = support_height(tick)
@@ -140,7 +142,7 @@ class Balance(Task):
         others = [c for c in tick.contacts if c.mode == "fixed" and c.is_footing and not _is_foot(tick, c)]
         if any(contact.load >= 1.0 for contact in others):
             return self._static_region(tick).inset(self.margin)
-        soles = [tick.frame(contact.point).floor_projection(contact.vertices) for contact in standing]
+        soles = [tick.frame(contact.point).floor_projection(contact.bearing_vertices) for contact in standing]
         most = max(contact.load for contact in standing)
         full = np.concatenate([sole for sole, contact in zip(soles, standing, strict=True) if contact.load == most])
         corners = [full]

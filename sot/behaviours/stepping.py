@@ -16,6 +16,7 @@ from sot.robots.robot import Robot
 TOUCHDOWN_LOAD_SHARE = 0.05  # share of the weight: a foot that measures this load has touched down
 CARRYING_LOAD_SHARE = 0.3  # share of the weight that the other feet must carry before one is released
 EARLIEST_LANDING_SHARE = 0.6  # share of a swing after which a measured load counts as touchdown
+HEEL_RAMP_SHARE = 0.5  # of the load's ramp, in which a heel gives its load away before it rises
 MAX_LANDING_DELAY = 0.15  # s, after the planned touchdown, in which a foot still looks for the floor
 
 
@@ -24,7 +25,7 @@ class _Foot:
     """A foot on its way through its stances.
 
     `next_stance` counts the stances begun; `landed_at` is the time of the last touchdown, `lifts_at` that of the next
-    lift-off, once it is decided.
+    lift-off, once it is decided, and `heel_from` the time since when its heel gives its load away.
     """
 
     name: str
@@ -32,6 +33,7 @@ class _Foot:
     next_stance: int
     landed_at: float
     lifts_at: float | None = None
+    heel_from: float | None = None
 
 
 class SteppingSchedule(Schedule):
@@ -135,19 +137,40 @@ class SteppingSchedule(Schedule):
             return
         stance, lands = foot.stances[foot.next_stance - 1], foot.stances[foot.next_stance].start
         leaves, path = stance.end, self._heel_paths.get(foot.name)
-        due = path is not None and stance.rises is not None and stance.rises <= t + 1e-9
-        if due and not contact.is_rolling and contact.load >= 1.0 and self.others_carry(foot.name, stack, loads):
-            contact.roll(path)
+        if path is not None and stance.rises is not None and not contact.is_rolling:
+            self._raise_heel(t, foot, contact, path, stack, loads)
         if foot.lifts_at is None and t >= leaves - self.ramp - 1e-9:
             if contact.load >= 1.0 and self.others_carry(foot.name, stack, loads):
                 foot.lifts_at = max(leaves, t + self.ramp)
             elif t > leaves + EARLIEST_LANDING_SHARE * (lands - leaves):
                 foot.next_stance += 1  # too late for this step
                 contact.roll(None)
+                foot.heel_from = None
         if foot.lifts_at is not None:
             contact.load = min(max((foot.lifts_at - t) / self.ramp, 0.0), 1.0) if self.ramp else 0.0
             if t >= foot.lifts_at - 1e-9:
                 contact.mode, contact.load, foot.lifts_at = "off", 0.0, None
+
+    def _raise_heel(
+        self,
+        t: float,
+        foot: _Foot,
+        contact: Contact,
+        path: PoseReference,
+        stack: Stack,
+        loads: Mapping[str, float] | None,
+    ) -> None:
+        """Let a standing foot's heel give its load away while another foot stands, and roll once that one carries."""
+        rises, time = foot.stances[foot.next_stance - 1].rises, HEEL_RAMP_SHARE * self.ramp
+        others = [stack.contact(other.name).mode for other in self._feet if other is not foot]
+        if rises is None or t < rises - time - 1e-9 or contact.load < 1.0 or "fixed" not in others:
+            return
+        if foot.heel_from is None:
+            foot.heel_from = t
+        contact.heel_load = min(max(1.0 - (t - foot.heel_from) / time, 0.0), 1.0) if time else 0.0
+        if contact.heel_load <= 0.0 and t >= rises - 1e-9 and self.others_carry(foot.name, stack, loads):
+            foot.heel_from = None
+            contact.roll(path, t)
 
     def _update_swinging(self, t: float, foot: _Foot, contact: Contact, felt: float | None) -> None:
         """Land a swinging foot when it measures the floor, or when it is time."""
@@ -167,4 +190,4 @@ class SteppingSchedule(Schedule):
                 contact.move_to(surface)
             contact.mode, contact.load = "fixed", 0.0
             contact.roll(None)
-            foot.landed_at, foot.next_stance = t, foot.next_stance + 1
+            foot.landed_at, foot.next_stance, foot.heel_from = t, foot.next_stance + 1, None

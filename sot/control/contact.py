@@ -15,7 +15,7 @@ from sot.control.quantities.contact_rows import (
 from sot.control.quantities.frames import FrameState
 from sot.control.tick import Mode, Tick
 from sot.errors import InputError
-from sot.robots.soles import front_corners
+from sot.robots.soles import front
 from sot.robots.surface import FLOOR, INWARD, Surface
 
 Array = np.ndarray
@@ -33,6 +33,8 @@ SLIDING_LOAD_RAMP = (SLIDING_LOAD_RANGE_WEIGHTS[1] / MAX_RAMPED_LOAD_WEIGHTS) **
 ARRIVAL_ACCELERATION_FADE_POWER = 5
 """Exponent with which the acceleration that a point had when its contact was made fades over the load ramp: most of it
 is gone after a quarter of the ramp, before it moves the foot."""
+ROLLING_FADE_TIME = 0.02
+"""Time in which the acceleration of a surface that begins to roll fades in [s]."""
 PYRAMID_SIDES = 8
 """Number of sides of a friction pyramid: with four it has 71 % of the cone's friction on an axis, with eight 92 %."""
 FULL_FRICTION_SPEED = 0.002
@@ -126,8 +128,12 @@ class Contact:
         corners = surface.corners @ INWARD
         drawn_in = inset * np.sign(corners - corners.mean(axis=0)) * [1.0, 1.0, 0.0]
         self._all_corners = corners - drawn_in  # from the surface's origin, in the axes of the forces
+        self.heel_load = 1.0
+        """Ramp on the normal forces behind the front edge, before it rolls: 1 bears whatever is needed, 0 nothing."""
         self._rolling_path: PoseReference | None = None
+        self._rolls_since = -np.inf
         self._edge = np.array([corners[:, 0].max(), 0.0, 0.0])
+        self._is_behind = ~front(corners)
         self._use(self._all_corners)
         self._friction_given = friction
         self.friction = min(surface.friction, on.friction) if friction is None else friction
@@ -144,15 +150,15 @@ class Contact:
         """Relative acceleration (6,) that the surfaces had when the contact was made, world axes [m/s², rad/s²]. The
         contact's own demand fades in from it within the load ramp, so that no joint's torque steps."""
         self._fixed_axes = tuple(k for k, axis in enumerate(AXES) if axis in axes)
-        self._bounds_at: tuple[float, float, float | None, float, int] = -1.0, 0.0, None, 0.0, 0
-        # at which load, weight, least, most and number of vertices
+        self._bounds_at: tuple[float, float, float | None, float, int, float] = -1.0, 0.0, None, 0.0, 0, 1.0
+        # at which load, weight, least, most, number of vertices and load of those behind
         self._bounds = np.empty(0), np.empty(0)  # and the bounds of the forces then
         self._normal_selector = np.eye(len(corners))
         sides = ("+x", "+x+y", "+y", "-x+y", "-x", "-x-y", "-y", "+x-y", "normal")
         self._force_labels: dict[int, list[str]] = {0: []} | {
             len(part) * count: [f"vertex {k} {side}" for k in range(count) for side in part]
             for part in (sides, sides[-1:])
-            for count in (len(front_corners(corners)), len(corners))
+            for count in (int(front(corners).sum()), len(corners))
         }
         self._force_rows = (
             self._friction_pyramids(self.friction)
@@ -160,16 +166,29 @@ class Contact:
             else np.hstack([np.zeros((len(corners), 6)), np.eye(len(corners))])
         )
 
-    def roll(self, path: PoseReference | None) -> None:
-        """Let the first surface turn about its front edge from now on, as the point does along a path; None lays it
-        flat."""
-        self._rolling_path = path
-        self._use(self._all_corners if path is None else front_corners(self._all_corners))
+    def roll(self, path: PoseReference | None, t: float = -np.inf) -> None:
+        """Let the first surface turn about its front edge from a time on [s], as the point does along a path.
+
+        Its demand fades in: the path may have begun before. None lays it flat.
+        """
+        self._rolling_path, self._rolls_since, self.heel_load = path, t, 1.0
+        self._use(self._all_corners if path is None else self._all_corners[~self._is_behind])
 
     @property
     def is_rolling(self) -> bool:
         """Whether it turns about its front edge."""
         return self.mode == "fixed" and self._rolling_path is not None
+
+    @property
+    def bearing_vertices(self) -> Array:
+        """Vertices of the support that it gives, in the frame of `point`, shape (n, 3) [m]: those behind the front edge
+        come nearer to it as they give up their load."""
+        if self.heel_load >= 1.0 or self.is_rolling:
+            return self.vertices
+        corners, placement = self._all_corners.copy(), self.surface.placement
+        behind, edge = self._is_behind, corners[:, 0].max()
+        corners[behind, 0] = edge + self.heel_load * (corners[behind, 0] - edge)
+        return corners @ (placement.rotation @ INWARD).T + placement.translation
 
     def _use(self, corners: Array) -> None:
         """Let the forces act at some corners."""
@@ -283,7 +302,7 @@ class Contact:
             least, most = (share * weight / count for share in SLIDING_LOAD_RANGE_WEIGHTS)
             return self._normal_selector, np.full(count, least), np.full(count, most)
         count = len(self.vertices)
-        if (self.load, weight, self.least, self.most, count) != self._bounds_at:
+        if (self.load, weight, self.least, self.most, count, self.heel_load) != self._bounds_at:
             top = self.max_normal_force(weight) / count
             if self.form == "unilateral":
                 lower, upper = np.zeros(count), np.full(count, top)
@@ -292,8 +311,15 @@ class Contact:
                 lower, upper = np.full((PYRAMID_SIDES + 1) * count, -np.inf), np.zeros((PYRAMID_SIDES + 1) * count)
                 lower[PYRAMID_SIDES :: PYRAMID_SIDES + 1] = min(max(0.0, 2.0 * self.load - 1.0) * least / count, top)
                 upper[PYRAMID_SIDES :: PYRAMID_SIDES + 1] = top
+                if self.heel_load < 1.0:
+                    behind = PYRAMID_SIDES + (PYRAMID_SIDES + 1) * np.flatnonzero(self._is_behind)
+                    ramped = self.heel_load**3 * MAX_RAMPED_LOAD_WEIGHTS * weight / count
+                    lower[behind], upper[behind] = 0.0, min(top, ramped)
             lower.flags.writeable = upper.flags.writeable = False  # the same until the load changes, and known to be
-            self._bounds_at, self._bounds = (self.load, weight, self.least, self.most, count), (lower, upper)
+            self._bounds_at, self._bounds = (
+                (self.load, weight, self.least, self.most, count, self.heel_load),
+                (lower, upper),
+            )
         rows = self._force_rows
         return (rows[: len(self._bounds[0]), : self.force_count] if self.is_rolling else rows), *self._bounds
 
@@ -312,6 +338,7 @@ class Contact:
             pose = self._rolling_path(tick.t)
             turn = pose.rotation, pose.velocity, pose.acceleration
             wanted = rolling_acceleration(*(*state, *held, self._edge, *turn))
+            wanted *= min((tick.t - self._rolls_since) / ROLLING_FADE_TIME, 1.0)
         return wanted
 
     def _arrival_to_fade(self) -> tuple[Array, float]:

@@ -42,6 +42,11 @@ class TickContact(Protocol):
     foothold: Array | None
     is_catching: bool
 
+    heel_load: float
+
+    @property
+    def bearing_vertices(self) -> Array: ...
+
     @property
     def is_rolling(self) -> bool: ...
 

@@ -137,7 +137,7 @@ def _mm(length: float) -> str:
     return f"{1e3 * length:.1f} mm"
 
 
-def front_corners(corners: Array) -> Array:
-    """Those of a sole's corners (nc, 3), x ahead, that are in its front half."""
-    front: Array = corners[corners[:, 0] > 0.5 * (corners[:, 0].min() + corners[:, 0].max())]
-    return front
+def front(corners: Array) -> Array:
+    """Flags (nc,) of a sole's corners (nc, 3), x ahead, that are in its front half."""
+    flags: Array = corners[:, 0] > 0.5 * (corners[:, 0].min() + corners[:, 0].max())
+    return flags

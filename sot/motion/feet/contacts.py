@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
-from sot.robots.soles import front_corners
+from sot.robots.soles import front
 from sot.robots.surface import Surface
 
 Array = NDArray[np.float64]
@@ -56,7 +56,7 @@ def bearing_soles(soles: Mapping[str, Array], phase: Phase) -> Mapping[str, Arra
     """The corners (nc, 3) of soles on which feet stand in a phase: of one whose heel rises, those of its front edge."""
     if not phase.rising:
         return soles
-    return {**soles, **{foot: front_corners(soles[foot]) for foot in phase.rising}}
+    return {**soles, **{foot: soles[foot][front(soles[foot])] for foot in phase.rising}}
 
 
 def phase_indices(phases: Sequence[Phase], times: np.ndarray) -> np.ndarray:
