@@ -109,7 +109,7 @@ class Stabiliser:
         measured = any(wrench.any() for wrench in readings.foot_wrench.values())  # nothing is before the first step
         if self._catching is not None and measured:
             forces = {foot: float(wrench[2]) for foot, wrench in readings.foot_wrench.items()}
-            plan = self._catching.sample_after(t, self.divergent_component(t, q, v), forces)
+            plan = self._catching.sample_for(t, self.divergent_component(t, q, v), forces)
         else:
             plan = self._sample(t)
         force = robot.mass * (plan.com_acceleration + np.array([0.0, 0.0, GRAVITY]))
