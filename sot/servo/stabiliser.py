@@ -13,11 +13,11 @@ from sot.hardware.readings import Readings, measured_zmp
 from sot.hardware.servo import JointTargets, Servo
 from sot.motion.trajectory import Motion, MotionSample
 from sot.servo.admittance import AdmittanceGains, FootAdmittance
-from sot.servo.catching_stack import CatchingStack
 from sot.servo.compliance_estimate import ComplianceEstimate
 from sot.servo.load_sharing import ContactLoadSharing, LoadSharing
 from sot.servo.posture_correction import PostureCorrection, leg_compliance
 from sot.servo.sag import ServoSag, bush_compliance, sag_offset
+from sot.servo.stacks.catching_stack import CatchingStack
 
 Array = np.ndarray
 

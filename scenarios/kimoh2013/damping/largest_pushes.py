@@ -22,8 +22,8 @@ from sot.hardware.servo import Servo
 from sot.motion.trajectory import Motion
 from sot.polygon import Polygon
 from sot.robots.robot import Robot
-from sot.servo.catching_stack import CatchingStack
 from sot.servo.stabiliser import DcmGains, Stabiliser
+from sot.servo.stacks.catching_stack import CatchingStack
 
 NOTHING, FEET, STEPS = "nothing", "feet that stay", "steps"
 WAYS = (NOTHING, FEET, STEPS)

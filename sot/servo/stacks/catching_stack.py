@@ -10,7 +10,7 @@ from sot.control.controller import Controller
 from sot.gravity import GRAVITY
 from sot.motion.trajectory import Motion, MotionSample
 from sot.polygon import Polygon
-from sot.servo.integrated_stack import IntegratedStack
+from sot.servo.stacks.integrated_stack import IntegratedStack
 
 Array = np.ndarray
 

@@ -10,7 +10,7 @@ from sot.control.controller import Controller
 from sot.gravity import GRAVITY
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.servo.catching_stack import CatchingStack
+from sot.servo.stacks.catching_stack import CatchingStack
 
 PERIOD = 0.005
 REACH = 0.13
