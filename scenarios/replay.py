@@ -39,8 +39,8 @@ from sot.motion.trajectory import Motion, is_motion_file
 from sot.robots.robot import Robot
 from sot.robots.system import System
 from sot.robots.things.thing import Thing
-from sot.servo.integrated_stack import IntegratedStack
 from sot.servo.soft_feet import refuse_soft_feet
+from sot.servo.stacks.integrated_stack import IntegratedStack
 from sot.whole_file import atomic_write
 from tasks.editing import edit
 

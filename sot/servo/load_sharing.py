@@ -1,6 +1,6 @@
 """What each foot is to carry, so that all of them together give a wanted zero-moment point and force."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,19 +69,23 @@ class LoadSharing:
     def _update(self, t: float) -> None:
         """Find what depends on time alone, once a tick."""
         if t != self._time:
-            self._time, self._feet = t, phase_at(self._phases, t).feet
-            self._limits = self._ramps(t)
+            self._time = t
+            self._feet, self._limits = self._stances_at(t)
             self._middles_now = {foot: pose.act(self.middles[foot])[:2] for foot, pose in self._feet.items()}
 
-    def _ramps(self, t: float) -> dict[str, float]:
+    def _stances_at(self, t: float) -> tuple[Mapping[str, pin.SE3], dict[str, float]]:
+        """Feet that stand at a time [s] with their places, and the largest share of the load of each."""
+        feet = phase_at(self._phases, t).feet
+        return feet, self._ramps(t, feet)
+
+    def _ramps(self, t: float, feet: Mapping[str, pin.SE3]) -> dict[str, float]:
         shares = {}
-        for foot in self._feet:
+        for foot in feet:
             stance = self._stances[foot].nearest_stance(t)
             assert stance is not None  # it stands
             since = t - stance.start if stance.start > self._begin else np.inf
             left = stance.end - t if stance.end < self._end else np.inf
-            x = min(since / self._ramp, left / self._ramp, 1.0)
-            shares[foot] = 3.0 * x**2 - 2.0 * x**3 if x > 0.0 else 0.0
+            shares[foot] = _smooth_ramp(min(since / self._ramp, left / self._ramp, 1.0))
         return shares
 
     def __call__(self, t: float, zmp: Array, force: Array) -> dict[str, FootLoad]:
@@ -112,9 +116,31 @@ class LoadSharing:
         return {first: 1.0 - x, second: x}
 
 
+class ContactLoadSharing(LoadSharing):
+    """Shares of the feet whose contacts stand now, wherever steps have led them.
+
+    Args:
+        motion: of the robot.
+        contacts: foot -> place of its frame and load (0 to 1) of its contact, of those that stand.
+    """
+
+    def __init__(self, motion: Motion, contacts: Callable[[], Mapping[str, tuple[pin.SE3, float]]]) -> None:
+        super().__init__(motion)
+        self._contacts = contacts
+
+    def _stances_at(self, t: float) -> tuple[Mapping[str, pin.SE3], dict[str, float]]:
+        contacts = self._contacts()
+        feet = {foot: place for foot, (place, _) in contacts.items()}
+        return feet, {foot: _smooth_ramp(load) for foot, (_, load) in contacts.items()}
+
+
 def load_ramp(motion: Motion) -> float:
     """Time within which a foot gives its load away, or takes it [s]."""
     return LOAD_RAMP_TIME * float(np.sqrt(motion.com[0, 2] / GRAVITY))
+
+
+def _smooth_ramp(x: float) -> float:
+    return 3.0 * x**2 - 2.0 * x**3 if x > 0.0 else 0.0
 
 
 def _middle(corners: Array) -> Array:

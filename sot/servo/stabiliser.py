@@ -14,9 +14,10 @@ from sot.hardware.servo import JointTargets, Servo
 from sot.motion.trajectory import Motion, MotionSample
 from sot.servo.admittance import AdmittanceGains, FootAdmittance
 from sot.servo.compliance_estimate import ComplianceEstimate
-from sot.servo.load_sharing import LoadSharing
+from sot.servo.load_sharing import ContactLoadSharing, LoadSharing
 from sot.servo.posture_correction import PostureCorrection, leg_compliance
 from sot.servo.sag import ServoSag, bush_compliance, sag_offset
+from sot.servo.stacks.catching_stack import CatchingStack
 
 Array = np.ndarray
 
@@ -67,6 +68,8 @@ class Stabiliser:
         damping: the damping controller; None for none.
         sample: where the posture comes from, `t -> MotionSample`, called once a tick: an `IntegratedStack`'s; the plan
             itself unless given.
+        catching: the stack that leads the robot, and steps where the feet cannot bring the divergent component back;
+            in the place of `sample`.
     """
 
     def __init__(
@@ -78,12 +81,15 @@ class Stabiliser:
         dcm: DcmGains | None = None,
         damping: Damping | None = None,
         sample: Callable[[float], MotionSample] | None = None,
+        catching: CatchingStack | None = None,
     ) -> None:
         robot = motion.robot
         self.period, self._motion = period, motion
-        self._sample = sample or motion.sample
+        self._sample = catching.sample if catching else sample or motion.sample
         self._data = robot.model.createData()
-        self._loads, self._correction = LoadSharing(motion), PostureCorrection(robot, period)
+        self._catching = catching
+        self._loads = ContactLoadSharing(motion, catching.stances) if catching else LoadSharing(motion)
+        self._correction = PostureCorrection(robot, period)
         self._bushes = {foot: bush_position(robot, foot) for foot in robot.feet}
         length = float(motion.com[0, 2])
         self._omega = np.sqrt(GRAVITY / length)
@@ -99,10 +105,14 @@ class Stabiliser:
 
     def __call__(self, t: float, q: Array, v: Array, readings: Readings) -> JointTargets:
         """One tick, see `PositionController`."""
-        plan = self._sample(t)
         robot = self._motion.robot
-        force = robot.mass * (plan.com_acceleration + np.array([0.0, 0.0, GRAVITY]))
         measured = any(wrench.any() for wrench in readings.foot_wrench.values())  # nothing is before the first step
+        if self._catching is not None and measured:
+            forces = {foot: float(wrench[2]) for foot, wrench in readings.foot_wrench.items()}
+            plan = self._catching.sample_for(t, self.divergent_component(t, q, v), forces)
+        else:
+            plan = self._sample(t)
+        force = robot.mass * (plan.com_acceleration + np.array([0.0, 0.0, GRAVITY]))
         if self._estimate is not None and measured:
             self._compliance = self._estimate(readings)
         offsets = {foot: np.zeros(3) for foot in robot.feet}

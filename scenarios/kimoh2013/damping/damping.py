@@ -11,6 +11,7 @@ from rich.console import Console
 from scenarios.kimoh2013.damping import dances
 from scenarios.kimoh2013.damping.identification import PAPER_RATIO, case_figures, identified_of, identify
 from scenarios.kimoh2013.damping.identification_view import draw_bode, draw_root_loci, print_identification
+from scenarios.kimoh2013.damping.largest_pushes import largest_push_figures, print_largest_pushes
 from scenarios.kimoh2013.damping.push_view import draw_sways, print_pushes
 from scenarios.kimoh2013.damping.pushes import RATIOS, controllers_of, push_figures
 from scenarios.kimoh2013.damping.stance import usual_compliance
@@ -123,9 +124,11 @@ def _push(
             raise InputError(f"{robot.label}: {plane}-{support} was not identified")
         frequencies[plane, support] = identified.cases[plane, support].pendulum.natural_frequency / (2.0 * pi)
     figures, sways = push_figures(robot, compliance, controllers, frequencies, options.seeds, tell)
+    axes = frozenset(PLANES.index(plane) for plane, support in frequencies if support == "double")
+    largest = largest_push_figures(robot, compliance, axes, options.seeds, tell)
     out.mkdir(parents=True, exist_ok=True)
     draw_sways(out / SWAY_FILE, robot.label, sways)
-    return {"cases": figures}
+    return {"cases": figures, "largest_impulse_n_s": largest}
 
 
 def _identified(robot: Robot, path: Path | None) -> Identified:
@@ -163,3 +166,5 @@ def show(figures: dict[str, Any], console: Console) -> None:
         dances.print_dances(figures["controllers"], console)
     else:
         (print_identification if figures["scenario"].endswith("identify") else print_pushes)(figures["cases"], console)
+    if figures.get("largest_impulse_n_s"):
+        print_largest_pushes(figures["largest_impulse_n_s"], console)

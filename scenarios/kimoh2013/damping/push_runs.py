@@ -149,7 +149,7 @@ def usual_push(stance: Stance, axis: int, seed: int) -> Push:
     fall = sqrt(stance.length / GRAVITY)
     size = PUSH_RATIO[stance.support] * stance.robot.mass * GRAVITY
     begin = PUSH_AT_S + JITTER_S * float(np.random.default_rng(seed).uniform())
-    return Push(begin, _along(axis, size), DURATION_RATIO * fall)
+    return Push(begin, force_along(axis, size), DURATION_RATIO * fall)
 
 
 def series_of(push: Push, count: int, period: float) -> list[Push]:
@@ -179,7 +179,7 @@ def survived_impulse(
     push = usual_push(stance, axis, 0)
 
     def stands(scale: float) -> bool:
-        harder = replace(push, force=_along(axis, direction * scale * max(push.force)))
+        harder = replace(push, force=force_along(axis, direction * scale * max(push.force)))
         series = series_of(harder, count, period)
         return pushed(stance, compliance, planes, series, SURVIVED_WATCHED_S, 0).fell_at is None
 
@@ -196,5 +196,6 @@ def survived_impulse(
     return scale * push.impulse
 
 
-def _along(axis: int, size: float) -> tuple[float, float, float]:
+def force_along(axis: int, size: float) -> tuple[float, float, float]:
+    """A horizontal force along an axis [N]."""
     return (size, 0.0, 0.0) if axis == 0 else (0.0, size, 0.0)

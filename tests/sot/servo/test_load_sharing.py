@@ -7,7 +7,7 @@ import pytest
 from sot.motion.feet.contacts import Phase
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.servo.load_sharing import LoadSharing
+from sot.servo.load_sharing import ContactLoadSharing, LoadSharing
 
 FORCE = np.array([12.0, -7.0, 560.0])
 
@@ -72,3 +72,21 @@ def test_a_foot_gives_its_load_away_before_it_leaves_and_takes_it_after_it_has_c
     assert np.abs(np.diff(load)).max() < 0.08  # nothing jumps
     assert load[int(1.5 / 0.005)] == 0.0
     assert sharing(1.5, middle, FORCE)["left_foot"].force[2] == pytest.approx(FORCE[2])
+
+
+def test_shares_follow_contacts_wherever_steps_have_led_them():
+    motion = standing()
+    ahead = pin.SE3(np.eye(3), np.array([0.2, 0.0, 0.0]))
+    planned = motion.phases[0].feet
+    contacts = {"left_foot": (ahead * planned["left_foot"], 0.0), "right_foot": (planned["right_foot"], 1.0)}
+    sharing = ContactLoadSharing(motion, lambda: contacts)
+    assert sharing.limits(1.0) == {"left_foot": 0.0, "right_foot": 1.0}
+    assert sharing(1.0, ahead.translation[:2], FORCE)["left_foot"].force == pytest.approx(np.zeros(3))
+    contacts["left_foot"] = (ahead * planned["left_foot"], 1.0)
+    feet = sharing.feet(2.0)
+    middle = np.mean([place.act(sharing.middles[foot])[:2] for foot, place in feet.items()], axis=0)
+    zmp, force = zmp_of(sharing(2.0, middle, FORCE), feet)
+    np.testing.assert_allclose(zmp, middle, atol=1e-9)
+    np.testing.assert_allclose(force, FORCE, atol=1e-9)
+    del contacts["left_foot"]
+    assert list(sharing(3.0, middle, FORCE)) == ["right_foot"]

@@ -11,7 +11,7 @@ from sot.control.controller import Controller
 from sot.gravity import GRAVITY
 from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
-from sot.servo.integrated_stack import IntegratedStack
+from sot.servo.stacks.integrated_stack import IntegratedStack
 from tests.sot.behaviours.stepping import stepping_motion
 
 PERIOD = 0.001

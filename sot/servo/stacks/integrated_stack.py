@@ -1,6 +1,6 @@
 """A stack of tasks for a robot that takes positions: its accelerations integrated twice, Otani IV."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import pinocchio as pin
@@ -29,10 +29,15 @@ class IntegratedStack:
         self._controller, self._q, self._v = controller, q.copy(), v.copy()
         self._zmp, self._watch = np.zeros(2), watch
 
-    def sample(self, t: float) -> MotionSample:
-        """State at a time [s], one period after the last one that was asked for."""
+    def sample(self, t: float, loads: Mapping[str, float] | None = None) -> MotionSample:
+        """State at a time [s], one period after the last one that was asked for.
+
+        Args:
+            t: time [s].
+            loads: measured normal forces of the contacts [N]: of a schedule that waits for them.
+        """
         controller, q, v = self._controller, self._q, self._v
-        command, tick = controller(t, q, v), controller.tick
+        command, tick = controller(t, q, v, loads), controller.tick
         if self._watch is not None:
             self._watch(command)
         a = command.acceleration
