@@ -7,11 +7,13 @@ from numpy.typing import NDArray
 
 from solvers.compiled import compiled
 from sot.acceleration_bounds import AccelerationBounds
+from sot.gravity import GRAVITY
 from sot.live.joint_preview import JointPreview
 from sot.live.led_legs import LedLegs
 from sot.live.state import pinocchio_state
 from sot.motion.body.coordinates import rate_matrix, to_rotation
 from sot.motion.body.limits import Limits
+from sot.polygon import Polygon
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -41,6 +43,8 @@ ACCEPTED_LEG_EXCESS = 0.1
 there always is an answer."""
 ACCEPTED_COM_ERROR = 0.1
 """Error of the centre of mass' acceleration that costs as much [m/s²]."""
+ACCEPTED_ZMP_EXCESS = 0.03
+"""Distance of the zero-moment point beyond its room that costs as much [m]."""
 
 
 class Governor:
@@ -85,6 +89,7 @@ class Governor:
         brake[legs.columns] = np.minimum(brake[legs.columns], MAX_PELVIS_ACCELERATION)  # it has to slow down with them
         self._bounds = AccelerationBounds(limits.lower, limits.upper, velocity, BRAKING_SHARE * brake, acceleration)
         self._scale = acceleration[:6]
+        self._weight = robot.mass * GRAVITY
         self._model, self._data = robot.model, robot.model.createData()
         self._free = np.setdiff1d(np.arange(2, robot.nv), legs.columns)  # neither shifts nor follows from the others
         limited = velocity[self._free], acceleration[self._free]
@@ -108,10 +113,11 @@ class Governor:
             wanted = [np.interp(self._preview.times + lag, times, column) for column in targets.T[free]]
             self._planned = self._preview(place, rate, np.transpose(wanted))
 
-    def step(self, target: Array, velocity: Array, com: Array) -> None:
+    def step(self, target: Array, velocity: Array, com: Array, room: Polygon | None = None) -> None:
         """Go on by a period towards a target (nv,) that moves with a velocity (nv,).
 
         com: place and velocity that the centre of mass shall have now, and its acceleration at the period's end (3, 2).
+        room: where the zero-moment point may be, if the pelvis has to give way for that.
         """
         rate = self.dy + 0.5 * JERK_TIME * self.ddy  # once the acceleration of now has come to an end
         low, high = self._bounds(self.y + JERK_TIME * rate, rate, self._period)
@@ -133,38 +139,74 @@ class Governor:
         curve = np.clip(wanted, least, most)
         A, b = self._legs.accelerations(self.y, self.dy)
         legs = self._legs.columns
-        curve[:6] = self._base_acceleration(curve, com, least[:6], most[:6], A, b, low[legs], high[legs])
+        zmp = None if room is None else self._zmp_rows(room, curve, com, A, b)
+        curve[:6] = self._base_acceleration(curve, com, least[:6], most[:6], A, b, low[legs], high[legs], zmp)
         self.y = self.y + T * self.dy + T**2 * (self.ddy / 3.0 + curve / 6.0)
         self.dy = self.dy + 0.5 * T * (self.ddy + curve)
         self.ddy = curve
         self.y, self.dy, self.ddy = self._legs(self.y, self.dy, self.ddy)
 
     def _base_acceleration(
-        self, curve: Array, com: Array, least: Array, most: Array, A: Array, b: Array, low: Array, high: Array
+        self,
+        curve: Array,
+        com: Array,
+        least: Array,
+        most: Array,
+        A: Array,
+        b: Array,
+        low: Array,
+        high: Array,
+        zmp: tuple[Array, Array] | None,
     ) -> Array:
         """The base's acceleration (6,) between least and most that takes the centre of mass along its plan.
 
         The other four are the nearest to those of curve (nv,) with which the accelerations A ÿ + b (k,) of the legs
-        that stand are within bounds, but for an excess s that is solved for, too: low − s <= A ÿ + b <= high + s.
+        that stand are within bounds, but for an excess s that is solved for, too: low − s <= A ÿ + b <= high + s; and
+        with which the zero-moment point is in its room, if rows Z (n, 6) and bounds (n,) of it are given: Z ÿ <= bound
+        but for one excess of all.
         """
         C, wanted = self._com_rows(curve, com, A, b)
         base = curve[:6].copy()
         base[:2] = np.linalg.solve(C[:, :2], wanted - C[:, 2:] @ base[2:])
         stand = self._legs.stand
         A, b, low, high = A[stand], b[stand], low[stand], high[stand]
+        Z, inside = zmp if zmp is not None else (np.zeros((0, 6)), np.zeros(0))
         legs = A @ base + b
-        if (legs >= low).all() and (legs <= high).all() and (base >= least).all() and (base <= most).all():
+        fits = (legs >= low).all() and (legs <= high).all() and (Z @ base <= inside).all()
+        if fits and (base >= least).all() and (base <= most).all():
             return base
         scale, width, count = self._scale, 1e-6, len(A)  # a box without any width has dependent constraints
-        A, C = A * scale, C * scale / ACCEPTED_COM_ERROR
-        H = np.diag(np.concatenate([np.zeros(2), np.ones(4), np.full(count, ACCEPTED_LEG_EXCESS**-2)]))
+        A, C, Z = A * scale, C * scale / ACCEPTED_COM_ERROR, Z * scale
+        prices = np.append(np.full(count, ACCEPTED_LEG_EXCESS**-2), ACCEPTED_ZMP_EXCESS**-2)
+        H = np.diag(np.concatenate([np.zeros(2), np.ones(4), prices]))
         H[:6, :6] += C.T @ C
-        pull = np.concatenate([np.zeros(2), base[2:] / scale[2:], np.zeros(count)])
+        pull = np.concatenate([np.zeros(2), base[2:] / scale[2:], np.zeros(count + 1)])
         pull[:6] += C.T @ wanted / ACCEPTED_COM_ERROR
-        one, zero, excess = np.eye(6), np.zeros((6, count)), np.eye(count)
-        rows = np.vstack([np.hstack(pair) for pair in ((one, zero), (-one, zero), (A, excess), (-A, excess))])
-        bounds = np.concatenate([least / scale - width, -most / scale - width, low - b, b - high])
+        one, excess = np.eye(6, 7 + count), np.eye(count, count + 1)
+        beyond = np.hstack([-Z, np.zeros((len(Z), count)), np.ones((len(Z), 1))])
+        rows = np.vstack([one, -one, np.hstack([A, excess]), np.hstack([-A, excess]), beyond])
+        bounds = np.concatenate([least / scale - width, -most / scale - width, low - b, b - high, -inside])
         return np.clip(scale * quadprog.solve_qp(H, pull, rows.T, bounds)[0][:6], least, most)
+
+    def _zmp_rows(self, room: Polygon, curve: Array, com: Array, A: Array, b: Array) -> tuple[Array, Array]:
+        """Z (n, 6) and bounds (n,): with Z ÿ <= bound for the base's ÿ the zero-moment point is in a room.
+
+        z = c − (c_z c̈ + (L̇_y, −L̇_x) / m) / g, with the centre of mass on its plan; else as `_com_rows`.
+        """
+        legs, others = self._legs.columns, curve.copy()
+        others[:6], others[legs] = 0.0, b
+        model, data = self._model, self._data
+        q, v, a = pinocchio_state(self.y, self.dy, others)
+        pin.computeCentroidalMomentumTimeVariation(model, data, q, v, a)
+        turn, height = data.dhg.angular.copy(), float(data.com[0][2])
+        momentum = pin.computeCentroidalMap(model, data, q)[3:]
+        base = momentum[:, :6].copy()
+        base[:, :3] = base[:, :3] @ to_rotation(self.y[None, 3:6])[0].T
+        base[:, 3:] = base[:, 3:] @ rate_matrix(self.y[None, 3:6])[0]
+        base += momentum[:, legs] @ A
+        to_shift = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]) / (self._weight)
+        unmoved = com[0] - height / GRAVITY * com[2] - to_shift @ turn
+        return -room.normals @ to_shift @ base, room.offsets - room.normals @ unmoved
 
     def _com_rows(self, curve: Array, com: Array, A: Array, b: Array) -> tuple[Array, Array]:
         """C (2, 6) and c (2,): with C ÿ = c for the base's ÿ the centre of mass goes along its plan.

@@ -117,7 +117,7 @@ class LiveReference:
         com = self._footing.advance(t, PERIOD, wanted, shifts, self._com_height)
         if poses := self._footing.poses(t + PERIOD):
             self._legs.lead(poses)
-        self._governor.step(target, velocity, com)
+        self._governor.step(target, velocity, com, self._footing.room)
         self._knots.append(self._knot())
 
     def _knot(self) -> Knot:

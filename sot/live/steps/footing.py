@@ -94,6 +94,7 @@ class SteppingFooting:
         self._phases = [self.start]
         self.planned_at = -np.inf
         self.excess = 0.0
+        self.room = self._rooms(self.stands).inside
 
     def meet(self, scale: float) -> None:
         """Get ready for a new person, of whose lengths the robot's are a share."""
@@ -181,6 +182,8 @@ class SteppingFooting:
         if t > self.planned_at + KNOT_PERIOD - 1e-6:
             self.planned_at = t
             self._plan(t, wanted, future)
+        (room,), _ = rooms_at(np.array([t + period]), self.stands, self._steps, self._rooms)
+        self.room = room.inside
         preview = self._preview
         place, rate = preview.c, preview.dc
         preview.advance(period, t - self.planned_at)
