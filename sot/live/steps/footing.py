@@ -15,7 +15,7 @@ from sot.live.steps.foot_sense import wrapped
 from sot.live.steps.leg_momentum import zmp_shift_of_swing
 from sot.live.steps.person_steps import AskedStep
 from sot.live.steps.preview import KNOT_PERIOD, StepPreview
-from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, reachable_foothold
+from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, foothold_between, reachable_foothold
 from sot.live.steps.step_plan import DecidedStep, Room, Rooms, rooms_at
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footholds import LegReach
@@ -262,7 +262,10 @@ class SteppingFooting:
         before, aimed, accepted = step.place, step.aimed, max(ACCEPTED_PLAN_EXCESS, self.excess)
         place = self._place(step.asked, step.start, self._beside(step), step.land - step.lift)
         for part in REDIRECTED_PARTS:
-            step.place, step.aimed = _between(before, place, part), _between(aimed, step.asked.place, part)
+            step.place, step.aimed = (
+                foothold_between(before, place, part),
+                foothold_between(aimed, step.asked.place, part),
+            )
             moved = max(abs(step.place.x - before.x), abs(step.place.y - before.y))
             if max(moved, abs(step.place.heading - before.heading)) < MIN_REDIRECTION:
                 step.place = before
@@ -356,8 +359,15 @@ class SteppingFooting:
         if t > step.lift - COMMITMENT_TIME + 1e-6 and self._stride is None:
             self._begin(step)
             return
-        step.place = self._place(step.asked, step.start, self._beside(step), step.land - step.lift)
-        if self._solved(t, self._steps, wanted, future)[1] > MAX_PLAN_EXCESS:
+        before, beside, span = step.place, self._beside(step), step.land - step.lift
+        place, accepted = self._place(step.asked, step.start, beside, span), max(ACCEPTED_PLAN_EXCESS, self.excess)
+        for part in (*REDIRECTED_PARTS, 0.0):
+            near = foothold_between(before, place, part)
+            step.place = reachable_foothold(self.reach, step.foot, near, step.start, beside, span)
+            excess = self._solved(t, self._steps, wanted, future)[1]
+            if excess < accepted:
+                return
+        if excess > MAX_PLAN_EXCESS:
             self._steps.pop()
             self.asked.appendleft(step.asked)
 
@@ -376,15 +386,6 @@ class SteppingFooting:
         self._phases.append(self._phase(step.lift, {foot: at for foot, at in self.stands.items() if foot != step.foot}))
         for tell in self.begun:
             tell(step.foot, step.lift, step.land)
-
-
-def _between(one: Foothold, other: Foothold, share: float) -> Foothold:
-    """The foothold a share of the way from one to another one."""
-    x, y, heading = (
-        before + share * (after - before)
-        for before, after in ((one.x, other.x), (one.y, other.y), (one.heading, other.heading))
-    )
-    return Foothold(x, y, heading)
 
 
 def _on_grid(t: float) -> float:
