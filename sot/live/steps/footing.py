@@ -14,7 +14,7 @@ from sot.gravity import GRAVITY
 from sot.live.steps.foot_sense import wrapped
 from sot.live.steps.leg_momentum import zmp_shift_of_swing
 from sot.live.steps.person_steps import AskedStep
-from sot.live.steps.preview import KNOT_PERIOD, StepPreview
+from sot.live.steps.preview import KNOT_PERIOD, StepPreview, first_knot_from
 from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, foothold_between, reachable_foothold
 from sot.live.steps.step_plan import DecidedStep, Room, Rooms, rooms_at
 from sot.motion.feet.contacts import Phase, planted_phases
@@ -322,7 +322,7 @@ class SteppingFooting:
         before = self._steps[0].land if self._steps else max(self._landed_at.values())
         again = not self._steps and self._landed_at[asked.foot] == before
         pause = (MIN_TIME_BEFORE_SAME_FOOT if again else MIN_DOUBLE_SUPPORT_TIME) * self._time
-        first = _on_grid(max(asked.lift, t + COMMITMENT_TIME + KNOT_PERIOD, before + pause))
+        first = first_knot_from(max(asked.lift, t + COMMITMENT_TIME + KNOT_PERIOD, before + pause))
         for trial in range(MAX_TRIALS):
             step = self._step(asked, first + trial * KNOT_PERIOD)
             _, excess = self._solved(t, [*self._steps, step], wanted, future)
@@ -349,7 +349,7 @@ class SteppingFooting:
         start = self.stands[asked.foot]
         step = DecidedStep(asked.foot, lift, lift, start, start, asked, asked.place)
         span = float(np.clip(asked.land - lift, least, most))
-        step.land = _on_grid(lift + span)
+        step.land = first_knot_from(lift + span)
         step.place = self._place(asked, start, self._beside(step), step.land - lift)
         return step
 
@@ -386,11 +386,6 @@ class SteppingFooting:
         self._phases.append(self._phase(step.lift, {foot: at for foot, at in self.stands.items() if foot != step.foot}))
         for tell in self.begun:
             tell(step.foot, step.lift, step.land)
-
-
-def _on_grid(t: float) -> float:
-    """The first time of the plans' knots that is not before a time [s]."""
-    return KNOT_PERIOD * float(np.ceil(t / KNOT_PERIOD - 1e-6))
 
 
 def _foothold(pose: pin.SE3, rest: pin.SE3) -> Foothold:

@@ -144,6 +144,11 @@ class StepPreview:
         self.ddc = self.ddc + period * jerk
 
 
+def first_knot_from(t: float) -> float:
+    """The first time of the plans' knots that is not before a time [s]."""
+    return KNOT_PERIOD * float(np.ceil(t / KNOT_PERIOD - 1e-6))
+
+
 def _rows(normals: Array, offsets: Array, moves: Array, unmoved: Array) -> tuple[Array, Array]:
     """Rows (n, 2 blocks) and bounds (n,) on the jerks, with which n places are inside edges, one each.
 
