@@ -97,6 +97,10 @@ class SteppingFollower(Follower):
             self._future.append(self._calmed(self._solved(targets, due)))
         super()._take_due(t)
 
+    def _make_knot(self, t: float) -> None:
+        self._highest_hips()  # the pelvis as it is when the plan is new
+        super()._make_knot(t)
+
     def _calmed(self, target: Target) -> Target:
         """A target whose pelvis, but for its place, follows as a critically damped oscillator does."""
         y, velocity = target.y.copy(), target.velocity.copy()

@@ -16,7 +16,7 @@ from sot.live.steps.leg_momentum import zmp_shift_of_swing
 from sot.live.steps.person_steps import AskedStep
 from sot.live.steps.preview import KNOT_PERIOD, StepPreview
 from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, reachable_foothold
-from sot.live.steps.step_plan import DecidedStep, Room, Rooms, rooms_at
+from sot.live.steps.step_plan import DecidedStep, Room, Rooms, StandingPoses, rooms_at
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import MIN_STEP_LENGTH, MIN_STEP_TURN, Foothold
@@ -80,6 +80,7 @@ class SteppingFooting:
         self._zmp_shift = zmp_shift_of_swing(robot)
         self._preview = StepPreview(com[:2], float(com[2]), self._zmp_shift.along)
         self._rooms = Rooms(robot, self.reach, (hips - com)[:2])
+        self._standing = StandingPoses(robot)
         self._time = float(np.sqrt(com[2] / GRAVITY))
         self.stands = {foot: _foothold(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
         self.asked: deque[AskedStep] = deque()
@@ -154,16 +155,16 @@ class SteppingFooting:
         return lambda t: self._pose(foot, t)
 
     def _pose(self, foot: str, t: float) -> Pose:
-        place = foot_pose(self.stands[foot], self._rest[foot])
+        still = self._standing(foot, self.stands[foot])
         step = self._steps[0] if self._steps else None
         if self._stride is not None and step is not None and step.foot == foot and t > step.lift:
             pose = self._stride(t)
-            low = place.translation[2]
+            low = still.position[2]
             if pose.position[2] >= low:
                 return pose
             up = np.array([1.0, 1.0, 0.0, 1.0, 1.0, 1.0])
             return Pose(np.append(pose.position[:2], low), pose.rotation, up * pose.velocity, up * pose.acceleration)
-        return Pose(place.translation.copy(), place.rotation.copy(), np.zeros(6), np.zeros(6))
+        return still
 
     def swing_path(self, foot: str) -> Callable[[float], Pose]:
         """Where a foot is to be at a time [s] while its contact is off: it looks for the floor where that is late."""
@@ -204,14 +205,16 @@ class SteppingFooting:
         times = t + self._preview.times
         rooms, last = rooms_at(times, self.stands, steps, self._rooms)
         end = self._rooms(last)
-        shift = np.zeros((len(times), 2))
+        here = self._rooms(self.stands)
+        lean = wanted - here.centre
         if future:
             later = np.array([0.0, *(time for time, _ in future)])
             way = np.vstack([np.zeros(2), *(way for _, way in future)])
             shift = np.column_stack([np.interp(times - t, later, column) for column in way.T])
-        here = self._rooms(self.stands)
-        lean = wanted - here.centre
-        wish = np.array([self._wish(room, lean + more) for room, more in zip(rooms, shift, strict=True)])
+            wish = np.array([self._wish(room, lean + more) for room, more in zip(rooms, shift, strict=True)])
+        else:
+            wishes = {room: self._wish(room, lean) for room in dict.fromkeys(rooms)}
+            wish = np.array([wishes[room] for room in rooms])
         swings = np.zeros((len(times), 2))
         for step in steps:
             span = step.land - step.lift

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sot.control.pose import Pose
 from sot.live.com_preview import COM_MARGIN_PER_SOLE, shrunk_within
 from sot.live.steps.person_steps import AskedStep
 from sot.motion.feet.contacts import Phase
@@ -104,6 +105,25 @@ class Rooms:
             hip = self._hips + np.array([0.0, (0.5 if foot == "left_foot" else -0.5) * self._reach.hip_width])
             found.append(self._reach.carrying[foot] - ways @ (np.array([at.x, at.y]) - hip @ axes))
         return Polygon(np.tile(-ways, (len(stands), 1)), np.concatenate(found))
+
+
+class StandingPoses:
+    """Poses of feet that stand; the last of each foot is remembered.
+
+    Args:
+        robot: whose feet.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._rest, self._known = feet_at_rest(robot), dict[str, tuple[Foothold, Pose]]()
+
+    def __call__(self, foot: str, at: Foothold) -> Pose:
+        """The pose of a foot at a foothold, at rest."""
+        known = self._known.get(foot)
+        if known is None or known[0] is not at:
+            place = foot_pose(at, self._rest[foot])
+            known = self._known[foot] = at, Pose(place.translation.copy(), place.rotation.copy(), *np.zeros((2, 6)))
+        return known[1]
 
 
 def rooms_at(
