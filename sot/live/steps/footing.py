@@ -80,7 +80,7 @@ class SteppingFooting:
         self._zmp_shift = zmp_shift_of_swing(robot)
         self._preview = StepPreview(com[:2], float(com[2]), self._zmp_shift.along)
         self._rooms = Rooms(robot, self.reach, (hips - com)[:2])
-        self._standing = StandingPoses(robot)
+        self._standing, self._landed = StandingPoses(robot), StandingPoses(robot)
         self._time = float(np.sqrt(com[2] / GRAVITY))
         self.stands = {foot: _foothold(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
         self.asked: deque[AskedStep] = deque()
@@ -135,7 +135,8 @@ class SteppingFooting:
         """See `Footing`; during a swing, the nearest in time."""
         step = self._steps[0] if self._stride is not None else None
         lands = step is not None and step.foot == foot and 2.0 * t > step.lift + step.land
-        return foot_pose(step.place if step and lands else self.stands[foot], self._rest[foot]).translation
+        standing = self._landed if step and lands else self._standing
+        return standing(foot, step.place if step and lands else self.stands[foot]).position
 
     def phases(self, end: float) -> tuple[Phase, ...]:
         """See `Footing`."""
