@@ -7,9 +7,9 @@ is found here is only where `DirectSolver` starts, which checks it exactly.
 """
 
 import numpy as np
-import quadprog
 
 from solvers.compiled import compiled
+from solvers.direct.dual_active_set import active_rows
 from solvers.rows import Array
 
 LAST_LEVEL_WEIGHT = 1e-6
@@ -37,11 +37,10 @@ def guessed_active_sides(
     H, pull, rows, bounds, owner = _weighted_program(X, B, b, K, r, wish, C, lower, upper)
     if len(bounds) == len(r):
         return None
-    try:
-        *_, active = quadprog.solve_qp(H, pull, rows.T, bounds, len(r))
-    except ValueError:  # the rows contradict each other, or H is singular
+    active, found = active_rows(H, pull, rows, bounds, len(r))
+    if not found:
         return None
-    tight, sides = owner[active[active > 0] - 1], np.zeros(len(upper))
+    tight, sides = owner[active], np.zeros(len(upper))
     sides[tight[tight > 0] - 1] = 1.0
     sides[-tight[tight < 0] - 1] = -1.0
     return sides

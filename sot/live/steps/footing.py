@@ -16,7 +16,7 @@ from sot.live.steps.leg_momentum import zmp_shift_of_swing
 from sot.live.steps.person_steps import AskedStep
 from sot.live.steps.preview import KNOT_PERIOD, StepPreview
 from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, reachable_foothold
-from sot.live.steps.step_plan import DecidedStep, Room, Rooms, StandingPoses, rooms_at
+from sot.live.steps.step_plan import DecidedStep, Rooms, StandingPoses, rooms_at, zmp_wishes
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import MIN_STEP_LENGTH, MIN_STEP_TURN, Foothold
@@ -206,16 +206,7 @@ class SteppingFooting:
         times = t + self._preview.times
         rooms, last = rooms_at(times, self.stands, steps, self._rooms)
         end = self._rooms(last)
-        here = self._rooms(self.stands)
-        lean = wanted - here.centre
-        if future:
-            later = np.array([0.0, *(time for time, _ in future)])
-            way = np.vstack([np.zeros(2), *(way for _, way in future)])
-            shift = np.column_stack([np.interp(times - t, later, column) for column in way.T])
-            wish = np.array([self._wish(room, lean + more) for room, more in zip(rooms, shift, strict=True)])
-        else:
-            wishes = {room: self._wish(room, lean) for room in dict.fromkeys(rooms)}
-            wish = np.array([wishes[room] for room in rooms])
+        wish = zmp_wishes(rooms, wanted - self._rooms(self.stands).centre, self._preview.times, future)
         swings = np.zeros((len(times), 2))
         for step in steps:
             span = step.land - step.lift
@@ -225,9 +216,6 @@ class SteppingFooting:
             swings += self._zmp_shift.along * minimum_jerk_curve(share)[:, None] * way / span**2
             swings += self._zmp_shift.ahead * bump_curve(share)[:, None] * self._lift_height(step) * ahead / span**2
         return self._preview.solve(rooms, wish, end, swings)
-
-    def _wish(self, room: Room, lean: Array) -> Array:
-        return room.middle if room.is_single else room.restful.nearest_point(room.centre + lean)
 
     def _land(self, t: float) -> None:
         """Let a swing that is over be over."""

@@ -148,3 +148,24 @@ def rooms_at(
     for step in pending:
         now[step.foot] = step.place
     return found, now
+
+
+def zmp_wishes(rooms: Sequence[Room], lean: Array, later: Array, future: Sequence[tuple[float, Array]]) -> Array:
+    """Where the zero-moment point would best be in each of some rooms (n, 2) [m].
+
+    Args:
+        rooms: n of them.
+        lean: where the centre of mass is wanted now, from the middle of what carries (2,) [m].
+        later: when each room is, from now (n,) [s].
+        future: how much later [s] it will be wanted how much farther (2,) [m], in order; the last stays.
+    """
+    if not future:
+        wishes = {room: _wish(room, lean) for room in dict.fromkeys(rooms)}
+        return np.array([wishes[room] for room in rooms])
+    at, way = np.array([0.0, *(time for time, _ in future)]), np.vstack([np.zeros(2), *(way for _, way in future)])
+    shift = np.column_stack([np.interp(later, at, column) for column in way.T])
+    return np.array([_wish(room, lean + more) for room, more in zip(rooms, shift, strict=True)])
+
+
+def _wish(room: Room, lean: Array) -> Array:
+    return room.middle if room.is_single else room.restful.nearest_point(room.centre + lean)
