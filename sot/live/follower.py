@@ -237,6 +237,10 @@ class Follower:
             self.held_s += PERIOD
         step = PERIOD / EASE_IN_TIME if fresh else -PERIOD / EASE_OUT_TIME
         self._share = min(max(self._share + step, 0.0), 1.0)
+        if target is not None and self._share == 1.0:  # the safe posture has no part in it
+            future = [FutureTarget(one.due - t, one.y, one.com - target.com) for one in self._future]
+            self.reference.advance(target.y, target.velocity, future)
+            return
         share, rest = float(minimum_jerk(np.array(self._share))), self._rest
         if target is None:
             self.reference.advance(rest, np.zeros_like(rest))

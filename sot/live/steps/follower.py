@@ -105,6 +105,10 @@ class SteppingFollower(Follower):
             self._future.append(self._calmed(self._solved(targets, due)))
         super()._take_due(t)
 
+    def _make_knot(self, t: float) -> None:
+        self._highest_hips()  # the pelvis as it is when the plan is new
+        super()._make_knot(t)
+
     def _target_limits(self, limits: Limits) -> Limits:
         """The robot's, but with LEG_RESERVE at the ends of the legs' ranges."""
         lower, upper = limits.lower.copy(), limits.upper.copy()

@@ -16,7 +16,7 @@ from sot.live.steps.leg_momentum import zmp_shift_of_swing
 from sot.live.steps.person_steps import AskedStep
 from sot.live.steps.preview import KNOT_PERIOD, StepPreview, first_knot_from
 from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, foothold_between, reachable_foothold
-from sot.live.steps.step_plan import DecidedStep, Room, Rooms, rooms_at
+from sot.live.steps.step_plan import DecidedStep, Rooms, StandingPoses, rooms_at, zmp_wishes
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import MIN_STEP_LENGTH, MIN_STEP_TURN, Foothold
@@ -80,6 +80,7 @@ class SteppingFooting:
         self._zmp_shift = zmp_shift_of_swing(robot)
         self._preview = StepPreview(com[:2], float(com[2]), self._zmp_shift.along)
         self._rooms = Rooms(robot, self.reach, (hips - com)[:2])
+        self._standing, self._landed = StandingPoses(robot), StandingPoses(robot)
         self._time = float(np.sqrt(com[2] / GRAVITY))
         self.stands = {foot: _foothold(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
         self.asked: deque[AskedStep] = deque()
@@ -135,7 +136,8 @@ class SteppingFooting:
         """See `Footing`; during a swing, the nearest in time."""
         step = self._steps[0] if self._stride is not None else None
         lands = step is not None and step.foot == foot and 2.0 * t > step.lift + step.land
-        return foot_pose(step.place if step and lands else self.stands[foot], self._rest[foot]).translation
+        standing = self._landed if step and lands else self._standing
+        return standing(foot, step.place if step and lands else self.stands[foot]).position
 
     def phases(self, end: float) -> tuple[Phase, ...]:
         """See `Footing`."""
@@ -155,16 +157,16 @@ class SteppingFooting:
         return lambda t: self._pose(foot, t)
 
     def _pose(self, foot: str, t: float) -> Pose:
-        place = foot_pose(self.stands[foot], self._rest[foot])
+        still = self._standing(foot, self.stands[foot])
         step = self._steps[0] if self._steps else None
         if self._stride is not None and step is not None and step.foot == foot and t > step.lift:
             pose = self._stride(t)
-            low = place.translation[2]
+            low = still.position[2]
             if pose.position[2] >= low:
                 return pose
             up = np.array([1.0, 1.0, 0.0, 1.0, 1.0, 1.0])
             return Pose(np.append(pose.position[:2], low), pose.rotation, up * pose.velocity, up * pose.acceleration)
-        return Pose(place.translation.copy(), place.rotation.copy(), np.zeros(6), np.zeros(6))
+        return still
 
     def swing_path(self, foot: str) -> Callable[[float], Pose]:
         """Where a foot is to be at a time [s] while its contact is off: it looks for the floor where that is late."""
@@ -207,14 +209,7 @@ class SteppingFooting:
         times = t + self._preview.times
         rooms, last = rooms_at(times, self.stands, steps, self._rooms)
         end = self._rooms(last)
-        shift = np.zeros((len(times), 2))
-        if future:
-            later = np.array([0.0, *(time for time, _ in future)])
-            way = np.vstack([np.zeros(2), *(way for _, way in future)])
-            shift = np.column_stack([np.interp(times - t, later, column) for column in way.T])
-        here = self._rooms(self.stands)
-        lean = wanted - here.centre
-        wish = np.array([self._wish(room, lean + more) for room, more in zip(rooms, shift, strict=True)])
+        wish = zmp_wishes(rooms, wanted - self._rooms(self.stands).centre, self._preview.times, future)
         swings = np.zeros((len(times), 2))
         for step in steps:
             span = step.land - step.lift
@@ -224,9 +219,6 @@ class SteppingFooting:
             swings += self._zmp_shift.along * minimum_jerk_curve(share)[:, None] * way / span**2
             swings += self._zmp_shift.ahead * bump_curve(share)[:, None] * self._lift_height(step) * ahead / span**2
         return self._preview.solve(rooms, wish, end, swings)
-
-    def _wish(self, room: Room, lean: Array) -> Array:
-        return room.middle if room.is_single else room.restful.nearest_point(room.centre + lean)
 
     def _land(self, t: float) -> None:
         """Let a swing that is over be over."""
