@@ -26,7 +26,7 @@ from sim.reporting.simulated import simulated_motion
 from sim.reporting.traces import Traces
 from sim.world import World
 from solvers import Cascade, Solver, TaskCorrection, Weighted
-from sot.control.controller import Controller
+from sot.control.controller import Controller, compile_ticks
 from sot.control.schedule import Schedule
 from sot.control.stack import Stack
 from sot.errors import InputError
@@ -317,8 +317,9 @@ def composed_stack(
 
 
 def _compile_tick(motion: Motion) -> None:
-    """Compile the functions of a tick by running one, untimed, in a controller of its own."""
-    Controller(motion.robot, stacks.planted_stack(motion.robot, motion), Cascade())(0.0, motion.q[0], motion.v[0])
+    """Compile the functions of a tick by running some, untimed, in a controller of its own."""
+    controller = Controller(motion.robot, stacks.planted_stack(motion.robot, motion), Cascade())
+    compile_ticks(controller, 0.0, motion.q[0])
 
 
 def retarget(request: Replay, out: Path, tell: ProgressCallback) -> Plan:

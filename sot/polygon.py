@@ -11,6 +11,9 @@ Array = np.ndarray
 POINT_GRID_M = 2.0**-40
 """Points nearer to each other than this count as one [m]."""
 
+CORNER_GRID_M, PARALLEL_BELOW = 1e-9, 1e-9
+"""Grid of corners [m], within which a corner may be outside; sine of an angle between edges that never meet."""
+
 
 @dataclass(frozen=True)
 class Polygon:
@@ -32,14 +35,10 @@ class Polygon:
     @property
     def vertices(self) -> Array:
         """Corners, counter-clockwise, shape (k, 2) [m]; none if the polygon is empty."""
-        first, second = np.triu_indices(len(self.offsets), 1)
-        crossing = np.stack([self.normals[first], self.normals[second]], axis=1)
-        meet = np.abs(np.linalg.det(crossing)) > 1e-9
-        offsets = np.stack([self.offsets[first], self.offsets[second]], axis=1)
-        points = np.linalg.solve(crossing[meet], offsets[meet][..., None])[..., 0]
-        corners = np.unique(points[self.margin(points) > -1e-9].round(9), axis=0)
+        corners = _corners(np.ascontiguousarray(self.normals), np.ascontiguousarray(self.offsets))
         around = corners - corners.mean(axis=0) if len(corners) else corners
-        return corners[np.argsort(np.arctan2(around[:, 1], around[:, 0]))]
+        order: Array = corners[np.argsort(np.arctan2(around[:, 1], around[:, 0]))]
+        return order
 
     @property
     def centre(self) -> Array:
@@ -95,6 +94,35 @@ def nearest_point(normals: Array, offsets: Array, point: Array) -> Array:
         if exists and low <= high + 1e-9 and excess**2 + shift**2 < least:
             best_x, best_y, least = on_x - shift * ny, on_y + shift * nx, excess**2 + shift**2
     return np.array((best_x, best_y))
+
+
+@compiled
+def _corners(normals: Array, offsets: Array) -> Array:
+    """Where two edges' lines meet inside all others (k, 2), on a grid of CORNER_GRID_M, by x, then y, each once."""
+    corners, count = np.empty((len(offsets) * (len(offsets) - 1) // 2, 2)), 0
+    for i in range(len(offsets)):
+        for j in range(i + 1, len(offsets)):
+            turn = normals[i, 0] * normals[j, 1] - normals[i, 1] * normals[j, 0]
+            if not abs(turn) > PARALLEL_BELOW:
+                continue
+            x = (offsets[i] * normals[j, 1] - normals[i, 1] * offsets[j]) / turn
+            y = (normals[i, 0] * offsets[j] - offsets[i] * normals[j, 0]) / turn
+            is_inside = True
+            for k in range(len(offsets)):
+                is_inside = is_inside and offsets[k] - normals[k, 0] * x - normals[k, 1] * y > -CORNER_GRID_M
+            if not is_inside:
+                continue
+            x, y = np.rint(x / CORNER_GRID_M) * CORNER_GRID_M, np.rint(y / CORNER_GRID_M) * CORNER_GRID_M
+            place = count
+            while place and (corners[place - 1, 0] > x or (corners[place - 1, 0] == x and corners[place - 1, 1] > y)):
+                place -= 1
+            if place and corners[place - 1, 0] == x and corners[place - 1, 1] == y:
+                continue
+            for k in range(count, place, -1):
+                corners[k, 0], corners[k, 1] = corners[k - 1, 0], corners[k - 1, 1]
+            corners[place, 0], corners[place, 1] = x, y
+            count += 1
+    return corners[:count]
 
 
 @compiled

@@ -20,7 +20,7 @@ from sim.loop import run
 from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.push import Push
 from sim.world import World
-from sot.control.controller import Controller
+from sot.control.controller import Controller, compile_ticks
 from sot.errors import InputError
 from sot.live.clip_source import ClipSource
 from sot.live.follower import Follower
@@ -46,6 +46,9 @@ WAIT_TIME = 60.0
 """Time for which the first frame of a stream is waited for [s]."""
 COMPILING_STEP = 0.01
 """Time between the moments that are followed only to compile what that takes [s]."""
+COMPILING_CLIPS = {"planted": "groove", "steps": "walk_turns"}
+COMPILING_TIME = {"planted": 1.5, "steps": 4.0}
+"""By the feet, the clip that is followed for that, and for how long [s]: until it has been met, or has stepped."""
 FEET_MODES = ("planted", "steps")
 POLL_PERIOD = 0.005
 """Time between looks for it [s]."""
@@ -251,8 +254,13 @@ def _controller(robot: Robot, follower: Follower, solver: str, period: float) ->
 def _compile(robot: Robot, feet: str, tell: ProgressCallback) -> None:
     """Compile what a tick and a frame need, in a run of their own: nobody waits for it then."""
     tell("starting (the first time on a machine this compiles, for half a minute)", None)
-    follower = _follower(feet, ClipSource(read(clips.find_clip("groove")), CLIP_RATE), robot)
-    for k in range(round(1.5 / COMPILING_STEP)):
-        follower.update(k * COMPILING_STEP)
-    state = follower.reference.sample(0.0)
-    _controller(robot, follower, "cascade", COMPILING_STEP)(0.0, state.q, state.v)
+    clip = read(clips.find_clip(COMPILING_CLIPS[feet]))
+    follower = _follower(feet, ClipSource(clip, CLIP_RATE), robot)
+    controller = _controller(robot, follower, "cascade", COMPILING_STEP)
+    for k in range(round(COMPILING_TIME[feet] / COMPILING_STEP)):
+        t = k * COMPILING_STEP
+        follower.update(t)
+        state = follower.reference.sample(t)
+        if feet == "steps":
+            controller(t, state.q, state.v)
+    compile_ticks(controller, t + COMPILING_STEP, state.q)

@@ -45,6 +45,7 @@ from solvers.rows import Array, Equality, Level
 
 MAX_ACTIVE_SET_CHANGES = 12
 """Largest number of changes to the active set before the solver gives up."""
+IRRATIONAL = 1.0 / np.pi
 FOUND, NOT_FOUND, UNFIT = 1, 0, -1
 """How a search for the active set ended; UNFIT: levels that no active set makes a hierarchy of this kind."""
 
@@ -242,10 +243,16 @@ def _active_set_optimum(
         # A bound that has gone, a ramp's at its end say, holds nothing any more.
         if side[row] != 0.0 and not abs(upper[row] if side[row] > 0.0 else lower[row]) < np.inf:
             side[row] = 0.0
-    for _ in range(MAX_ACTIVE_SET_CHANGES):
+    keys = np.zeros(MAX_ACTIVE_SET_CHANGES)  # of the active sets tried so far
+    for trial in range(MAX_ACTIVE_SET_CHANGES):
         count = len(r)
         for row in range(len(side)):
-            count += side[row] != 0.0
+            if side[row] != 0.0:
+                count += 1
+                keys[trial] += side[row] * np.sqrt(row + IRRATIONAL)  # no two sets have the same sum
+        for earlier in range(trial):
+            if keys[earlier] == keys[trial]:
+                return NOT_FOUND, 0.0  # it goes round in circles
         rows, target = np.empty((count, len(x))), np.empty(count)
         owner = np.full(count, -1)
         for k in range(len(r)):

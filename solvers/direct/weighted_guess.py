@@ -7,8 +7,9 @@ is found here is only where `DirectSolver` starts, which checks it exactly.
 """
 
 import numpy as np
-import quadprog
 
+from solvers.compiled import compiled
+from solvers.direct.dual_active_set import active_rows
 from solvers.rows import Array
 
 LAST_LEVEL_WEIGHT = 1e-6
@@ -30,30 +31,80 @@ def guessed_active_sides(
     Returns:
         +1 where a row is tight at its upper bound, −1 at the lower one, 0 elsewhere, shape (p,).
     """
-    leading, free, trailing = X.shape[1], len(X) - 1, len(wish)
-    above, below = np.flatnonzero(upper < np.inf), np.flatnonzero(lower > -np.inf)
-    if not free + trailing or not len(above) + len(below):
+    trailing, free = len(wish), len(X) - 1
+    if not free + trailing:
         return None
-    scale = float(np.square(B[1:]).sum(axis=1).mean()) if free else 1.0
-    H, pull = np.zeros((free + trailing, free + trailing)), np.zeros(free + trailing)
-    H[:free, :free], pull[:free] = B[1:] @ B[1:].T, B[1:] @ (b - B[0])
-    np.fill_diagonal(H[free:, free:], LAST_LEVEL_WEIGHT * scale)
-    # in (y, x_2 − wish), with x_1 = X[0] + X[1:]ᵀ y
-    value = C[:, :leading] @ X[0] + C[:, leading:] @ wish
-    rows = np.hstack([C[:, :leading] @ X[1:].T, C[:, leading:]])
-    equal = np.hstack([K[:, :leading] @ X[1:].T, K[:, leading:]])
-    missing = r - K[:, :leading] @ X[0] - K[:, leading:] @ wish
-    try:
-        *_, active = quadprog.solve_qp(
-            H,
-            pull,
-            np.vstack([equal, -rows[above], rows[below]]).T,
-            np.concatenate([missing, (value - upper)[above], (lower - value)[below]]),
-            len(r),
-        )
-    except ValueError:  # the rows contradict each other, or H is singular
+    H, pull, rows, bounds, owner = _weighted_program(X, B, b, K, r, wish, C, lower, upper)
+    if len(bounds) == len(r):
         return None
-    sides, active = np.zeros(len(upper)), active - 1 - len(r)
-    sides[above[active[(active >= 0) & (active < len(above))]]] = 1.0
-    sides[below[active[active >= len(above)] - len(above)]] = -1.0
+    active, found = active_rows(H, pull, rows, bounds, len(r))
+    if not found:
+        return None
+    tight, sides = owner[active], np.zeros(len(upper))
+    sides[tight[tight > 0] - 1] = 1.0
+    sides[-tight[tight < 0] - 1] = -1.0
     return sides
+
+
+@compiled
+def _weighted_program(
+    X: Array, B: Array, b: Array, K: Array, r: Array, wish: Array, C: Array, lower: Array, upper: Array
+) -> tuple[Array, Array, Array, Array, Array]:
+    """The program in z = (y, x_2 − wish), with x_1 = X[0] + X[1:]ᵀ y.
+
+    Returns:
+        H, pull: of ½ zᵀHz − pullᵀz, which is to be least.
+        rows, bounds: ``rows z >= bounds``, the first of which are equalities.
+        owner: of each row the number of its inequality, from 1 on, negative at a lower bound; 0 of equalities.
+    """
+    free, trailing, count = len(X) - 1, len(wish), len(r)
+    size = free + trailing
+    for i in range(len(upper)):
+        count += int(upper[i] < np.inf) + int(lower[i] > -np.inf)
+    H, pull, scale = np.zeros((size, size)), np.zeros(size), 0.0
+    for i in range(free):
+        for j in range(i + 1):
+            total = 0.0
+            for k in range(B.shape[1]):
+                total += B[1 + i, k] * B[1 + j, k]
+            H[i, j] = H[j, i] = total
+        scale += H[i, i] / free
+        for k in range(B.shape[1]):
+            pull[i] += B[1 + i, k] * (b[k] - B[0, k])
+    for i in range(free, size):
+        H[i, i] = LAST_LEVEL_WEIGHT * (scale if free else 1.0)
+    rows, bounds, owner, row = np.empty((count, size)), np.empty(count), np.zeros(count, np.int64), len(r)
+    for i in range(len(r)):
+        bounds[i] = r[i] - _write_row(K[i], X, wish, rows[i])
+    for i in range(len(upper)):
+        has_upper, has_lower = upper[i] < np.inf, lower[i] > -np.inf
+        if not (has_upper or has_lower):
+            continue
+        value = _write_row(C[i], X, wish, rows[row])
+        if has_lower:
+            bounds[row], owner[row] = lower[i] - value, -i - 1
+            row += 1
+        if has_upper:
+            bounds[row], owner[row] = value - upper[i], i + 1
+            for k in range(size):
+                rows[row, k] = -rows[row - int(has_lower), k]
+            row += 1
+    return H, pull, rows, bounds, owner
+
+
+@compiled
+def _write_row(row: Array, X: Array, wish: Array, out: Array) -> float:
+    """Write a row on x as one on z, and return its value at z = 0."""
+    leading, value = X.shape[1], 0.0
+    for i in range(len(X)):
+        total = 0.0
+        for k in range(leading):
+            total += row[k] * X[i, k]
+        if i:
+            out[i - 1] = total
+        else:
+            value = total
+    for k in range(len(wish)):
+        out[len(X) - 1 + k] = row[leading + k]
+        value += row[leading + k] * wish[k]
+    return value

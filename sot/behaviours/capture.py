@@ -95,8 +95,12 @@ class Capture:
         """Planned place (2,) of a foot relative to where the other one stands [m]."""
         return tick.frame(beside).position[:2] + self.home(foot, tick.t) - self.home(beside, tick.t)
 
-    def reachable_place(self, tick: Tick, place: Array, foot: str, beside: str) -> Array:
-        """The nearest place (2,) that a leg reaches without coming near the foot that stands [m]."""
+    def reachable_place(self, tick: Tick, place: Array, foot: str, beside: str, planned: Array | None = None) -> Array:
+        """The nearest place (2,) that a leg reaches without coming near the foot that stands [m].
+
+        planned: a place (2,) that the plan, which knows how feet are turned, has chosen [m]: what is no nearer to that
+            foot and no farther than it is in reach, too.
+        """
         frame, swings = tick.frame(beside), tick.frame(foot)
         outward = (frame.rotation @ self._left[beside])[:2] * (1.0 if foot == self._robot.feet[0] else -1.0)
         inner = max((self.sole_corners(tick, beside) - frame.position[:2]) @ outward)
@@ -106,8 +110,11 @@ class Capture:
             inner + SOLE_CLEARANCE * self.reach.leg_length,
             place - frame.position[:2],
         )
-        off = off + max(0.0, least - off @ outward) * outward
         hip = max(least, self.reach.hip_width) * outward
+        if planned is not None:
+            chosen = planned - frame.position[:2]
+            least, reach = min(least, chosen @ outward), max(reach, float(np.linalg.norm(chosen - hip)))
+        off = off + max(0.0, least - off @ outward) * outward
         return frame.position[:2] + hip + (off - hip) * (reach / max(reach, float(np.linalg.norm(off - hip))))
 
     def support(self, tick: Tick, feet: Iterable[str]) -> Polygon:

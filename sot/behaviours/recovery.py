@@ -207,7 +207,7 @@ class RecoverySchedule(SteppingSchedule):
             if max(np.linalg.norm(start), np.linalg.norm(home), np.linalg.norm(missing)) < HOME_DISTANCE * self._leg:
                 return
             led = self._led[foot] = LedSwing(path, tick.t, land, start)
-        place = self._capture.reachable_place(tick, planned[:2] + home + missing, foot, beside)
+        place = self._capture.reachable_place(tick, planned[:2] + home + missing, foot, beside, planned[:2] + displaced)
         if isinstance(led, LedSwing) and missing.any():
             depth = self._capture.margin(tick, xi, foot, beside, place)
             if depth < 0.0 and (best := self._deeper_landing(tick, foot, beside, home, depth)):

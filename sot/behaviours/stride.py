@@ -3,8 +3,8 @@
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
+from solvers.compiled import compiled
 from sot.control.pose import Pose
 
 Array = np.ndarray
@@ -18,7 +18,6 @@ BUMP_CURVATURE = 19.2
 """Greatest second derivative of the bump over the share of the time, upward, by its height."""
 PEAK_SAMPLES = 9
 """Times at which the rest of a path is looked at for its peaks."""
-UPWARD = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 
 
 class Stride:
@@ -39,7 +38,7 @@ class Stride:
         self, start: Array, rotation: Array, lift: float, land: float, height: float, ground: float = 0.0
     ) -> None:
         self.lift, self.land, self._height = lift, land, height
-        self._rotation, self._floor, self._ground = rotation.copy(), float(start[2]), ground
+        self._rotation, self._floor, self._ground = np.array(rotation, order="C"), float(start[2]), ground
         self._coefficients_from, self._coefficients = lift, np.zeros((6, 3))
         self._coefficients[0, :2] = self.landing_place = start[:2].copy()
 
@@ -62,19 +61,11 @@ class Stride:
 
     def __call__(self, t: float) -> Pose:
         """Pose of the foot at a time [s]; lower and lower once it should have landed."""
-        at, rate, second = self._horizontal_state(min(max(t, self.lift), self.land))
-        span = self.land - self.lift
-        s = min(max((t - self.lift) / span, 0.0), 1.0)
-        r = s * (1.0 - s)
-        position = np.array([at[0], at[1], self._floor + 64.0 * self._height * r**3])
-        velocity, acceleration = np.zeros(6), np.zeros(6)
-        velocity[:2], acceleration[:2], velocity[5], acceleration[5] = rate[:2], second[:2], rate[2], second[2]
-        velocity[2] = 192.0 * self._height * r**2 * (1.0 - 2.0 * s) / span
-        acceleration[2] = self._height * bump_curve(s) / span**2
-        rotation = pin.utils.rotate("z", float(at[2])) @ self._rotation if at[2] else self._rotation
-        over = Pose(position, rotation, velocity, acceleration)
-        return lowered_pose(
-            raised_pose(over, self._ground - self._floor - LANDING_DEPTH, t - self.lift, span), t - self.land
+        return Pose(
+            *_stride_pose(
+                *(self._coefficients, self._coefficients_from, self._rotation, self._floor, self._ground),
+                *(self._height, self.lift, self.land, t),
+            )
         )
 
     def _horizontal_state(self, t: float) -> tuple[Array, Array, Array]:
@@ -88,31 +79,86 @@ def bump_curve(s: Any) -> Any:
     return 384.0 * r * ((1.0 - 2.0 * s) ** 2 - r)
 
 
+@compiled
+def _stride_pose(
+    coefficients: Array,
+    since: float,
+    rotation: Array,
+    floor: float,
+    ground: float,
+    height: float,
+    lift: float,
+    land: float,
+    t: float,
+) -> tuple[Array, Array, Array, Array]:
+    """The `Pose` of a stride at a time [s]; coefficients are those of the time since a time."""
+    at, rate, second = value_and_derivatives(coefficients, min(max(t, lift), land) - since)
+    span = land - lift
+    s = min(max((t - lift) / span, 0.0), 1.0)
+    r = s * (1.0 - s)
+    position = np.array((at[0], at[1], floor + 64.0 * height * r**3))
+    velocity, acceleration = np.zeros(6), np.zeros(6)
+    velocity[:2], acceleration[:2], velocity[5], acceleration[5] = rate[:2], second[:2], rate[2], second[2]
+    velocity[2] = 192.0 * height * r**2 * (1.0 - 2.0 * s) / span
+    acceleration[2] = height * 384.0 * r * ((1.0 - 2.0 * s) ** 2 - r) / span**2
+    _raise(position, velocity, acceleration, ground - floor - LANDING_DEPTH, t - lift, span)
+    _lower(position, velocity, t - land)
+    cosine, sine, turned = np.cos(at[2]), np.sin(at[2]), rotation.copy()
+    for k in range(3):
+        turned[0, k] = cosine * rotation[0, k] - sine * rotation[1, k]
+        turned[1, k] = sine * rotation[0, k] + cosine * rotation[1, k]
+    return position, turned, velocity, acceleration
+
+
 def lowered_pose(pose: Pose, late: float) -> Pose:
     """A pose on the floor, lowered at a steady speed for a foot that is late [s] and has not touched down yet."""
     if late < 0.0:
         return pose
-    speed = DESCENT_SPEED * min(late / DESCENT_RAMP_TIME, 1.0)
-    depth = 0.5 * speed * late if late < DESCENT_RAMP_TIME else DESCENT_SPEED * (late - 0.5 * DESCENT_RAMP_TIME)
-    return pose._replace(position=pose.position - depth * UPWARD[:3], velocity=pose.velocity - speed * UPWARD)
+    position, velocity = pose.position.copy(), pose.velocity.copy()
+    _lower(position, velocity, late)
+    return pose._replace(position=position, velocity=velocity)
 
 
 def raised_pose(pose: Pose, by: float, t: float, span: float) -> Pose:
     """A pose at a time into a step [s], raised along a minimum-jerk curve so that the step ends higher [m]."""
+    position, velocity, acceleration = pose.position.copy(), pose.velocity.copy(), pose.acceleration.copy()
+    _raise(position, velocity, acceleration, by, t, span)
+    return Pose(position, pose.rotation, velocity, acceleration)
+
+
+@compiled
+def _lower(position: Array, velocity: Array, late: float) -> None:
+    """See `lowered_pose`."""
+    if late >= 0.0:
+        speed = DESCENT_SPEED * min(late / DESCENT_RAMP_TIME, 1.0)
+        is_ramp = late < DESCENT_RAMP_TIME
+        position[2] -= 0.5 * speed * late if is_ramp else DESCENT_SPEED * (late - 0.5 * DESCENT_RAMP_TIME)
+        velocity[2] -= speed
+
+
+@compiled
+def _raise(position: Array, velocity: Array, acceleration: Array, by: float, t: float, span: float) -> None:
+    """See `raised_pose`."""
     s = min(max(t / span, 0.0), 1.0)
     r = s * (1.0 - s)
-    return pose._replace(
-        position=pose.position + by * s**3 * (10.0 - 15.0 * s + 6.0 * s * s) * UPWARD[:3],
-        velocity=pose.velocity + by * 30.0 * r**2 / span * UPWARD,
-        acceleration=pose.acceleration + by * 60.0 * r * (1.0 - 2.0 * s) / span**2 * UPWARD,
-    )
+    position[2] += by * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+    velocity[2] += by * 30.0 * r**2 / span
+    acceleration[2] += by * 60.0 * r * (1.0 - 2.0 * s) / span**2
 
 
+@compiled
 def value_and_derivatives(coefficients: Array, x: float) -> tuple[Array, Array, Array]:
     """Values, first and second derivatives (n,) of polynomials with coefficients (6, n), the constant ones first."""
-    powers = np.arange(6)
-    rows = [x**powers, powers[1:] * x ** powers[:-1], (powers[2:] * powers[1:-1]) * x ** powers[:-2]]
-    return rows[0] @ coefficients, rows[1] @ coefficients[1:], rows[2] @ coefficients[2:]
+    count = coefficients.shape[1]
+    value, rate, second = np.zeros(count), np.zeros(count), np.zeros(count)
+    for n in range(count):
+        for k in range(5, -1, -1):
+            value[n] = value[n] * x + coefficients[k, n]
+        for k in range(5, 0, -1):
+            rate[n] = rate[n] * x + k * coefficients[k, n]
+        for k in range(5, 1, -1):
+            second[n] = second[n] * x + k * (k - 1) * coefficients[k, n]
+    return value, rate, second
 
 
 def quintic_to_rest(at: Array, rate: Array, second: Array, to: Array, span: float) -> Array:

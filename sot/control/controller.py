@@ -187,6 +187,16 @@ class Controller:
         self._contacts_off = [contact for contact in contacts if contact.mode == "off"]
 
 
+def compile_ticks(controller: Controller, t: float, q: Array) -> None:
+    """Compile what ticks need, from a time on [s], by running some: at rest, and with all joints at their speed limits,
+    so that limbs approach each other and joints the ends of their ranges."""
+    robot = controller.system.robot
+    for k, share in enumerate((0.0, 1.0, -1.0)):
+        v = np.zeros(controller.system.nv)
+        v[6 : robot.nv] = share * robot.velocity
+        controller(t + k * controller.tick.period, q, v)
+
+
 def _no_solution(stack: Stack, reason: str) -> Solution:
     """Solution of a tick without levels to solve."""
     nothing = np.zeros(0)

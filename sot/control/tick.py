@@ -11,7 +11,13 @@ from sot.control.load import Carried, KnownWrench, Load
 from sot.control.pose import PoseReference
 from sot.control.quantities.bias import add_joint_forces, coulomb_speeds, write_bias_and_com
 from sot.control.quantities.carrying import Carrying
-from sot.control.quantities.frames import FrameState, RelativeMotion, write_placed_axes, write_point_motion
+from sot.control.quantities.frames import (
+    FrameState,
+    RelativeMotion,
+    moving_velocities,
+    write_placed_axes,
+    write_point_motion,
+)
 from sot.errors import InputError
 from sot.gravity import GRAVITY
 from sot.robots.robot import Robot
@@ -220,9 +226,9 @@ class Tick:
         if state is None:
             if point not in self._points:
                 self._points[point] = self._make_point(point)
-            state, moving_velocities, free = self._points[point]
+            state, moving, free = self._points[point]
             write_point_motion(
-                self._J, self.v, moving_velocities, free, state.position, state.velocity, state.jacobian, state.drift
+                self._J, self.v, moving, free, state.position, state.velocity, state.jacobian, state.drift
             )
             self._frames[point] = state
         return state
@@ -327,15 +333,9 @@ class Tick:
         model = self.model
         frame = self.system.point(name)
         place = self.data.oMf[frame]
-        moving_velocities = [
-            model.idx_vs[joint] + k
-            for joint in model.supports[model.frames[frame].parentJoint]
-            for k in range(model.nvs[joint])
-        ]
-        joints = [joint for joint in model.supports[model.frames[frame].parentJoint] if joint]
-        free = 6 if joints and model.nvs[joints[0]] == 6 else 0
+        moving, free = moving_velocities(model, frame)
         state = FrameState(place.translation, place.rotation, np.empty(6), np.zeros((6, self.system.nv)), np.empty(6))
-        return state, np.array(moving_velocities, dtype=int), free
+        return state, moving, free
 
 
 def contact_named(contacts: Iterable[NamedContact], name: str) -> NamedContact:

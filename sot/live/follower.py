@@ -101,7 +101,7 @@ class Follower:
         self.reference = self._new_reference(robot, limits)
         self.time_line = TimeLine(delay)
         self.counts: Counter[str] = Counter()
-        self._body = BodySolver(robot, self._build, limits)
+        self._body = BodySolver(robot, self._build, self._target_limits(limits))
         arms = [ArmSolver(robot, side, limits) for side in SIDES]
         self._arms = [arm for arm in arms if len(arm.columns)]
         self._acquaintance = Acquaintance(source.name, mapping)
@@ -139,6 +139,14 @@ class Follower:
     def _new_reference(self, robot: Robot, limits: Limits) -> LiveReference:
         """The reference that is fed."""
         return LiveReference(robot, limits, self._foresight)
+
+    def _target_limits(self, limits: Limits) -> Limits:
+        """Limits of the coordinates of targets."""
+        return limits
+
+    def _tilted_less(self, y: Array) -> Array:
+        """Coordinates (nv,) with as much of the pelvis' tilt as the robot is to make."""
+        return y
 
     def _take_due(self, t: float) -> None:
         """Go over to the targets that are due by a time [s]."""
@@ -200,7 +208,8 @@ class Follower:
         elapsed = due - self._last if self._last is not None else PERIOD
         y = self._body.solve(targets, self._solution)
         # What the trunk will be late when the frame is due is head's and arms' to make up; with a future it is not.
-        start = y if self.reference.foresight else self.reference.expected(y, due)
+        asked = self._tilted_less(y)
+        start = asked if self.reference.foresight else self.reference.expected(asked, due)
         head = self._body.head_columns
         y[head] = self._body.solve_head(targets, start)[head]
         data = self._body.place(start)
@@ -213,7 +222,7 @@ class Follower:
             self._velocity += share * ((y - self._solution) / elapsed - self._velocity)
         self._solution, self._last = y, due
         com = pin.centerOfMass(self.robot.model, self._body.data, pinocchio_state(y, y, y)[0])[:2].copy()
-        return Target(due, y, self._velocity.copy(), com)
+        return Target(due, self._tilted_less(y), self._velocity.copy(), com)
 
     @property
     def _rest(self) -> Array:
@@ -228,6 +237,10 @@ class Follower:
             self.held_s += PERIOD
         step = PERIOD / EASE_IN_TIME if fresh else -PERIOD / EASE_OUT_TIME
         self._share = min(max(self._share + step, 0.0), 1.0)
+        if target is not None and self._share == 1.0:  # the safe posture has no part in it
+            future = [FutureTarget(one.due - t, one.y, one.com - target.com) for one in self._future]
+            self.reference.advance(target.y, target.velocity, future)
+            return
         share, rest = float(minimum_jerk(np.array(self._share))), self._rest
         if target is None:
             self.reference.advance(rest, np.zeros_like(rest))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sot.control.pose import Pose
 from sot.live.com_preview import KNOT_PERIOD, ComPreview
 from sot.motion.feet.contacts import Phase, planted_phases, support_polygon
+from sot.polygon import Polygon
 from sot.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -42,6 +43,11 @@ class Footing(Protocol):
     @property
     def com(self) -> Array:
         """Place, velocity and acceleration of the centre of mass now (3, 2)."""
+        ...
+
+    @property
+    def room(self) -> Polygon | None:
+        """Where the zero-moment point may be at the end of the last period; None if feet that stay leave enough."""
         ...
 
     def poses(self, t: float) -> Mapping[str, Pose] | None:
@@ -87,6 +93,10 @@ class PlantedFooting:
     def com(self) -> Array:
         """See `Footing`."""
         return np.stack([self._preview.c, self._preview.dc, self._preview.ddc])
+
+    @property
+    def room(self) -> None:
+        """See `Footing`."""
 
     def poses(self, t: float) -> None:
         """All feet stay."""

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
+from solvers.compiled import compiled
 from sot.control.pose import Pose
+from sot.control.quantities.points_motion import PointsMotion, pose_errors
 from sot.live.bounded_move import bounded_move
-from sot.live.state import pinocchio_state
-from sot.motion.body.coordinates import rate_matrix, to_rotation
+from sot.live.state import coordinate_columns, pinocchio_state
 from sot.motion.feet.contacts import Phase
 from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
@@ -43,10 +43,13 @@ class LedLegs:
     """
 
     def __init__(self, robot: Robot, phase: Phase, start: Array) -> None:
-        self._model, self._data = robot.model, robot.model.createData()
-        self._frames = {foot: robot.point(foot) for foot in phase.feet}
-        self._feet = [(robot.point(foot), pose) for foot, pose in phase.feet.items()]
-        self._foot_velocity, self._foot_acceleration = np.zeros(6 * len(self._feet)), np.zeros(6 * len(self._feet))
+        self._names = tuple(phase.feet)
+        frames = [robot.point(foot) for foot in self._names]
+        self._feet = PointsMotion(robot.model, frames, robot.model.createData())
+        self._positions = np.array([pose.translation for pose in phase.feet.values()])
+        self._rotations = np.array([pose.rotation for pose in phase.feet.values()])
+        self._foot_velocity, self._foot_acceleration = np.zeros((2, 6 * len(self._names)))
+        self._still = np.zeros(robot.nv)
         self._joints = np.array(robot.groups["legs"], dtype=int)
         self.columns = 6 + self._joints
         self.stand = np.ones(len(self._joints), bool)
@@ -62,38 +65,43 @@ class LedLegs:
     def lead(self, poses: Mapping[str, Pose]) -> None:
         """Say where the feet are to be at the next call, and how they move there."""
         self.stand = ~np.any([self._legs_of[foot] & bool(pose.velocity.any()) for foot, pose in poses.items()], axis=0)
-        self._feet = [
-            (frame, pin.SE3(poses[foot].rotation, poses[foot].position)) for foot, frame in self._frames.items()
-        ]
-        self._foot_velocity = np.concatenate([poses[foot].velocity for foot in self._frames])
-        self._foot_acceleration = np.concatenate([poses[foot].acceleration for foot in self._frames])
+        self._positions = np.array([poses[foot].position for foot in self._names])
+        self._rotations = np.array([poses[foot].rotation for foot in self._names])
+        self._foot_velocity = np.concatenate([poses[foot].velocity for foot in self._names])
+        self._foot_acceleration = np.concatenate([poses[foot].acceleration for foot in self._names])
 
     def accelerations(self, y: Array, dy: Array) -> tuple[Array, Array]:
         """A (k, 6) and b (k,): the legs' accelerations are A ÿ + b with the base's ÿ (6,), at coordinates (nv,)."""
-        q, v, a = pinocchio_state(y, dy, np.zeros_like(y))
-        a[6:] = 0.0
-        J = self._jacobian(q)
-        base, inverse = J[:, :6].copy(), self._inverse(J)
-        base[:, :3] = base[:, :3] @ to_rotation(y[None, 3:6])[0].T
-        base[:, 3:] = base[:, 3:] @ rate_matrix(y[None, 3:6])[0]
-        return -inverse @ base, -inverse @ (self._feet_accelerations(q, v, a) - self._foot_acceleration)
+        q, v, a = pinocchio_state(y, dy, self._still)
+        feet = self._feet
+        feet.place(q)
+        feet.move(v)
+        missing = self._foot_acceleration - feet.drift - feet.jacobian @ a
+        answers = _leg_answers(
+            feet.jacobian, self.columns, np.column_stack([-coordinate_columns(feet.jacobian, y)[:, :6], missing])
+        )
+        return answers[:, :6], answers[:, 6]
 
     def __call__(self, y: Array, dy: Array, ddy: Array) -> tuple[Array, Array, Array]:
         """Coordinates and derivatives (nv,) with such legs, whose angles follow from those of the last call."""
-        legs = self.columns
+        legs, feet = self.columns, self._feet
         y, dy, ddy = y.copy(), dy.copy(), ddy.copy()
         self._solve(y)
         y[legs] = self._angles
+        dy[legs] = ddy[legs] = 0.0
         q, v, a = pinocchio_state(y, dy, ddy)
-        v[legs], a[legs] = 0.0, 0.0
-        J = self._jacobian(q)
-        inverse = self._inverse(J)
-        v[legs] = np.clip(-inverse @ (J @ v - self._foot_velocity), -self._velocity, self._velocity)
+        feet.place(q)
+        rates = self._answer(self._foot_velocity - feet.jacobian @ v)
+        v[legs] = dy[legs] = _within(rates, self._velocity)
+        feet.move(v)
         # At the end of a range, or straight, a leg cannot follow: what it would have to do there is nobody's motion.
-        wanted = -inverse @ (self._feet_accelerations(q, v, a) - self._foot_acceleration)
-        curve = np.clip(wanted, -self._acceleration, self._acceleration)
-        y[legs], dy[legs], ddy[legs] = self._angles, v[legs], curve
+        curve = self._answer(self._foot_acceleration - feet.drift - feet.jacobian @ a)
+        ddy[legs] = _within(curve, self._acceleration)
         return y, dy, ddy
+
+    def _answer(self, missing: Array) -> Array:
+        """Rates (k,) of the legs that make the feet's rates differ by as much (12,)."""
+        return np.asarray(_leg_answers(self._feet.jacobian, self.columns, missing[:, None])[:, 0])
 
     def _solve(self, y: Array) -> None:
         """Angles of the legs under a base as in coordinates (nv,), from those of the last call."""
@@ -105,44 +113,58 @@ class LedLegs:
 
     def _improved(self, y: Array, angles: Array, steps: int) -> tuple[Array, float]:
         """Angles (k,) after bounded Gauss-Newton steps, and the length of the feet's error."""
-        y, legs, angles = y.copy(), self.columns, angles.copy()
+        y, legs, angles, feet = y.copy(), self.columns, angles.copy(), self._feet
         for step in range(steps + 1):
             y[legs] = angles
-            J = self._jacobian(pinocchio_state(y, y, y)[0])[:, legs]
-            e = self._error()
+            feet.place(pinocchio_state(y, self._still, self._still)[0])
+            e = pose_errors(feet.positions, feet.rotations, self._positions, self._rotations)
             if step < steps:
-                bounded_move(angles, J.T @ J + DAMPING * np.eye(len(legs)), J.T @ e, self._lower, self._upper)
-        return angles, float(np.linalg.norm(e))
+                _move_legs(angles, feet.jacobian, legs, e, self._lower, self._upper)
+        return angles, float(np.sqrt(e @ e))
 
-    def _inverse(self, J: Array) -> Array:
-        """Damped inverse (k, 12) of the legs' part of the feet's Jacobian (12, nv)."""
-        own = J[:, self.columns]
-        return np.asarray(np.linalg.solve(own.T @ own + DAMPING * np.eye(own.shape[1]), own.T))
 
-    def _feet_accelerations(self, q: Array, v: Array, a: Array) -> Array:
-        """Accelerations (12,) of both feet."""
-        pin.forwardKinematics(self._model, self._data, q, v, a)
-        return np.concatenate(
-            [
-                pin.getFrameClassicalAcceleration(self._model, self._data, foot, pin.LOCAL_WORLD_ALIGNED).vector
-                for foot, _ in self._feet
-            ]
-        )
+@compiled
+def _move_legs(angles: Array, J: Array, columns: NDArray[np.int_], e: Array, lower: Array, upper: Array) -> None:
+    """Move angles (k,) by a bounded Gauss-Newton step on the error e (12,) of the feet."""
+    H, own = _leg_hessian(J, columns)
+    g = np.zeros(len(columns))
+    for i in range(len(columns)):
+        for m in range(len(e)):
+            g[i] += own[i, m] * e[m]
+    bounded_move(angles, H, g, lower, upper)
 
-    def _jacobian(self, q: Array) -> Array:
-        """Jacobian (12, nv) of both feet at a configuration (nq,)."""
-        pin.computeJointJacobians(self._model, self._data, q)
-        return np.vstack(
-            [pin.getFrameJacobian(self._model, self._data, foot, pin.LOCAL_WORLD_ALIGNED) for foot, _ in self._feet]
-        )
 
-    def _error(self) -> Array:
-        """Error (12,) of both feet where Pinocchio's joints are placed [m, rad]."""
-        places = [(pin.updateFramePlacement(self._model, self._data, foot), pose) for foot, pose in self._feet]
-        return np.concatenate(
-            [
-                part
-                for place, pose in places
-                for part in (place.translation - pose.translation, pin.log3(place.rotation @ pose.rotation.T))
-            ]
-        )
+@compiled
+def _leg_answers(J: Array, columns: NDArray[np.int_], missing: Array) -> Array:
+    """The damped least-squares answers (k, n) of the legs to rates (12, n) that the feet lack."""
+    H, own = _leg_hessian(J, columns)
+    g = np.zeros((len(columns), missing.shape[1]))
+    for i in range(len(columns)):
+        for m in range(len(missing)):
+            for n in range(missing.shape[1]):
+                g[i, n] += own[i, m] * missing[m, n]
+    return np.linalg.solve(H, g).astype(np.float64)
+
+
+@compiled
+def _leg_hessian(J: Array, columns: NDArray[np.int_]) -> tuple[Array, Array]:
+    """The damped square (k, k) of the legs' part of the feet's Jacobian (12, nv), and that part transposed (k, 12)."""
+    own, H = np.empty((len(columns), len(J))), np.zeros((len(columns), len(columns)))
+    for i in range(len(columns)):
+        for m in range(len(J)):
+            own[i, m] = J[m, columns[i]]
+    for i in range(len(columns)):
+        H[i, i] = DAMPING
+        for k in range(len(columns)):
+            for m in range(len(J)):
+                H[i, k] += own[i, m] * own[k, m]
+    return H, own
+
+
+@compiled
+def _within(values: Array, most: Array) -> Array:
+    """Values (k,) within ± their bounds."""
+    out = np.empty_like(values)
+    for i in range(len(values)):
+        out[i] = min(max(values[i], -most[i]), most[i])
+    return out

@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from solvers.compiled import compiled
 from sot.control.pose import Pose
 from sot.gravity import GRAVITY
 from sot.live.com_preview import KNOT_PERIOD
@@ -21,6 +22,7 @@ from sot.motion.body.coordinates import from_configuration, to_pinocchio
 from sot.motion.body.limits import Limits
 from sot.motion.trajectory import Motion, MotionSample
 from sot.robots.robot import Robot
+from sot.rotation import product, rotation_of_vector
 
 Array = NDArray[np.float64]
 
@@ -76,7 +78,7 @@ class LiveReference:
 
     def __init__(self, robot: Robot, limits: Limits, foresight: float = 0.0, footing: Footing | None = None) -> None:
         self.robot, self.foresight, self._footing = robot, foresight, footing or PlantedFooting(robot)
-        self._data = robot.model.createData()
+        self._data, self._mass = robot.model.createData(), pin.computeTotalMass(robot.model)
         self.rest = from_configuration(robot.rest[None])[0]
         self._points: dict[str, int] = {}
         self._legs = LedLegs(robot, self._footing.start, self.rest)
@@ -117,26 +119,23 @@ class LiveReference:
         com = self._footing.advance(t, PERIOD, wanted, shifts, self._com_height)
         if poses := self._footing.poses(t + PERIOD):
             self._legs.lead(poses)
-        self._governor.step(target, velocity, com)
+        self._governor.step(target, velocity, com, self._footing.room)
         self._knots.append(self._knot())
 
     def _knot(self) -> Knot:
         governor, model, data = self._governor, self.robot.model, self._data
         y, dy, ddy = governor.y, governor.dy, governor.ddy
         q, v, a = pinocchio_state(y, dy, ddy)
-        pin.computeCentroidalMomentumTimeVariation(model, data, q, v, a)
-        momentum, turn = data.hg.angular.copy(), data.dhg.angular.copy()
-        pin.centerOfMass(model, data, q, v, a)
-        com, velocity, acceleration = data.com[0].copy(), data.vcom[0].copy(), data.acom[0].copy()
+        pin.computeCentroidalMomentumTimeVariation(model, data, q, v, a)  # places and moves the joints, too
+        hg, dhg = data.hg, data.dhg
+        momentum, turn = hg.angular.copy(), dhg.angular
+        com, velocity, acceleration = data.com[0].copy(), hg.linear / self._mass, dhg.linear / self._mass
         self._com, self._com_height = com[:2].copy(), float(com[2])
         com[:2], velocity[:2], acceleration[:2] = self._footing.com
         lean = (com[2] * acceleration[:2] + np.array([turn[1], -turn[0]]) / self.robot.mass) / (
             GRAVITY + acceleration[2]
         )
-        poses = {}
-        if self._points:
-            pin.forwardKinematics(model, data, q, v, a)
-            poses = {point: self._pose(frame) for point, frame in self._points.items()}
+        poses = {point: self._pose(frame) for point, frame in self._points.items()}
         return Knot(y, dy, ddy, com, velocity, acceleration, com[:2] - lean, momentum, poses)
 
     def _pose(self, frame: int) -> Pose:
@@ -164,13 +163,13 @@ class LiveReference:
     def joints(self, t: float) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration of the joints at a time [s], (na,) each."""
         last, following, dt = self._between(t)
-        y, dy, ddy = _interpolated(last.y, last.dy, last.ddy, following.ddy, dt)
+        y, dy, ddy = _state_between(last.y, last.dy, last.ddy, following.ddy, dt)
         return y[6:], dy[6:], ddy[6:]
 
     def balance(self, t: float) -> tuple[Array, Array, Array, Array]:
         """CoM (3,), its velocity and acceleration, and the ZMP (2,) at a time [s]."""
         last, following, dt = self._between(t)
-        c, dc, ddc = _interpolated(last.com, last.com_velocity, last.com_acceleration, following.com_acceleration, dt)
+        c, dc, ddc = _state_between(last.com, last.com_velocity, last.com_acceleration, following.com_acceleration, dt)
         return c, dc, ddc, last.zmp + dt / PERIOD * (following.zmp - last.zmp)
 
     def angular_momentum(self, t: float) -> Array:
@@ -195,19 +194,14 @@ class LiveReference:
         def at(t: float) -> Pose:
             last, following, dt = self._between(t)
             one, other = self._pose_at(last, point), self._pose_at(following, point)
-            share = dt / PERIOD
-            acceleration = one.acceleration + share * (other.acceleration - one.acceleration)
-            velocity = one.velocity + 0.5 * dt * (one.acceleration + acceleration)
-            move = dt * (one.velocity + dt * (one.acceleration / 3.0 + acceleration / 6.0))
-            return Pose(one.position + move[:3], pin.exp3(move[3:]) @ one.rotation, velocity, acceleration)
+            return Pose(*_pose_between(*one, other.acceleration, dt))
 
         return at
 
     def sample(self, t: float) -> MotionSample:
         """The whole state at a time [s]."""
         last, following, dt = self._between(t)
-        y, dy, ddy = _interpolated(last.y, last.dy, last.ddy, following.ddy, dt)
-        q, v, a = pinocchio_state(y, dy, ddy)
+        q, v, a = pinocchio_state(*_state_between(last.y, last.dy, last.ddy, following.ddy, dt))
         return MotionSample(q, v, a, *self.balance(t))
 
     def recorded(self, duration: float, rate: float) -> Motion:
@@ -236,3 +230,19 @@ def _interpolated(x: Array, dx: Array, ddx: Array, following: Array, dt: float |
     """Value and derivatives dt after a knot, the second derivative linear to that of the following knot."""
     curve = ddx + dt / PERIOD * (following - ddx)
     return x + dt * dx + dt**2 * (ddx / 3.0 + curve / 6.0), dx + 0.5 * dt * (ddx + curve), curve
+
+
+@compiled
+def _state_between(x: Array, dx: Array, ddx: Array, following: Array, dt: float) -> tuple[Array, Array, Array]:
+    """`_interpolated` of one moment."""
+    curve = ddx + dt / PERIOD * (following - ddx)
+    return x + dt * dx + dt**2 * (ddx / 3.0 + curve / 6.0), dx + 0.5 * dt * (ddx + curve), curve
+
+
+@compiled
+def _pose_between(
+    position: Array, rotation: Array, velocity: Array, acceleration: Array, following: Array, dt: float
+) -> tuple[Array, Array, Array, Array]:
+    """A pose dt after another one, with its velocity and its acceleration, which is linear to a following one."""
+    move, rate, curve = _state_between(np.zeros(6), velocity, acceleration, following, dt)
+    return position + move[:3], product(rotation_of_vector(move[3:]), rotation), rate, curve

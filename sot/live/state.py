@@ -1,4 +1,4 @@
-"""Pinocchio's state of one moment, of the coordinates in which motions are fitted."""
+"""Pinocchio's state and Jacobians of one moment, for the coordinates in which motions are fitted."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,3 +46,26 @@ def pinocchio_state(y: Array, dy: Array, ddy: Array) -> tuple[Array, Array, Arra
     a[1] -= v[5] * v[0] - v[3] * v[2]
     a[2] -= v[3] * v[1] - v[4] * v[0]
     return q, v, a
+
+
+@compiled
+def coordinate_columns(J: Array, y: Array) -> Array:
+    """A Jacobian (n, nv) on Pinocchio's velocities, as one on the rates of coordinates (nv,): only the base differs."""
+    out = np.empty(J.shape)
+    sr, cr, sp, cp, sy, cy = np.sin(y[3]), np.cos(y[3]), np.sin(y[4]), np.cos(y[4]), np.sin(y[5]), np.cos(y[5])
+    R = np.array(
+        (
+            (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+            (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+            (-sp, cp * sr, cp * cr),
+        )
+    )
+    for i in range(len(J)):
+        for k in range(3):
+            out[i, k] = J[i, 0] * R[k, 0] + J[i, 1] * R[k, 1] + J[i, 2] * R[k, 2]
+        out[i, 3] = J[i, 3]
+        out[i, 4] = cr * J[i, 4] - sr * J[i, 5]
+        out[i, 5] = -sp * J[i, 3] + cp * (sr * J[i, 4] + cr * J[i, 5])
+        for k in range(6, J.shape[1]):
+            out[i, k] = J[i, k]
+    return out

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+import pinocchio as pin
 
 from solvers.compiled import compiled
 from sot.robots.surface import INWARD, Surface
@@ -43,6 +44,13 @@ def _horizontal_places(position: Array, rotation: Array, points: Array) -> Array
         for i in range(2):
             places[k, i] = position[i] + (rotation[i, 0] * x + rotation[i, 1] * y + rotation[i, 2] * z)
     return places
+
+
+def moving_velocities(model: pin.Model, frame: int) -> tuple[np.ndarray, int]:
+    """Indices of the velocities that move a frame, from the root outwards; how many of them a free root has."""
+    joints = [joint for joint in model.supports[model.frames[frame].parentJoint] if joint]
+    moving = [model.idx_vs[joint] + k for joint in joints for k in range(model.nvs[joint])]
+    return np.array(moving, dtype=int), 6 if joints and model.nvs[joints[0]] == 6 else 0
 
 
 class RelativeMotion:

@@ -32,7 +32,7 @@ class TimeLine:
         self.delay = delay
         self.counts: Counter[str] = Counter()
         self.offset = 0.0
-        self._ways: deque[tuple[float, float]] = deque()
+        self._ways: deque[tuple[float, float]] = deque()  # of the window, without those longer than a later one
         self._waiting: list[Frame] = []
         self._last_stamp = -float("inf")
         self._last_sequence: int | None = None
@@ -49,10 +49,12 @@ class TimeLine:
                 return
             self._start_anew()
         self._disbelieved_since = None
+        while self._ways and self._ways[-1][1] >= way:
+            self._ways.pop()
         self._ways.append((frame.received, way))
         while self._ways[0][0] < frame.received - OFFSET_WINDOW:
             self._ways.popleft()
-        self.offset = min(way for _, way in self._ways)
+        self.offset = self._ways[0][1]
         if frame.stamp <= self._last_stamp:
             self.counts["doubled" if frame.stamp == self._last_stamp else "late"] += 1
         elif any(frame.stamp == other.stamp for other in self._waiting):

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from sot.control.pose import Pose
 from sot.live.follower import STALE_TIME, Follower, Target
 from sot.live.person import Moment, Person
 from sot.live.reference import LiveReference
@@ -32,8 +33,15 @@ and down with each step would take the load off the feet, and put it on again.""
 
 CALMING_TIME = 0.15
 """Time constant with which the pelvis follows [s]: what it turns faster takes the zero-moment point out of one sole."""
-PELVIS = slice(2, 6)
-"""Its height and angles in the coordinates."""
+PELVIS_LAG = 2.0 * CALMING_TIME
+"""Time by which it is late then [s]."""
+PELVIS_TILT_SHARE = 0.5
+"""Share of the person's roll and pitch of the pelvis that the robot's makes: footholds and the legs' reach are those
+under a level pelvis, and what it tilts takes the zero-moment point out of one sole."""
+LEG_RESERVE = 0.1
+"""Part at each end of a leg joint's range that no target of the pelvis needs [rad]: balance shifts the legs further."""
+PELVIS, TILT = slice(2, 6), slice(3, 5)
+"""The pelvis' height and angles in the coordinates; its roll and pitch."""
 
 
 class SteppingFollower(Follower):
@@ -87,15 +95,50 @@ class SteppingFollower(Follower):
         while self._moments and self._moments[0][0] <= t + 1e-9:
             due, moment, level = self._moments.popleft()
             feet = self.footing.poses(self.reference.horizon)
-            self._body.put_feet(feet)
             assert self._over_feet is not None
             targets = self._over_feet(moment, level, feet)
+            self._body.put_feet(self._feet_under(targets.hips))
             elapsed = due - (self._last or due)
             sunk = min(self._cap, self._hips_height) - MAX_CAP_SINKING * elapsed
             self._cap = min(max(self._highest_hips(), sunk), self._cap + MAX_CAP_RISE * elapsed)
             targets.hips[2] = min(targets.hips[2], self._cap)
             self._future.append(self._calmed(self._solved(targets, due)))
         super()._take_due(t)
+
+    def _make_knot(self, t: float) -> None:
+        self._highest_hips()  # the pelvis as it is when the plan is new
+        super()._make_knot(t)
+
+    def _target_limits(self, limits: Limits) -> Limits:
+        """The robot's, but with LEG_RESERVE at the ends of the legs' ranges."""
+        lower, upper = limits.lower.copy(), limits.upper.copy()
+        legs = 6 + np.array(self.robot.groups["legs"], dtype=int)
+        lower[legs] = np.minimum(lower[legs] + LEG_RESERVE, self.reference.rest[legs])
+        upper[legs] = np.maximum(upper[legs] - LEG_RESERVE, self.reference.rest[legs])
+        return replace(limits, lower=lower, upper=upper)
+
+    def _tilted_less(self, y: Array) -> Array:
+        level = y.copy()
+        level[TILT] *= PELVIS_TILT_SHARE
+        return level
+
+    def _feet_under(self, hips: Array) -> dict[str, Pose]:
+        """The feet once the pelvis has followed, moved with the hips from their planned place to a place (3,) [m].
+
+        Balance has the hips elsewhere than the person. A target whose legs reach from there to the feet, in the air or
+        not, has no tilt or turn of the pelvis with which a foot could not land.
+        """
+        t = self.reference.horizon + PELVIS_LAG
+        later, places = self.footing.com_ahead
+        ahead = [np.interp(t - self.footing.planned_at, later, column) for column in places.T]
+        shift = np.append(hips[:2] - (ahead + self._hips_beside_com), 0.0)
+        return {foot: pose._replace(position=pose.position + shift) for foot, pose in self.footing.poses(t).items()}
+
+    @property
+    def _hips_beside_com(self) -> Array:
+        """Where the middle of the hips is now, from the centre of mass over the floor (2,) [m]."""
+        y = self.reference.now
+        return np.asarray((y[:3] + to_rotation(y[None, 3:6])[0] @ self._build.hips)[:2] - self.footing.com[0])
 
     def _calmed(self, target: Target) -> Target:
         """A target whose pelvis, but for its place, follows as a critically damped oscillator does."""
@@ -132,8 +175,7 @@ class SteppingFollower(Follower):
 
     def _hips_in_reach(self) -> float:
         y, hip_width = self.reference.now, self.footing.reach.hip_width
-        base = to_rotation(y[None, 3:6])[0]
-        middle = (y[:3] + base @ self._build.hips)[:2] - self.footing.com[0]
+        base, middle = to_rotation(y[None, 3:6])[0], self._hips_beside_com
         later, places = self.footing.com_ahead
         leg, highest = EXTENSION * self._build.leg, np.inf
         for sign, foot in zip((0.5, -0.5), self.robot.feet, strict=True):

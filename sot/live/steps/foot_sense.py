@@ -4,8 +4,9 @@ The causal form of `sot.motion.feet.footwork.foot_track`, with the same heights 
 """
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from math import atan2, cos, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,7 +93,7 @@ class FootSense:
             for side in SIDES:
                 if not self._slow[point] or speeds[side][point] < TOUCH_SPEED * self._leg:
                     self._slow[point].append(float(moment.points[f"{side}_{point}"][2]))
-            self._levels[point] = float(np.percentile(self._slow[point], STANDING_PERCENTILE))
+            self._levels[point] = percentile(self._slow[point], STANDING_PERCENTILE)
         return {f"{side}_foot": self._state(side, moment, speeds[side]) for side in SIDES}
 
     def _point_speeds(self, side: str, moment: Moment, elapsed: float) -> dict[str, float]:
@@ -123,7 +124,7 @@ class FootSense:
         seen = float(np.linalg.norm(along))
         if not track.flat_seen or highest < TOUCH_HEIGHT * self._leg:
             track.flat_seen.append(seen)
-        flat = float(np.median(track.flat_seen))
+        flat = percentile(track.flat_seen, 50.0)
         aside = wrapped(float(np.arctan2(along[1], along[0])) - pelvis)
         if seen > MIN_SEEN_LENGTH * flat and abs(aside) < 0.5 * np.pi:
             track.aside = aside
@@ -134,4 +135,12 @@ class FootSense:
 
 def wrapped(angle: float) -> float:
     """The angle within ±π [rad]."""
-    return float(np.arctan2(np.sin(angle), np.cos(angle)))
+    return atan2(sin(angle), cos(angle))
+
+
+def percentile(values: Iterable[float], percent: float) -> float:
+    """A percentile of some values, linear between them: numpy's takes ten times as long for so few."""
+    ordered = sorted(values)
+    place = 0.01 * percent * (len(ordered) - 1)
+    k = min(int(place), len(ordered) - 2) if len(ordered) > 1 else 0
+    return ordered[k] + (place - k) * (ordered[min(k + 1, len(ordered) - 1)] - ordered[k])

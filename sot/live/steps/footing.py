@@ -14,9 +14,9 @@ from sot.gravity import GRAVITY
 from sot.live.steps.foot_sense import wrapped
 from sot.live.steps.leg_momentum import zmp_shift_of_swing
 from sot.live.steps.person_steps import AskedStep
-from sot.live.steps.preview import KNOT_PERIOD, StepPreview
-from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, reachable_foothold
-from sot.live.steps.step_plan import DecidedStep, Room, Rooms, rooms_at
+from sot.live.steps.preview import KNOT_PERIOD, StepPreview, first_knot_from
+from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, foothold_between, reachable_foothold
+from sot.live.steps.step_plan import DecidedStep, Rooms, StandingPoses, rooms_at, zmp_wishes
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import MIN_STEP_LENGTH, MIN_STEP_TURN, Foothold
@@ -80,6 +80,7 @@ class SteppingFooting:
         self._zmp_shift = zmp_shift_of_swing(robot)
         self._preview = StepPreview(com[:2], float(com[2]), self._zmp_shift.along)
         self._rooms = Rooms(robot, self.reach, (hips - com)[:2])
+        self._standing, self._landed = StandingPoses(robot), StandingPoses(robot)
         self._time = float(np.sqrt(com[2] / GRAVITY))
         self.stands = {foot: _foothold(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
         self.asked: deque[AskedStep] = deque()
@@ -94,6 +95,7 @@ class SteppingFooting:
         self._phases = [self.start]
         self.planned_at = -np.inf
         self.excess = 0.0
+        self.room = self._rooms(self.stands).inside
 
     def meet(self, scale: float) -> None:
         """Get ready for a new person, of whose lengths the robot's are a share."""
@@ -134,7 +136,8 @@ class SteppingFooting:
         """See `Footing`; during a swing, the nearest in time."""
         step = self._steps[0] if self._stride is not None else None
         lands = step is not None and step.foot == foot and 2.0 * t > step.lift + step.land
-        return foot_pose(step.place if step and lands else self.stands[foot], self._rest[foot]).translation
+        standing = self._landed if step and lands else self._standing
+        return standing(foot, step.place if step and lands else self.stands[foot]).position
 
     def phases(self, end: float) -> tuple[Phase, ...]:
         """See `Footing`."""
@@ -154,16 +157,16 @@ class SteppingFooting:
         return lambda t: self._pose(foot, t)
 
     def _pose(self, foot: str, t: float) -> Pose:
-        place = foot_pose(self.stands[foot], self._rest[foot])
+        still = self._standing(foot, self.stands[foot])
         step = self._steps[0] if self._steps else None
         if self._stride is not None and step is not None and step.foot == foot and t > step.lift:
             pose = self._stride(t)
-            low = place.translation[2]
+            low = still.position[2]
             if pose.position[2] >= low:
                 return pose
             up = np.array([1.0, 1.0, 0.0, 1.0, 1.0, 1.0])
             return Pose(np.append(pose.position[:2], low), pose.rotation, up * pose.velocity, up * pose.acceleration)
-        return Pose(place.translation.copy(), place.rotation.copy(), np.zeros(6), np.zeros(6))
+        return still
 
     def swing_path(self, foot: str) -> Callable[[float], Pose]:
         """Where a foot is to be at a time [s] while its contact is off: it looks for the floor where that is late."""
@@ -181,6 +184,8 @@ class SteppingFooting:
         if t > self.planned_at + KNOT_PERIOD - 1e-6:
             self.planned_at = t
             self._plan(t, wanted, future)
+        (room,), _ = rooms_at(np.array([t + period]), self.stands, self._steps, self._rooms)
+        self.room = room.inside
         preview = self._preview
         place, rate = preview.c, preview.dc
         preview.advance(period, t - self.planned_at)
@@ -204,14 +209,7 @@ class SteppingFooting:
         times = t + self._preview.times
         rooms, last = rooms_at(times, self.stands, steps, self._rooms)
         end = self._rooms(last)
-        shift = np.zeros((len(times), 2))
-        if future:
-            later = np.array([0.0, *(time for time, _ in future)])
-            way = np.vstack([np.zeros(2), *(way for _, way in future)])
-            shift = np.column_stack([np.interp(times - t, later, column) for column in way.T])
-        here = self._rooms(self.stands)
-        lean = wanted - here.centre
-        wish = np.array([self._wish(room, lean + more) for room, more in zip(rooms, shift, strict=True)])
+        wish = zmp_wishes(rooms, wanted - self._rooms(self.stands).centre, self._preview.times, future)
         swings = np.zeros((len(times), 2))
         for step in steps:
             span = step.land - step.lift
@@ -221,9 +219,6 @@ class SteppingFooting:
             swings += self._zmp_shift.along * minimum_jerk_curve(share)[:, None] * way / span**2
             swings += self._zmp_shift.ahead * bump_curve(share)[:, None] * self._lift_height(step) * ahead / span**2
         return self._preview.solve(rooms, wish, end, swings)
-
-    def _wish(self, room: Room, lean: Array) -> Array:
-        return room.middle if room.is_single else room.restful.nearest_point(room.centre + lean)
 
     def _land(self, t: float) -> None:
         """Let a swing that is over be over."""
@@ -259,7 +254,10 @@ class SteppingFooting:
         before, aimed, accepted = step.place, step.aimed, max(ACCEPTED_PLAN_EXCESS, self.excess)
         place = self._place(step.asked, step.start, self._beside(step), step.land - step.lift)
         for part in REDIRECTED_PARTS:
-            step.place, step.aimed = _between(before, place, part), _between(aimed, step.asked.place, part)
+            step.place, step.aimed = (
+                foothold_between(before, place, part),
+                foothold_between(aimed, step.asked.place, part),
+            )
             moved = max(abs(step.place.x - before.x), abs(step.place.y - before.y))
             if max(moved, abs(step.place.heading - before.heading)) < MIN_REDIRECTION:
                 step.place = before
@@ -316,7 +314,7 @@ class SteppingFooting:
         before = self._steps[0].land if self._steps else max(self._landed_at.values())
         again = not self._steps and self._landed_at[asked.foot] == before
         pause = (MIN_TIME_BEFORE_SAME_FOOT if again else MIN_DOUBLE_SUPPORT_TIME) * self._time
-        first = _on_grid(max(asked.lift, t + COMMITMENT_TIME + KNOT_PERIOD, before + pause))
+        first = first_knot_from(max(asked.lift, t + COMMITMENT_TIME + KNOT_PERIOD, before + pause))
         for trial in range(MAX_TRIALS):
             step = self._step(asked, first + trial * KNOT_PERIOD)
             _, excess = self._solved(t, [*self._steps, step], wanted, future)
@@ -343,7 +341,7 @@ class SteppingFooting:
         start = self.stands[asked.foot]
         step = DecidedStep(asked.foot, lift, lift, start, start, asked, asked.place)
         span = float(np.clip(asked.land - lift, least, most))
-        step.land = _on_grid(lift + span)
+        step.land = first_knot_from(lift + span)
         step.place = self._place(asked, start, self._beside(step), step.land - lift)
         return step
 
@@ -353,8 +351,15 @@ class SteppingFooting:
         if t > step.lift - COMMITMENT_TIME + 1e-6 and self._stride is None:
             self._begin(step)
             return
-        step.place = self._place(step.asked, step.start, self._beside(step), step.land - step.lift)
-        if self._solved(t, self._steps, wanted, future)[1] > MAX_PLAN_EXCESS:
+        before, beside, span = step.place, self._beside(step), step.land - step.lift
+        place, accepted = self._place(step.asked, step.start, beside, span), max(ACCEPTED_PLAN_EXCESS, self.excess)
+        for part in (*REDIRECTED_PARTS, 0.0):
+            near = foothold_between(before, place, part)
+            step.place = reachable_foothold(self.reach, step.foot, near, step.start, beside, span)
+            excess = self._solved(t, self._steps, wanted, future)[1]
+            if excess < accepted:
+                return
+        if excess > MAX_PLAN_EXCESS:
             self._steps.pop()
             self.asked.appendleft(step.asked)
 
@@ -373,20 +378,6 @@ class SteppingFooting:
         self._phases.append(self._phase(step.lift, {foot: at for foot, at in self.stands.items() if foot != step.foot}))
         for tell in self.begun:
             tell(step.foot, step.lift, step.land)
-
-
-def _between(one: Foothold, other: Foothold, share: float) -> Foothold:
-    """The foothold a share of the way from one to another one."""
-    x, y, heading = (
-        before + share * (after - before)
-        for before, after in ((one.x, other.x), (one.y, other.y), (one.heading, other.heading))
-    )
-    return Foothold(x, y, heading)
-
-
-def _on_grid(t: float) -> float:
-    """The first time of the plans' knots that is not before a time [s]."""
-    return KNOT_PERIOD * float(np.ceil(t / KNOT_PERIOD - 1e-6))
 
 
 def _foothold(pose: pin.SE3, rest: pin.SE3) -> Foothold:

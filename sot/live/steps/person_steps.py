@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from sot.gravity import GRAVITY
 from sot.live.person import Moment
-from sot.live.steps.foot_sense import FootSense, FootState, wrapped
+from sot.live.steps.foot_sense import FootSense, FootState, percentile, wrapped
 from sot.motion.feet.footwork import MIN_STEP_HEIGHT, MIN_STEP_LENGTH, MIN_STEP_TURN, Foothold
 from sot.smooth import minimum_jerk
 
@@ -188,6 +188,6 @@ def _is_far(one: Foothold, other: Foothold, distance: float) -> bool:
 
 
 def _median(places: deque[Foothold]) -> Foothold:
-    x, y = (float(np.median([getattr(place, axis) for place in places])) for axis in "xy")
+    x, y = (percentile([getattr(place, axis) for place in places], 50.0) for axis in "xy")
     last = places[-1].heading
-    return Foothold(x, y, last + float(np.median([wrapped(place.heading - last) for place in places])))
+    return Foothold(x, y, last + percentile([wrapped(place.heading - last) for place in places], 50.0))

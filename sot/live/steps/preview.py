@@ -6,6 +6,7 @@ import numpy as np
 import quadprog
 from numpy.typing import NDArray
 
+from solvers.compiled import compiled
 from sot.gravity import GRAVITY
 from sot.live.steps.step_plan import Room
 
@@ -29,6 +30,8 @@ ACCEPTED_STRETCH = 2e-4
 """The same of the centre of mass beyond where the legs of all feet that stand reach [m]."""
 REACH_TOLERANCE = 1e-3
 """Distance beyond their reach that is not looked at [m]."""
+EXCESS, STRETCH = 2, 1
+"""Columns of both in a programme, from the end."""
 MAX_CUTS = 2
 """How often a plan is made again with the edges of the legs' reach that it was beyond."""
 
@@ -88,9 +91,11 @@ class StepPreview:
         H = self._zmp.T @ self._zmp / ACCEPTED_ZMP_ERROR**2 + self._jerk_price
         H += np.outer(self._rate[-1], self._rate[-1]) / ACCEPTED_END_SPEED**2
         size = len(H)
-        self._H = np.zeros((2 * size + 2, 2 * size + 2))
-        self._H[:-2, :-2] = np.kron(np.eye(2), H)
-        self._H[-2, -2], self._H[-1, -1] = ACCEPTED_EXCESS**-2, ACCEPTED_STRETCH**-2
+        factor = np.linalg.inv(np.linalg.cholesky(H)).T
+        self._inverse_factor = np.zeros((2 * size + 2, 2 * size + 2))  # R⁻¹ of the Hessian RᵀR
+        self._inverse_factor[:-2, :-2] = np.kron(np.eye(2), factor)
+        self._inverse_factor[-2, -2], self._inverse_factor[-1, -1] = ACCEPTED_EXCESS, ACCEPTED_STRETCH
+        self._no_less = np.eye(2, 2 * size + 2, 2 * size)
 
     def solve(self, rooms: Sequence[Room], wish: Array, end: Room, swings: Array) -> tuple[Array, float]:
         """Jerks (2, blocks), and by how much the zero-moment point is beyond its room at most [m].
@@ -110,26 +115,28 @@ class StepPreview:
         pull -= np.outer(self._rate[-1], rate) / ACCEPTED_END_SPEED**2
         regions = [*(room.inside for room in rooms), end.inside]
         knots = np.repeat(np.arange(len(regions)), [len(region.offsets) for region in regions])
-        normals, offsets = (np.concatenate([getattr(one, name) for one in regions]) for name in ("normals", "offsets"))
+        normals = np.concatenate([region.normals for region in regions])
+        offsets = np.concatenate([region.offsets for region in regions])
         moves, unmoved = np.vstack([self._zmp, self._end]), np.vstack([free, final])
-        rows, bounds = _rows(normals, offsets, moves[knots], unmoved[knots])
-        size = rows.shape[1]
-        A, b = (
-            [np.hstack([rows, np.tile([-1.0, 0.0], (len(rows), 1))]), -np.eye(2, size + 2, size)],
-            [bounds, np.zeros(2)],
-        )
         linear = np.append(pull.T.ravel(), [0.0, 0.0])
-        x = quadprog.solve_qp(self._H, linear, -np.vstack(A).T, -np.concatenate(b))[0]
+        rows, bounds = _rows(normals, offsets, moves, unmoved, knots, EXCESS)
+        A, b = [rows, self._no_less], [bounds, np.zeros(2)]
+        x = self._optimum(linear, A, b)
         for _ in range(MAX_CUTS):
             planned = places + self._position @ x[:-2].reshape(2, -1).T
             beyond, normals, offsets = _stretched(rooms, planned, x[-1] + REACH_TOLERANCE)
             if not len(beyond):
                 break
-            rows, bounds = _rows(normals, offsets, self._position[beyond], places[beyond])
-            A.append(np.hstack([rows, np.tile([0.0, -1.0], (len(rows), 1))]))
+            rows, bounds = _rows(normals, offsets, self._position, places, beyond, STRETCH)
+            A.append(rows)
             b.append(bounds)
-            x = quadprog.solve_qp(self._H, linear, -np.vstack(A).T, -np.concatenate(b))[0]
+            x = self._optimum(linear, A, b)
         return x[:-2].reshape(2, -1), float(x[-2])
+
+    def _optimum(self, linear: Array, rows: Sequence[Array], bounds: Sequence[Array]) -> Array:
+        """The least of ½ xᵀHx − linearᵀx with rows x >= bounds."""
+        C, b = np.concatenate(rows).T, np.concatenate(bounds)
+        return np.asarray(quadprog.solve_qp(self._inverse_factor, linear, C, b, 0, True)[0])
 
     def follow(self, jerk: Array) -> None:
         """Take up jerks (2, blocks) that were solved for the state of now."""
@@ -144,13 +151,32 @@ class StepPreview:
         self.ddc = self.ddc + period * jerk
 
 
-def _rows(normals: Array, offsets: Array, moves: Array, unmoved: Array) -> tuple[Array, Array]:
-    """Rows (n, 2 blocks) and bounds (n,) on the jerks, with which n places are inside edges, one each.
+def first_knot_from(t: float) -> float:
+    """The first time of the plans' knots that is not before a time [s]."""
+    return KNOT_PERIOD * float(np.ceil(t / KNOT_PERIOD - 1e-6))
 
-    moves: (n, blocks) of what jerks change; unmoved: (n, 2) where the places are without.
+
+@compiled
+def _rows(
+    normals: Array, offsets: Array, moves: Array, unmoved: Array, knots: NDArray[np.int_], slack: int
+) -> tuple[Array, Array]:
+    """Rows (m, 2 blocks + 2) and bounds (m,), rows x >= bounds, that keep places inside edges, but for a slack.
+
+    Args:
+        normals, offsets: of the edges (m, 2), (m,).
+        moves, unmoved: what jerks change of places (n, blocks), and where these are without (n, 2).
+        knots: the place of each edge (m,).
+        slack: number of the slack's column from the end.
     """
-    rows = np.hstack([normals[:, :1] * moves, normals[:, 1:] * moves])
-    return rows, offsets - np.einsum("ij,ij->i", normals, unmoved)
+    count, size = len(offsets), moves.shape[1]
+    rows, bounds = np.zeros((count, 2 * size + 2)), np.empty(count)
+    for i in range(count):
+        x, y, k = normals[i, 0], normals[i, 1], knots[i]
+        for j in range(size):
+            rows[i, j], rows[i, size + j] = -x * moves[k, j], -y * moves[k, j]
+        rows[i, 2 * size + 2 - slack] = 1.0
+        bounds[i] = x * unmoved[k, 0] + y * unmoved[k, 1] - offsets[i]
+    return rows, bounds
 
 
 def _stretched(rooms: Sequence[Room], places: Array, accepted: float) -> tuple[NDArray[np.int_], Array, Array]:

@@ -59,3 +59,12 @@ def reachable_foothold(
     if swung.margin(place) < -1e-6:  # nothing is in reach of both: time is what gives way
         place = Polygon(rows, bounds).nearest_point(np.array([wanted.x, wanted.y]))
     return Foothold(float(place[0]), float(place[1]), heading)
+
+
+def foothold_between(one: Foothold, other: Foothold, share: float) -> Foothold:
+    """The foothold a share of the way from one to another one."""
+    x, y, heading = (
+        before + share * (after - before)
+        for before, after in ((one.x, other.x), (one.y, other.y), (one.heading, other.heading))
+    )
+    return Foothold(x, y, heading)

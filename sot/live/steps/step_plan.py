@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sot.control.pose import Pose
 from sot.live.com_preview import COM_MARGIN_PER_SOLE, shrunk_within
 from sot.live.steps.person_steps import AskedStep
 from sot.motion.feet.contacts import Phase
@@ -106,6 +107,25 @@ class Rooms:
         return Polygon(np.tile(-ways, (len(stands), 1)), np.concatenate(found))
 
 
+class StandingPoses:
+    """Poses of feet that stand; the last of each foot is remembered.
+
+    Args:
+        robot: whose feet.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._rest, self._known = feet_at_rest(robot), dict[str, tuple[Foothold, Pose]]()
+
+    def __call__(self, foot: str, at: Foothold) -> Pose:
+        """The pose of a foot at a foothold, at rest."""
+        known = self._known.get(foot)
+        if known is None or known[0] is not at:
+            place = foot_pose(at, self._rest[foot])
+            known = self._known[foot] = at, Pose(place.translation.copy(), place.rotation.copy(), *np.zeros((2, 6)))
+        return known[1]
+
+
 def rooms_at(
     times: Array, stands: Mapping[str, Foothold], steps: Sequence[DecidedStep], rooms: Rooms
 ) -> tuple[list[Room], Mapping[str, Foothold]]:
@@ -128,3 +148,24 @@ def rooms_at(
     for step in pending:
         now[step.foot] = step.place
     return found, now
+
+
+def zmp_wishes(rooms: Sequence[Room], lean: Array, later: Array, future: Sequence[tuple[float, Array]]) -> Array:
+    """Where the zero-moment point would best be in each of some rooms (n, 2) [m].
+
+    Args:
+        rooms: n of them.
+        lean: where the centre of mass is wanted now, from the middle of what carries (2,) [m].
+        later: when each room is, from now (n,) [s].
+        future: how much later [s] it will be wanted how much farther (2,) [m], in order; the last stays.
+    """
+    if not future:
+        wishes = {room: _wish(room, lean) for room in dict.fromkeys(rooms)}
+        return np.array([wishes[room] for room in rooms])
+    at, way = np.array([0.0, *(time for time, _ in future)]), np.vstack([np.zeros(2), *(way for _, way in future)])
+    shift = np.column_stack([np.interp(later, at, column) for column in way.T])
+    return np.array([_wish(room, lean + more) for room, more in zip(rooms, shift, strict=True)])
+
+
+def _wish(room: Room, lean: Array) -> Array:
+    return room.middle if room.is_single else room.restful.nearest_point(room.centre + lean)

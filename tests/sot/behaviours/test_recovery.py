@@ -4,6 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from sot.behaviours.capture import Capture
 from sot.behaviours.planned_swing import EarlyLanding
 from sot.behaviours.recovery import HOMEWARD_LENGTH, RecoverySchedule
 from sot.control.contact import Contact
@@ -156,6 +157,15 @@ def swinging(robot, motion, velocity, shift, times) -> tuple[Stack, RecoverySche
 
 
 UP_TO = np.arange(FIRST - 0.1, FIRST + 0.3, PERIOD)
+
+
+@pytest.mark.parametrize("off", [(0.0, 0.08), (0.1, 0.08), (0.7, 0.0)])
+def test_a_place_that_the_plan_has_chosen_is_in_reach(robot, motion, off):
+    left, right = robot.feet
+    tick, capture = moving(robot, standing(robot), (0.0, 0.0)), Capture(robot, motion)
+    planned = tick.frame(right).position[:2] + off
+    assert np.linalg.norm(capture.reachable_place(tick, planned, right, left) - planned) > 0.01
+    np.testing.assert_allclose(capture.reachable_place(tick, planned, right, left, planned), planned, atol=1e-9)
 
 
 def test_a_planned_swing_is_as_planned_without_a_disturbance(robot):

@@ -4,11 +4,14 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from sot.gravity import GRAVITY
 from sot.live.governor import JERK_TIME, Governor
 from sot.live.led_legs import LedLegs
+from sot.live.state import pinocchio_state
 from sot.motion.body.coordinates import from_configuration, to_configuration
 from sot.motion.body.limits import Limits
 from sot.motion.feet.contacts import planted_phases
+from sot.polygon import Polygon
 from sot.robots.robot import Robot
 
 PERIOD = 0.01
@@ -89,3 +92,30 @@ def test_the_centre_of_mass_goes_along_its_plan_whatever_the_trunk_does(made):
         plan = np.stack([place, plan[1] + 0.5 * T * (plan[2] + curve), curve])
         assert np.abs(com_of(robot, to_configuration(governor.y[None])[0]) - plan[0]).max() < 1e-3
     assert plan[0][0] - stays(robot)[0][0] > 0.02
+
+
+def zmp_of(robot, governor):
+    """The zero-moment point (2,) of what a governor has its robot do now, the centre of mass at rest."""
+    q, v, a = pinocchio_state(governor.y, governor.dy, governor.ddy)
+    data = robot.model.createData()
+    pin.computeCentroidalMomentumTimeVariation(robot.model, data, q, v, a)
+    turn = data.dhg.angular
+    return data.com[0][:2] - np.array([turn[1], -turn[0]]) / (robot.mass * GRAVITY)
+
+
+@pytest.mark.parametrize("angle", [3, 4])
+def test_a_pelvis_gives_way_where_its_turn_would_take_the_zero_moment_point_out_of_its_room(made, angle):
+    robot, start, rest = made
+    plan, beyond = stays(robot), {}
+    edges = np.vstack([np.eye(2), -np.eye(2)])
+    room = Polygon(edges, edges @ plan[0] + 0.01)
+    for given in (None, room):
+        governor, target, out = start(), rest.copy(), []
+        for k in range(100):
+            target[angle] = rest[angle] + 0.1 * (k < 50)
+            governor.step(target, np.zeros(robot.nv), plan, given)
+            out.append(-room.margin(zmp_of(robot, governor)))
+        beyond[given is not None] = max(out)
+        assert np.abs(governor.y[3:6] - target[3:6]).max() < 0.01, "it gets there all the same"
+    assert beyond[False] > 0.01, "else nothing was to be given way for"
+    assert beyond[True] < 0.7 * beyond[False]

@@ -89,6 +89,23 @@ def test_a_foothold_that_changes_while_the_foot_is_in_the_air_is_followed(robot)
     assert footing.stands["left_foot"].x == pytest.approx(0.05, abs=0.01)
 
 
+def test_a_decided_step_goes_elsewhere_only_as_far_as_balance_leads_through_it(robot, monkeypatch):
+    footing, step = SteppingFooting(robot), asked("left_foot", 1.0, 0.0)
+    step.has_landed = False
+    footing.asked.append(step)
+    play(footing, 0.7)
+    (decided,) = footing._steps
+    solved = footing._solved
+
+    def solved_near(t, steps, wanted, future):
+        return solved(t, steps, wanted, future)[0], 0.01 if any(one.place.x > 0.1 for one in steps) else 0.0
+
+    monkeypatch.setattr(footing, "_solved", solved_near)
+    step.place = Foothold(0.3, step.place.y, 0.0)
+    play(footing, 0.75, start=0.7)
+    assert footing._steps == [decided] and 0.05 < decided.place.x < 0.1
+
+
 def test_a_foot_is_led_elsewhere_no_faster_than_feet_may_go(robot):
     footing = SteppingFooting(robot)
     step = asked("left_foot", 1.0, 0.2)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sot.live.person import Moment
+from sot.live.steps.foot_sense import percentile
 from sot.live.steps.person_steps import PersonSteps
 from sot.smooth import minimum_jerk
 
@@ -93,3 +94,10 @@ def test_a_turn_on_the_spot_is_told_with_its_angle():
         steps(Moment(points, right.frames), k / RATE)
     (step,) = steps.asked
     assert step.foot == "left_foot" and step.place.heading == pytest.approx(0.8, abs=0.05)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 10, 40])
+def test_percentiles_are_numpys(count):
+    values = np.random.default_rng(count).normal(size=count).tolist()
+    for percent in (0.0, 10.0, 50.0, 100.0):
+        assert percentile(deque(values), percent) == pytest.approx(np.percentile(values, percent), abs=1e-12)
