@@ -33,7 +33,7 @@ def test_nothing_is_compiled_while_a_robot_walks_live(monkeypatch, tmp_path):
         return done
 
     monkeypatch.setattr("scenarios.live.session.run", counted_run)
-    capture = part_of(read(clips.find_clip("walk_turns")), 0.0, 3.0)
+    capture = part_of(read(clips.find_clip("walk_turns")), 0.0, 5.0)
     stream = PacedStream("udp", capture, 50.0, None)
     request = LiveRequest("walk_turns", rate=500.0, delay=0.5, feet="steps", keeps_time=False)
     try:
@@ -41,5 +41,5 @@ def test_nothing_is_compiled_while_a_robot_walks_live(monkeypatch, tmp_path):
     finally:
         stream.close()
     before, after = counts
-    assert report["steps"]["footfalls"] > 0
+    assert report["steps"]["made"], report["steps"]
     assert {name: count for name, count in after.items() if count != before.get(name)} == {}
