@@ -386,9 +386,7 @@ def reference_motion(request: Replay, robot: Robot, tell: ProgressCallback) -> t
         planned = _plan_of_clip(request, robot, tell)
         return planned.motion, planned
     if request.start or request.duration is not None:
-        raise InputError(
-            f"{request.clip}: a planned motion starts and ends at rest and is replayed whole; cut the clip"
-        )
+        raise InputError(f"{request.clip}: a planned motion, at rest at both ends, is replayed whole; cut the clip")
     return Motion.load(clips.find_clip(request.clip), robot), None
 
 

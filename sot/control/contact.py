@@ -130,11 +130,8 @@ class Contact:
         self._all_corners = corners - drawn_in  # from the surface's origin, in the axes of the forces
         self.heel_load = 1.0
         """Ramp on the normal forces behind the front edge, before it rolls: 1 bears whatever is needed, 0 nothing."""
-        self._rolling_path: PoseReference | None = None
-        self._rolls_since = -np.inf
-        self._edge = np.array([corners[:, 0].max(), 0.0, 0.0])
-        self._is_behind = ~front(corners)
-        self._use(self._all_corners)
+        self._edge, self._is_behind = np.array([corners[:, 0].max(), 0.0, 0.0]), ~front(corners)
+        self.roll(None)
         self._friction_given = friction
         self.friction = min(surface.friction, on.friction) if friction is None else friction
         self.stiffness, self.damping = stiffness, damping
@@ -172,7 +169,8 @@ class Contact:
         Its demand fades in: the path may have begun before. None lays it flat.
         """
         self._rolling_path, self._rolls_since, self.heel_load = path, t, 1.0
-        self._use(self._all_corners if path is None else self._all_corners[~self._is_behind])
+        self._corners = self._all_corners if path is None else self._all_corners[~self._is_behind]
+        self.vertices = self._in_point(self._corners)
 
     @property
     def is_rolling(self) -> bool:
@@ -185,16 +183,15 @@ class Contact:
         come nearer to it as they give up their load."""
         if self.heel_load >= 1.0 or self.is_rolling:
             return self.vertices
-        corners, placement = self._all_corners.copy(), self.surface.placement
-        behind, edge = self._is_behind, corners[:, 0].max()
+        corners, behind = self._all_corners.copy(), self._is_behind
+        edge = corners[:, 0].max()
         corners[behind, 0] = edge + self.heel_load * (corners[behind, 0] - edge)
-        return corners @ (placement.rotation @ INWARD).T + placement.translation
+        return self._in_point(corners)
 
-    def _use(self, corners: Array) -> None:
-        """Let the forces act at some corners."""
+    def _in_point(self, corners: Array) -> Array:
+        """Corners (n, 3) from the surface's origin, in the axes of the forces, in the frame of `point`."""
         placement = self.surface.placement
-        self._corners = corners
-        self.vertices = corners @ (placement.rotation @ INWARD).T + placement.translation
+        return corners @ (placement.rotation @ INWARD).T + placement.translation
 
     def move_to(self, on: Surface) -> None:
         """Let the first surface touch another one of the world from now on; the contact has to be off.
