@@ -27,7 +27,8 @@ SETTLING_TIME = 0.02  # s after another foot carries, in which the zero-moment p
 MAX_STANDING_TIME = 0.8  # √(leg / g), before the foot leaves the floor, in which its heel rises
 TOP_SHARE, FLAT_SHARE = 0.25, 0.85  # of a swing that are over when the heel is highest, and when the foot is flat again
 SPEED_SHARE = 0.8  # of the legs' speed limit, that a heel rises with
-ACCELERATION_SHARE = 0.9  # of the legs' acceleration limit
+ACCELERATION_SHARE = 0.9  # of the legs' acceleration limit, up
+SWING_ACCELERATION_SHARE = 0.7  # of it, down: the swing takes the rest
 LEAST_JERK_SPEED = 1.875  # greatest speed of a rise over its mean
 ANGLES_TRIED = 31
 MIN_PROFILE = 0.15  # share of a rise that is over: what is needed before comes too early
@@ -98,7 +99,7 @@ def heel_rises(
     """
     legs, unit = list(robot.groups["legs"]), float(np.sqrt(reach.leg_length / GRAVITY))
     speed = SPEED_SHARE * float(np.median(robot.velocity[legs]))
-    acceleration = ACCELERATION_SHARE * float(np.median(robot.acceleration[legs]))
+    acceleration = float(np.median(robot.acceleration[legs]))
     toes = {foot: Toes.of(robot, foot) for foot in stands}
     carries = dict.fromkeys(stands, -np.inf)  # since when, by foot
     found: list[HeelRise | None] = []
@@ -115,8 +116,9 @@ def heel_rises(
         side = 0.5 * reach.hip_width * (1.0 if step.foot == robot.feet[0] else -1.0)
         hip = hips[rows] + side * np.column_stack([-np.sin(heading[rows]), np.cos(heading[rows]), np.zeros(len(rows))])
         needed = _needed_angles(toes[step.foot], here, hip, MAX_EXTENSION * reach.leg_length)
-        time = rise.top - rise.start
-        most = min(MAX_ANGLE, speed * time / LEAST_JERK_SPEED, acceleration * time**2 / LEAST_JERK_PEAK)
+        up, down = rise.top - rise.start, rise.flat - rise.top
+        light = min(ACCELERATION_SHARE * up**2, SWING_ACCELERATION_SHARE * down**2) * acceleration / LEAST_JERK_PEAK
+        most = min(MAX_ANGLE, speed * up / LEAST_JERK_SPEED, light)
         angle = min(float((needed / rise.profile(times[rows])).max()), most)
         found.append(HeelRise(rise.start, rise.top, rise.flat, angle) if angle > MIN_ANGLE else None)
     return tuple(found)
