@@ -8,6 +8,8 @@ Array = np.ndarray
 
 SOFT_BRAKING_RANGE = 0.015
 """Part of a joint's range that braking gently takes when the joint is fast [rad]; plans leave it to the controller."""
+SPEED_LAG = 0.01
+"""Time constant of a joint's speed near its limit [s]."""
 RETURN_RATE = 10.0
 """Rate [1/s] at which a joint that starts outside its range returns into it."""
 
@@ -26,52 +28,59 @@ class AccelerationBounds:
     had given way. With `soft`, a speed below ``w = √(2 brake soft)`` is braked in proportion to itself, at
     ``brake v / w``, and dies out; what is too fast comes back as gradually, within ``w / brake``.
 
+    A speed limit that is met with some acceleration stops it within one period, and torques step. With `speed_lag` the
+    speed comes near to its limit in proportion to what is left, within about that time.
+
     Args:
         lower, upper: Range, shapes (n,).
         velocity: Velocity limits, symmetric, shape (n,).
         brake: Deceleration that is relied upon to stop before the end of the range, shape (n,).
         hard: Acceleration limits, symmetric, not below `brake`, shape (n,).
         soft: Part of the range that braking in proportion takes, in the unit of the range.
+        speed_lag: Time constant of a speed near its limit [s].
 
     Attributes:
         outside: How far the last positions were outside the range, shape (n,).
     """
 
     def __init__(
-        self, lower: Array, upper: Array, velocity: Array, brake: Array, hard: Array, soft: float = 0.0
+        self,
+        lower: Array,
+        upper: Array,
+        velocity: Array,
+        brake: Array,
+        hard: Array,
+        soft: float = 0.0,
+        speed_lag: float = 0.0,
     ) -> None:
-        self._soft = soft
+        self._soft, self._speed_lag = soft, speed_lag
         self._limits = np.array([lower, upper, velocity, brake, hard])
         self.outside = np.zeros(len(lower))
 
     def __call__(self, q: Array, v: Array, period: float) -> tuple[Array, Array]:
         """Smallest and largest acceleration of joints at q, moving with v, for a period [s]; shapes (n,)."""
-        low, high, self.outside = _viable_accelerations(q, v, period, self._limits, self._soft)
+        low, high, self.outside = _viable_accelerations(q, v, period, self._limits, self._soft, self._speed_lag)
         return low, high
 
 
 @compiled
-def _viable_accelerations(q: Array, v: Array, period: float, limits: Array, soft: float) -> Array:
+def _viable_accelerations(q: Array, v: Array, period: float, limits: Array, soft: float, speed_lag: float) -> Array:
     """Smallest and largest viable accelerations, and how far outside their ranges the joints are, (3, n)."""
     lower, upper, velocity, brake, hard = limits
     out = np.empty((3, len(q)))
+    lag = max(period, speed_lag)
     for k in range(len(q)):
-        high = min(
-            max(max_viable_acceleration(upper[k] - q[k], v[k], period, velocity[k], brake[k], soft), -hard[k]), hard[k]
-        )
-        low = -min(
-            max(max_viable_acceleration(q[k] - lower[k], -v[k], period, velocity[k], brake[k], soft), -hard[k]),
-            hard[k],
-        )
+        high = max_viable_acceleration(upper[k] - q[k], v[k], period, brake[k], soft)
+        low = -max_viable_acceleration(q[k] - lower[k], -v[k], period, brake[k], soft)
+        high, low = min(high, (velocity[k] - v[k]) / lag), max(low, -(velocity[k] + v[k]) / lag)
+        high, low = min(max(high, -hard[k]), hard[k]), min(max(low, -hard[k]), hard[k])
         out[0, k], out[1, k] = min(low, high), high
         out[2, k] = max(q[k] - upper[k], 0.0) - max(lower[k] - q[k], 0.0)
     return out
 
 
 @compiled
-def max_viable_acceleration(
-    distance: float, v: float, period: float, velocity: float, brake: float, soft: float
-) -> float:
+def max_viable_acceleration(distance: float, v: float, period: float, brake: float, soft: float) -> float:
     """Largest acceleration towards an end of the range that is a distance away, moving towards it with v."""
     # With w = v + a T: w² + brake T w = 2 brake (distance − (v + w) T / 2), the larger root. The second term is what
     # braking for whole periods takes beyond w² = 2 brake distance; without it the last of them is a kick.
@@ -91,4 +100,4 @@ def max_viable_acceleration(
     most = along + (most - along) * period / max(period, lag)
     if distance < 0.0:
         most = max(most, -brake)
-    return min(most, (velocity - v) / period)
+    return float(most)

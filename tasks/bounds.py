@@ -4,7 +4,7 @@ import numpy as np
 
 from solvers.compiled import compiled
 from solvers.rows import Rows
-from sot.acceleration_bounds import SOFT_BRAKING_RANGE, AccelerationBounds
+from sot.acceleration_bounds import SOFT_BRAKING_RANGE, SPEED_LAG, AccelerationBounds
 from sot.control.task import Task
 from sot.control.tick import Tick
 from sot.robots.robot import Robot
@@ -93,6 +93,7 @@ class JointBounds(Task):
             robot.acceleration,
             robot.acceleration_hard,
             SOFT_BRAKING_RANGE,
+            SPEED_LAG,
         )
         self._A = np.hstack([np.zeros((robot.na, 6)), np.eye(robot.na)])
         self.selects = slice(6, robot.nv)

@@ -218,7 +218,7 @@ def _write_lower_bounds(
         brake, left = min(RELIED_DECELERATION, achievable), 2.0 * gap - period * speed
         if speed > 0.0 and left > 0.0:
             brake = min(max(RELIED_DECELERATION, speed**2 / left), achievable)
-        wanted = -max_viable_acceleration(gap, speed, period, np.inf, brake, soft[pairs[n]]) - drifts[n]
+        wanted = -max_viable_acceleration(gap, speed, period, brake, soft[pairs[n]]) - drifts[n]
         lower[n], missing[n] = min(wanted, achievable), max(-gap, 0.0)
     return missing
 

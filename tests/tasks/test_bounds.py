@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sot.acceleration_bounds import SOFT_BRAKING_RANGE, AccelerationBounds
+from sot.acceleration_bounds import SOFT_BRAKING_RANGE, SPEED_LAG, AccelerationBounds
 from sot.control.tick import Tick
 from sot.robots.robot import Robot, shipped_robot_names
 from tasks.bounds import JointBounds, TorqueBounds, TorqueRateBounds
@@ -147,7 +147,7 @@ def test_joint_bounds_are_rows_on_the_joint_accelerations(name):
     rows = task.rows(tick)
     np.testing.assert_array_equal(rows.A @ np.arange(robot.nv), np.arange(6, robot.nv))
     limits = robot.lower + 0.01, robot.upper - 0.01, 0.9 * robot.velocity, robot.acceleration, robot.acceleration_hard
-    low, high = AccelerationBounds(*limits, SOFT_BRAKING_RANGE)(q[7:], v[6:], 0.002)
+    low, high = AccelerationBounds(*limits, SOFT_BRAKING_RANGE, SPEED_LAG)(q[7:], v[6:], 0.002)
     np.testing.assert_array_equal(rows.lower, low)
     np.testing.assert_array_equal(rows.upper, high)
     assert not task.equality and task.variable == "acceleration" and task.gives_way == 1
@@ -193,3 +193,17 @@ def test_torque_rates_have_no_bounds_where_there_was_no_last_tick():
         tick.torque = torque
         rows = task.rows(tick)
         assert np.isinf(rows.lower).all() == np.isinf(rows.upper).all() == (torque is None)
+
+
+def test_a_speed_limit_is_met_gradually():
+    """Driven as hard as it may be, a joint gets to its speed limit without a step of its acceleration, and not beyond."""
+    period, lag, hard, velocity = 0.001, 0.01, 40.0, 3.0
+    limits = (np.array([value]) for value in (-100.0, 100.0, velocity, hard, hard))
+    bounds, v, before = AccelerationBounds(*limits, speed_lag=lag), 0.0, hard
+    for _ in range(200):
+        _, (high,) = bounds(np.zeros(1), np.array([v]), period)
+        assert before - high <= 1.01 * hard * period / lag
+        v, before = v + period * high, high
+    assert velocity - 1e-3 < v <= velocity
+    _, (high,) = bounds(np.zeros(1), np.array([velocity + 0.1]), period)
+    assert high == pytest.approx(-0.1 / lag)
