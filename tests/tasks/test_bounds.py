@@ -196,7 +196,7 @@ def test_torque_rates_have_no_bounds_where_there_was_no_last_tick():
 
 
 def test_a_speed_limit_is_met_gradually():
-    """Driven as hard as it may be, a joint gets to its speed limit without a step of its acceleration, and not beyond."""
+    """Driven as hard as it may be, a joint gets to its speed limit without a step of its acceleration."""
     period, lag, hard, velocity = 0.001, 0.01, 40.0, 3.0
     limits = (np.array([value]) for value in (-100.0, 100.0, velocity, hard, hard))
     bounds, v, before = AccelerationBounds(*limits, speed_lag=lag), 0.0, hard
