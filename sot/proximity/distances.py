@@ -8,6 +8,7 @@ import pinocchio as pin
 from sot.proximity.cores import Cores, measure_cores
 from sot.proximity.corners import Corners, corner_motion, second_corners
 from sot.proximity.movement import (
+    MAX_SLIDE_SPEED,
     core_distance_motion,
     distance_drifts,
     distance_jacobian,
@@ -131,11 +132,14 @@ class Proximity:
         now = self._now
         return distance_jacobian(now.normals, now.points, self._J, v, self._relative_motion, pairs)
 
-    def drifts(self, pairs: Array, rates: Array, v: Array, period: float) -> Array:
+    def drifts(
+        self, pairs: Array, rates: Array, v: Array, period: float, max_slide_speed: float = MAX_SLIDE_SPEED
+    ) -> Array:
         """J̇ v of the distances of pairs (n,) that change at these rates (n,): shape (n,) [m/s²].
 
         They are how the rates change within a period [s] without acceleration, and measured, since they depend on how
-        the shapes are curved.
+        the shapes are curved. A nearest point that slides on its shape faster than `max_slide_speed` [m/s] has jumped
+        to another corner: then they are those of the point that is the nearest now.
         """
         now, ahead, (_, starts, counts) = self._now, self._ahead, self._tree
         twists = move_pairs(
@@ -146,7 +150,7 @@ class Proximity:
         return distance_drifts(
             *(self._indices, pairs, twists, rates, period),
             *(now.rotations, now.translations, now.distances, now.normals, now.points),
-            *(ahead.rotations, ahead.translations, ahead.normals, ahead.points),
+            *(ahead.rotations, ahead.translations, ahead.normals, ahead.points, max_slide_speed),
         )
 
     def motion(self, pairs: Array, v: Array, period: float) -> DistanceMotion:

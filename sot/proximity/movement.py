@@ -202,6 +202,7 @@ def distance_drifts(
     to_translations: Array,
     to_normals: Array,
     to_points: Array,
+    max_slide_speed: float,
 ) -> Array:
     """J̇ v of the distances of some of the pairs (n,), by how their rates (n,) change within a period.
 
@@ -217,6 +218,7 @@ def distance_drifts(
         rotations, translations, distances, normals, points: Places of the shapes now, and of all pairs distances,
             normals and nearest points of the second shapes.
         to_rotations, to_translations, to_normals, to_points: The same after the period.
+        max_slide_speed: At which a nearest point may slide along its shape; a faster one has jumped [m/s].
     """
     drifts, carried, here = np.empty(len(pairs)), np.empty((2, 3)), np.empty(3)
     for n in range(len(pairs)):
@@ -229,7 +231,7 @@ def distance_drifts(
             )
         x, y, z = to_points[pair]
         slide = np.sqrt((x - carried[1, 0]) ** 2 + (y - carried[1, 1]) ** 2 + (z - carried[1, 2]) ** 2)
-        if slide > MAX_SLIDE_SPEED * period:
+        if slide > max_slide_speed * period:
             ahead = speed_along(normals[pair], twists[n, 1], carried[1])
             ahead -= speed_along(normals[pair], twists[n, 0], carried[0])
         else:
@@ -301,7 +303,7 @@ def core_distance_motion(
     drifts = distance_drifts(
         *(indices, pairs, twists, rates, period),
         *(rotations, translations, distances, normals, points),
-        *(to_rotations, to_translations, to_normals, to_points),
+        *(to_rotations, to_translations, to_normals, to_points, MAX_SLIDE_SPEED),
     )
     return told, distances[pairs], rates, jacobian, drifts
 

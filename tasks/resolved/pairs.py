@@ -86,7 +86,8 @@ class NearestPairs:
         for number, proximity in enumerate(self._proximities):
             curved = nearest[(owners[nearest] == number) & (values[nearest] < CURVED_DISTANCE)]
             if len(curved):
-                drifts[curved] = proximity.drifts(pairs[curved], rates[curved], tick.v, tick.period)
+                # Weights see one distance a pair: that it jumps to another corner is to brake, too.
+                drifts[curved] = proximity.drifts(pairs[curved], rates[curved], tick.v, tick.period, np.inf)
         return Distances([names[k] for k in nearest.tolist()], values[nearest], jacobian[nearest], drifts[nearest])
 
 
