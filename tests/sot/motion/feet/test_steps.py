@@ -36,6 +36,7 @@ from sot.motion.feet.tempo import (
 from sot.motion.feet.travel import KEPT_TIME_SHARE, travel_at_clock, with_time_kept
 from sot.robots.leg_range import DIRECTION_COUNT, HIP_HEIGHTS_LEGS, RANGE_MARGIN, flat_foot_distances
 from sot.robots.robot import Robot
+from sot.robots.soles import front
 from tests.sot.motion.human.humans import dancer, walker
 from tests.sot.robots.thick_legs import with_thick_legs
 
@@ -53,14 +54,19 @@ def walk(robot):
 
 
 def assert_can_be_stepped(motion):
-    """Feet still and flat where they stand, clear of the floor and of each other between; the ZMP where feet carry."""
+    """Feet still where they stand, flat but for heels that rise; clear of the floor between; the ZMP where feet carry."""
     robot = motion.robot
     index = phase_indices(motion.phases, motion.times)
     for foot in robot.feet:
         track = motion.track(foot)
         for number, phase in enumerate(motion.phases):
             rows = index == number
-            if foot in phase.feet:
+            if foot in phase.rising:
+                toes = robot.sole(foot)[front(robot.sole(foot))]
+                places = track.position[rows, None] + np.einsum("tij,cj->tci", track.rotation[rows], toes)
+                planned = np.array([phase.feet[foot].act(toe) for toe in toes])
+                assert np.linalg.norm(places - planned, axis=2).max() < 3e-3
+            elif foot in phase.feet:
                 assert np.linalg.norm(track.position[rows] - phase.feet[foot].translation, axis=1).max() < 3e-3
                 assert np.abs(track.rotation[rows] - phase.feet[foot].rotation).max() < 5e-3
             else:
