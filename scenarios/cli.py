@@ -172,6 +172,7 @@ def run_command(
     rise: stairs_cli.Rise = None,
     depth: stairs_cli.Depth = None,
     treads: stairs_cli.Treads = None,
+    slope: stairs_cli.Slope = None,
     out: Annotated[Path | None, typer.Option(help="Folder for what it writes; runs/NAME by default.")] = None,
 ) -> int:
     """Run a scenario; record it and report on it."""
@@ -179,7 +180,7 @@ def run_command(
     handling = options.handling_options(scenario, study, mass, *told)
     pendulum = case, damping_ratio, form, identified, seeds
     swaying = damping_cli.damping_options(scenario, study, *pendulum)
-    climbing = stairs_cli.stairs_options(scenario, rise, depth, treads, seed)
+    climbing = stairs_cli.stairs_options(scenario, rise, depth, treads, slope, seed)
     benched = bench_cli.bench_options(scenario, study, seed)
     if seed is not None and handling is None and climbing is None and benched is None:
         known = f"{options.NAME}, {stairs_cli.NAME} and {bench_cli.NAME}"

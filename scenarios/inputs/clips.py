@@ -99,6 +99,7 @@ _CLIPS = (
             ("walk_stops", "with stops, backwards and sideways", 25.5),
             ("walk_stairs", "up four treads and down again, both feet on each of them", 16.6),
             ("walk_stairs_over", "up four treads and down again, one foot on each of them", 10.64),
+            ("walk_ramp", "up a ramp of 8 degrees, on the level above it, and down", 12.0),
         )
     ),
     Clip(

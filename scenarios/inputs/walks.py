@@ -1,4 +1,5 @@
-"""Clips of ours that walk: ahead, around corners, turning on the spot, stopping, backwards, sideways, and over stairs.
+"""Clips of ours that walk: ahead, around corners, turning on the spot, stopping, backwards, sideways, over stairs
+and over a ramp.
 
 `python -m scenarios.inputs.walks NAME FILE` writes one of them, by a name of `WALKS`.
 
@@ -40,19 +41,21 @@ STAIR_SWING_S = 0.7  # time of a step from tread to tread
 TREAD_RISE_M, TREAD_DEPTH_M = 0.16, 0.30  # m, of stairs
 RISE_SHARE = 0.6  # of a step's time, in which the foot gets up to the next tread or, at its end, down to it
 STAIR_HIP_DROP = 0.5  # of the height between both feet, by which the hips are lower than over the mean of them
+RAMP_DEG, RAMP_STRIDE_M, RAMP_STEPS = 8.0, 0.30, 5  # of a ramp, and of who walks up and down it
 ARM_SWING_PER_M = 0.9  # rad per m that the other foot is ahead of the hips
 OTHER = {"Left": "Right", "Right": "Left"}
 
 
 @dataclass
 class _Swing:
-    """A foot's way to where it stands next: x, z [m], heading [rad], and the height of what it stands on there [m]."""
+    """A foot's way to where it stands next: x, z [m], heading [rad], height [m] and slope [rad] of what is there."""
 
     side: str
     lift: float
     goal: Array
     height: float
     level: float
+    slope: float
     time: float
 
 
@@ -65,6 +68,7 @@ class _Walk:
     side: str = "Left"
     t: float = REST_S
     level: float = 0.0
+    slope: float = 0.0
     swing_time: float = SWING_S
     swings: list[_Swing] = field(default_factory=list)
 
@@ -79,7 +83,7 @@ class _Walk:
         """The foot whose turn it is comes down beside the walk's place."""
         goal = self.place + SIDES[self.side] * ANKLE_FROM_MIDDLE_M * _axes(self.heading)[1]
         end = np.append(goal, self.heading)
-        self.swings.append(_Swing(self.side, self.t, end, height, self.level, self.swing_time))
+        self.swings.append(_Swing(self.side, self.t, end, height, self.level, self.slope, self.swing_time))
         self.side = OTHER[self.side]
         self.t += self.swing_time + BETWEEN_S
 
@@ -153,11 +157,27 @@ def _stairs(steps_on_tread: int) -> str:
     return _text(walk)
 
 
+def walk_ramp() -> str:
+    """Up a ramp, two steps on the level above it, and down another one."""
+    walk = _Walk()
+    walk.step(RAMP_STRIDE_M)
+    for degrees, steps in ((RAMP_DEG, RAMP_STEPS), (0.0, 2), (-RAMP_DEG, RAMP_STEPS)):
+        walk.slope = np.radians(degrees)
+        for _ in range(steps):
+            walk.level += RAMP_STRIDE_M * np.tan(walk.slope)
+            walk.step(RAMP_STRIDE_M)
+    walk.slope, walk.level = 0.0, 0.0
+    walk.step(RAMP_STRIDE_M)
+    walk.stop(REST_S)
+    return _text(walk)
+
+
 WALKS: dict[str, Callable[[], str]] = {
     "walk_turns": walk_turns,
     "walk_stops": walk_stops,
     "walk_stairs": walk_stairs,
     "walk_stairs_over": walk_stairs_over,
+    "walk_ramp": walk_ramp,
 }
 
 
@@ -203,7 +223,7 @@ def _foot_way(walk: _Walk, side: str, t: Array) -> Array:
     """x, z [m], heading [rad], height over standing [m], how far the toes point down [rad], and height of what it is
     on [m] of a foot, (T, 6)."""
     at = np.append(SIDES[side] * ANKLE_FROM_MIDDLE_M * _axes(0.0)[1], 0.0)
-    way, level = np.tile(np.append(at, [0.0, 0.0, 0.0]), (len(t), 1)), 0.0
+    way, level, slope = np.tile(np.append(at, [0.0, 0.0, 0.0]), (len(t), 1)), 0.0, 0.0
     for swing in walk.swings:
         if swing.side == side:
             share = np.clip((t - swing.lift) / swing.time, 0.0, 1.0)
@@ -212,7 +232,8 @@ def _foot_way(walk: _Walk, side: str, t: Array) -> Array:
             way[:, 4] += np.radians(TOES_DOWN_DEG) * np.sin(2.0 * np.pi * share) * 4.0 * share * (1.0 - share)
             begin = 0.0 if swing.level > level else 1.0 - RISE_SHARE
             way[:, 5] += (swing.level - level) * minimum_jerk(np.clip((share - begin) / RISE_SHARE, 0.0, 1.0))
-            at, level = swing.goal, swing.level
+            way[:, 4] -= (swing.slope - slope) * minimum_jerk(share)
+            at, level, slope = swing.goal, swing.level, swing.slope
     return way
 
 

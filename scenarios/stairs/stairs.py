@@ -1,10 +1,11 @@
-"""Stairs up, and down on the other side: both feet on each tread, the soles wholly on it."""
+"""Stairs or a ramp up, and down on the other side: both feet on each tread, the soles wholly on it."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
+import pinocchio as pin
 from rich.console import Console
 
 from scenarios.inputs.dancer import requested_human
@@ -47,29 +48,36 @@ class Stairs:
     """What is climbed.
 
     Attributes:
-        rise: From tread to tread [m].
+        rise: From tread to tread, at the edge between them [m].
         depth: Of a tread [m].
-        treads: Number of treads up to the highest one; one less lead down.
+        treads: Number of treads up to the highest one, which is level; one less lead down.
+        slope: Of the others, up toward the highest one [rad].
         seed: Of the noise of the treads' heights, which the controller is not told; none without.
     """
 
     rise: float = 0.1
     depth: float = 0.3
     treads: int = 4
+    slope: float = 0.0
     seed: int | None = None
 
     takes_clip: ClassVar[bool] = True
 
     def things(self, robot: Robot, noise: Array | None = None) -> list[Thing]:
         """The treads as blocks on the floor, in order; `noise` is added to their heights (n,) [m]."""
-        levels = [*range(1, self.treads + 1), *range(self.treads - 1, 0, -1)]
+        climb = self.depth * np.tan(self.slope)
+        up = [k * self.rise + (k - 0.5) * climb for k in range(1, self.treads)]
+        heights = np.array([*up, self.treads * self.rise + (self.treads - 1) * climb, *reversed(up)])
+        heights += 0.0 if noise is None else noise
         leg, feet = leg_length(robot), planted_phases(robot, 0.0)[0].feet
         toes = max(float(place.act(corner)[0]) for foot, place in feet.items() for corner in robot.sole(foot))
         start = toes + TOE_GAP_LEGS * leg
         found = []
-        for k, level in enumerate(levels):
-            height = level * self.rise + (0.0 if noise is None else float(noise[k]))
-            size, place = (self.depth, WIDTH_LEGS * leg, height), (start + (k + 0.5) * self.depth, 0.0, 0.0)
+        for k, height in enumerate(heights.tolist()):
+            turn = pin.utils.rotate("y", self.slope * np.sign(k + 1 - self.treads))
+            top = np.array([start + (k + 0.5) * self.depth, 0.0, height])
+            size = self.depth / turn[0, 0], WIDTH_LEGS * leg, height + climb
+            place = pin.SE3(turn, top - size[2] * turn[:, 2])
             found.append(Thing.load("block", placement=place, size=size, name=f"tread_{k + 1}"))
         return found
 

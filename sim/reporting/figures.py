@@ -1,6 +1,6 @@
 """The figures of a run: how well the robot tracked, balanced, stood and kept its limits."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +10,7 @@ from sim.hardware.sole_frames import sole_frames
 from sim.log import FOOT_FIXED, FOOT_OFF, FOOT_ROLLING, RunInfo, RunLog, constant_stretches, nearest_frames
 from sim.support import planned_support
 from solvers.rows import Status
+from sot.motion.feet.contacts import Phase, phase_indices
 from sot.motion.feet.path import path_length
 from sot.motion.leg_likeness import foot_lift_ratio, knee_bend_deg
 from sot.motion.likeness import (
@@ -194,18 +195,21 @@ def zmp_margins(log: RunLog, motion: Motion) -> np.ndarray:
     return margins
 
 
-def contacts(log: RunLog, robot: Robot) -> Figures:
+def contacts(log: RunLog, motion: Motion) -> Figures:
     """Switches of contact modes, the largest change of a torque from one tick to the next around them [N m], and how
-    far feet that should stand slipped or tilted."""
+    far feet that should stand slipped, or were tilted from what they stood on."""
+    robot, phases = motion.robot, phase_indices(motion.phases, log.time)
     positions, rotations = sole_frames(robot, log.q, log.sole_deflection)
     slips, tilts = [0.0], [0.0]
-    for index in range(len(robot.feet)):
+    for index, foot in enumerate(robot.feet):
         mode, position = log.foot_mode[:, index], positions[index]
         for state, rows in constant_stretches(mode):
             if state == FOOT_FIXED:
                 slips.append(float(np.linalg.norm(position[rows, :2] - position[rows.start, :2], axis=1).max()))
-        upward = rotations[index][(mode != FOOT_OFF) & (mode != FOOT_ROLLING)][:, :, 2]
-        tilts.extend(np.arctan2(np.linalg.norm(upward[:, :2], axis=1), upward[:, 2]).tolist())
+        flat = (mode != FOOT_OFF) & (mode != FOOT_ROLLING)
+        upward, normals = rotations[index][flat][:, :, 2], _normals_under(foot, motion.phases)[:, phases[flat]]
+        across, along = np.linalg.norm(np.cross(normals, upward), axis=2), np.sum(normals * upward, axis=2)
+        tilts.extend(np.arctan2(across, along).min(axis=0).tolist())
     switches = np.diff(log.foot_mode, axis=0) != 0
     steps, around = np.abs(np.diff(log.torque, axis=0)), round(SWITCH_WINDOW_S / log.period) if log.ticks > 1 else 0
     return {
@@ -220,6 +224,18 @@ def contacts(log: RunLog, robot: Robot) -> Figures:
         "slip_max_m": max(slips),
         "sole_tilt_max_deg": float(np.rad2deg(max(tilts))),
     }
+
+
+def _normals_under(foot: str, phases: Sequence[Phase]) -> np.ndarray:
+    """Normals (2, P, 3) of what a foot stands on in each phase, or has left and comes to where it is in the air."""
+    found = np.empty((2, len(phases), 3))
+    for side, numbers in enumerate((range(len(phases)), reversed(range(len(phases))))):
+        normal = np.array([0.0, 0.0, 1.0])
+        for number in numbers:
+            if foot in phases[number].feet:
+                normal = phases[number].feet[foot].rotation[:, 2]
+            found[side, number] = normal
+    return found
 
 
 def limits(log: RunLog, robot: Robot) -> Figures:

@@ -152,7 +152,7 @@ def run_report(log: RunLog, info: RunInfo, wall_s: float, motion: Motion, plan: 
             *figures.saturation_remark(saturated),
         ],
         "zmp": figures.zmp(log, motion),
-        "contacts": figures.contacts(log, robot),
+        "contacts": figures.contacts(log, motion),
         "slide": worst_of_slides(slid),
         "slides": slid,
         "limits": figures.limits(log, robot) | {"saturated_joints": saturated},

@@ -1,16 +1,18 @@
-"""A climb over level treads, up and down, one step after the other with both feet on each tread."""
+"""A climb over treads, up and down, one step after the other with both feet on each tread."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from scipy.spatial.transform import Rotation
 
 from sot.errors import InputError
 from sot.gravity import GRAVITY
 from sot.motion.balance.feet_led import GroundHeight, feet_led
 from sot.motion.feet.climbing.edge_swing import CLEARANCE, edge_swing
 from sot.motion.feet.climbing.terrain import EDGE_MARGIN
+from sot.motion.feet.climbing.tread import check_tread
 from sot.motion.feet.contacts import Phase, planted_phases
 from sot.motion.feet.swing import FootPath
 from sot.motion.trajectory import Motion
@@ -27,17 +29,19 @@ WAITING_TIME = 4.8  # √(leg / g) on both feet at the start and at the end
 
 
 class _Swing(NamedTuple):
-    """A foot's way from one place of its frame to another, between two times [s]."""
+    """A foot's way from one place of its frame, and from what it stood on, to others, between two times [s]."""
 
     foot: str
     lift: float
     land: float
     here: pin.SE3
     there: pin.SE3
+    leaves: Surface
+    meets: Surface
 
 
 def climb(robot: Robot, treads: Sequence[Surface], rate: float = 1000.0) -> Motion:
-    """The motion of a robot that climbs straight ahead, along x, over level treads of the world, and ends at rest.
+    """The motion of a robot that climbs straight ahead, along x, over treads of the world, and ends at rest.
 
     The left foot goes ahead to the near end of each tread, and the right one comes after it to the far end, so that the
     way from tread to tread is as short as it can be.
@@ -48,24 +52,27 @@ def climb(robot: Robot, treads: Sequence[Surface], rate: float = 1000.0) -> Moti
         rate: samples per second of the motion [Hz].
 
     Raises:
-        InputError: there is no tread, one is not level or too short for a sole, or legs do not reach.
+        InputError: there is no tread, one is too steep or too short for a sole, or legs do not reach.
     """
     if not treads:
         raise InputError("a climb needs one tread or more")
     unit, margin = float(np.sqrt(leg_length(robot) / GRAVITY)), EDGE_MARGIN * leg_length(robot)
     first, second = robot.feet
-    stand = dict(planted_phases(robot, 0.0)[0].feet)
+    level = planted_phases(robot, 0.0)[0].feet
+    stand = dict(level)
     on = dict.fromkeys(robot.feet, FLOOR)
     now, phases = WAITING_TIME * unit, [Phase(0.0, WAITING_TIME * unit, dict(stand), surfaces=dict(on))]
     swings: list[_Swing] = []
     for tread in treads:
-        near, far, height = _places(robot, tread, stand[second], on[second], margin)
+        near, far = _near_and_far(robot, tread, stand[second], on[second], margin)
         for foot, x in ((first, near), (second, far)):
-            there = pin.SE3(stand[foot].rotation, np.array([x, stand[foot].translation[1], height]))
+            y = stand[foot].translation[1]
+            place = np.array([x, y, tread.height_at(np.array([x, y]))])
+            there = pin.SE3(pin.exp3(tread.tilt) @ level[foot].rotation, place)
             land = now + SWING_TIME * unit
             other = second if foot == first else first
             phases.append(Phase(now, land, {other: stand[other]}, surfaces={other: on[other]}))
-            swings.append(_Swing(foot, now, land, stand[foot], there))
+            swings.append(_Swing(foot, now, land, stand[foot], there, on[foot], tread))
             stand[foot], on[foot] = there, tread
             last = tread is treads[-1] and foot == second
             now = land + (WAITING_TIME if last else STANDING_TIME) * unit
@@ -75,20 +82,20 @@ def climb(robot: Robot, treads: Sequence[Surface], rate: float = 1000.0) -> Moti
     return feet_led(robot, phases, paths, KNOT_PERIOD, rate, _ground_height(swings), "these treads")
 
 
-def _places(robot: Robot, tread: Surface, stand: pin.SE3, on: Surface, margin: float) -> tuple[float, float, float]:
-    """Nearest and farthest x of the feet's frames on a tread, and its height [m]; `stand` on `on` is the foot before.
+def _near_and_far(robot: Robot, tread: Surface, stand: pin.SE3, on: Surface, margin: float) -> tuple[float, float]:
+    """Nearest and farthest x of the feet's frames on a tread [m]; `stand` on `on` is the foot before.
 
     Raises:
-        InputError: it is not level, moves, or is too short for a sole.
+        InputError: it is too steep, moves, or is too short for a sole.
     """
-    if tread.point is not None or tread.axes.rotation[2, 2] < 1.0 - 1e-6:
-        raise InputError(f"{tread.name} is no tread: it moves, or is not level")
-    soles = np.vstack([robot.sole(foot) @ stand.rotation.T for foot in robot.feet])
+    check_tread(tread)
+    flat = pin.exp3(tread.tilt) @ pin.exp3(on.tilt).T @ stand.rotation
+    soles = np.vstack([robot.sole(foot) @ flat.T for foot in robot.feet])
     heel, toe = -float(soles[:, 0].min()), float(soles[:, 0].max())
     corners = tread.corners_at_point
     if not len(corners):
         edge = float(on.corners_at_point[:, 0].max()) if len(on.corners) else float(stand.translation[0])
-        return edge + heel + margin, edge + heel + margin, float(tread.axes.translation[2])
+        return edge + heel + margin, edge + heel + margin
     near, far = float(corners[:, 0].min()) + heel + margin, float(corners[:, 0].max()) - toe - margin
     aside = float(np.abs(soles[:, 1]).max()) + float(abs(stand.translation[1]))
     if far < near or min(corners[:, 1].max(), -corners[:, 1].min()) < aside:
@@ -96,23 +103,26 @@ def _places(robot: Robot, tread: Surface, stand: pin.SE3, on: Surface, margin: f
             f"{tread.name} is too small for the soles of {robot.label}: they need {heel + toe + 2.0 * margin:.2f} m"
             f" along x and {aside:.2f} m to either side"
         )
-    return near, far, float(corners[0, 2])
+    return near, far
 
 
 def _paths(robot: Robot, swings: Sequence[_Swing], times: Array, clearance: float) -> dict[str, FootPath]:
     """Paths of the feet: up before the edge, ahead over it, and down behind it."""
     paths = {}
     for foot, start in planted_phases(robot, 0.0)[0].feet.items():
-        position = np.tile(start.translation, (len(times), 1))
-        for own, lift, land, here, there in swings:
+        position, tilt = np.tile(start.translation, (len(times), 1)), np.zeros((len(times), 3))
+        for own, lift, land, here, there, leaves, meets in swings:
             if own != foot:
                 continue
             share = (times - lift) / (land - lift)
-            ahead, height = edge_swing(share, here.translation[2], there.translation[2], clearance)
+            passed = max(float(one.corners_at_point[:, 2].max(initial=0.0)) for one in (leaves, meets))
+            ahead, height = edge_swing(share, here.translation[2], there.translation[2], clearance, passed)
             way = here.translation + ahead[:, None] * (there.translation - here.translation)
             way[:, 2] = height
             position[share > 0.0] = way[share > 0.0]
-        paths[foot] = FootPath(position, np.tile(start.rotation, (len(times), 1, 1)), *np.zeros((2, len(times))))
+            tilt += np.outer(minimum_jerk(share), meets.tilt - leaves.tilt)
+        rotation = Rotation.from_rotvec(tilt).as_matrix() @ start.rotation
+        paths[foot] = FootPath(position, rotation, *np.zeros((2, len(times))))
     return paths
 
 
@@ -121,8 +131,9 @@ def _ground_height(swings: Sequence[_Swing]) -> GroundHeight:
 
     def height(times: Array, places: Array) -> Array:
         found = np.zeros(len(times))
-        for _, lift, land, here, there in swings:
-            found += 0.5 * (there.translation[2] - here.translation[2]) * minimum_jerk((times - lift) / (land - lift))
+        for one in swings:
+            rise = one.there.translation[2] - one.here.translation[2]
+            found += 0.5 * rise * minimum_jerk((times - one.lift) / (one.land - one.lift))
         return found
 
     return height

@@ -157,7 +157,7 @@ def plan(
             judge what becomes of it.
         heels: whether heels of feet that are left behind may rise before they leave the floor: who plays the motion
             has to know of `Phase.rising`.
-        treads: level surfaces of the world above the floor, on which feet that step may step, too.
+        treads: surfaces of the world above the floor, level or sloping, on which feet that step may step, too.
 
     Raises:
         InputError: another kind of `feet`, contacts for planted ones, or a slide for others or in too short a clip; or

@@ -14,6 +14,8 @@ Array = np.ndarray
 
 FLATNESS_TOLERANCE = 1e-3
 """Distance [m] by which the corners of a surface may be off their plane."""
+LEVEL_TOLERANCE = 1e-6
+"""Tilt [rad] below which a surface is level."""
 PAD_THICKNESS = 0.01
 """Thickness of the box that is a surface's shape where its body has none there [m]."""
 INWARD = np.diag([1.0, -1.0, -1.0])
@@ -82,6 +84,16 @@ class Surface:
     def axes(self) -> SurfaceAxes:
         """Its placement as arrays, which are quicker to read."""
         return SurfaceAxes(self.placement.translation.copy(), np.ascontiguousarray(self.placement.rotation))
+
+    @cached_property
+    def tilt(self) -> Array:
+        """The least turn (3,) that lays what is level in the world flat against it, as a rotation vector [rad]."""
+        aside, up = self.axes.rotation[:2, 2], self.axes.rotation[2, 2]
+        sine = float(np.hypot(*aside))
+        if sine < LEVEL_TOLERANCE:
+            return np.zeros(3)
+        tilt: Array = np.arctan2(sine, up) / sine * np.array([-aside[1], aside[0], 0.0])
+        return tilt
 
     @property
     def owner(self) -> str:

@@ -176,6 +176,7 @@ def foot_paths(
     ankles = {foot: np.tile(_at(own[0]), (len(times), 1)) for foot, own in stands.items()}
     ground = {foot: np.full(len(times), own[0].height) for foot, own in stands.items()}
     free, pitch = ({foot: np.zeros(len(times)) for foot in stands} for _ in range(2))
+    tilt = {foot: np.tile(own[0].surface.tilt, (len(times), 1)) for foot, own in stands.items()}
     for step, rise in zip(steps, rises, strict=False):
         if rise is not None:
             pitch[step.foot] += rise.angles(times)
@@ -183,12 +184,16 @@ def foot_paths(
         foot, there, inside = swing.step.foot, swing.there, swing.knots(times)
         track = ankles[foot]
         track[times >= swing.step.land] = _at(there)
-        ground[foot] += (there.height - swing.here.height) * minimum_jerk(swing.share(times))
+        over = minimum_jerk(swing.share(times))
+        ground[foot] += (there.height - swing.here.height) * over
+        tilt[foot] += np.outer(over, there.surface.tilt - swing.here.surface.tilt)
         share = swing.share(times[inside])
         track[inside], free[foot][inside] = swing_track(swing, share, reach), _height_profile(share)
     paths = {}
     for foot, track in ankles.items():
         flat, toes = Rotation.from_euler("z", track[:, 3:]), np.array([Toes.of(robot, foot).ahead, 0.0, 0.0])
+        if tilt[foot].any():
+            flat = Rotation.from_rotvec(tilt[foot]) * flat
         turned = flat * Rotation.from_euler("y", pitch[foot][:, None])
         paths[foot] = FootPath(
             track[:, :3] + flat.apply(toes) + turned.apply(rest[foot].translation - toes),
@@ -276,5 +281,8 @@ def feet_at_rest(robot: Robot) -> dict[str, pin.SE3]:
 
 
 def foot_pose(stand: Foothold, rest: pin.SE3) -> pin.SE3:
-    """The pose of a foot's frame at a foothold; rest: its pose at rest, of `feet_at_rest`."""
-    return pin.SE3(pin.utils.rotate("z", stand.heading), np.array([stand.x, stand.y, stand.height])) * rest
+    """The pose of a foot's frame at a foothold, flat on its surface; rest: its pose at rest, of `feet_at_rest`."""
+    turn = pin.utils.rotate("z", stand.heading)
+    if stand.surface.tilt.any():
+        turn = pin.exp3(stand.surface.tilt) @ turn
+    return pin.SE3(turn, np.array([stand.x, stand.y, stand.height])) * rest

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sot.motion.feet.climbing.edge_swing import CLEARANCE, edge_swing_length
-from sot.motion.feet.climbing.terrain import MissingRise, Terrain
+from sot.motion.feet.climbing.terrain import MIN_RISE_LEGS, MissingRise, Terrain
 from sot.motion.feet.footholds import MIN_PATH_SCALE, LegReach, reachable_footholds, reachable_headings
 from sot.motion.feet.footwork import Foothold, FootTrack, Step, find_steps, foot_track, footholds, stance_frames
 from sot.motion.feet.path import ScalablePath, path_length
@@ -96,7 +96,7 @@ def plan_travel(
     human = human.scaled(ratio)
     feet = _foot_tracks(human)
     dancer = find_steps(feet, human.rate, human.leg) if contacts is None else _steps_in_motion_time(contacts)
-    asked = _asked_steps(feet, dancer, human, reach, contacts is not None, keep_lifts)
+    asked = _asked_steps(feet, dancer, human, reach, contacts is not None, keep_lifts, terrain is not None)
     pace = step_tempo(asked, human.times, 1.0 if as_danced else MAX_SLOWNESS)
     human = _human_over_start(human, footholds(feet, dancer, human.rate), build)
     path = path_length(human.points["waist"][:, :2], human.rate)
@@ -252,15 +252,25 @@ def _steps_in_motion_time(contacts: Sequence[Step]) -> tuple[Step, ...]:
 
 
 def _asked_steps(
-    feet: Mapping[str, FootTrack], found: Sequence[Step], human: Human, reach: LegReach, given: bool, keep_lifts: bool
+    feet: Mapping[str, FootTrack],
+    found: Sequence[Step],
+    human: Human,
+    reach: LegReach,
+    given: bool,
+    keep_lifts: bool,
+    on_terrain: bool,
 ) -> list[AskedStep]:
-    """The dancer's steps with what each asks of the robot; none may be left out if they were given."""
+    """The dancer's steps with what each asks of the robot; none may be left out if they were given.
+
+    on_terrain: whether the robot steps up and down where the dancer does.
+    """
     own, now, moves = footholds(feet, found, human.rate), dict.fromkeys(feet, 0), []
     for step in found:
         here, there = own[step.foot][now[step.foot] : now[step.foot] + 2]
         now[step.foot] += 1
         moved, turned = float(np.hypot(there.x - here.x, there.y - here.y)), abs(there.heading - here.heading)
-        lift, rise = _lift_height(feet[step.foot], step, human.rate), _rise(human, step)
+        lift = _lift_height(feet[step.foot], step, human.rate)
+        rise = _rise(human, step) if on_terrain else 0.0
         way = min(moved, reach.max_stride)
         if rise:
             way = edge_swing_length(way, rise, CLEARANCE * reach.leg_length)
@@ -273,7 +283,7 @@ def _asked_steps(
             and moved < OMISSIBLE_LENGTH_LEGS * human.leg
             and turned < OMISSIBLE_TURN
             and lift < OMISSIBLE_LIFT_LEGS * human.leg
-            and not rise
+            and abs(rise) < MIN_RISE_LEGS * human.leg
         )
         moves.append(AskedStep(step, moved, least, small, high=lift > HIGH_LIFT_LEGS * human.leg))
     if not keep_lifts:

@@ -19,6 +19,7 @@ Flags = NDArray[np.bool_]
 HAND_HEIGHT = 0.16  # leg lengths above the floor: a wrist is below while its hand is on it
 KNEE_HEIGHT = 0.15  # the same of a knee
 OFF_FLOOR_HEIGHT = 0.08  # leg lengths: the lower foot of who is off the floor is higher
+MIN_STANCE_HEIGHT = 0.03  # leg lengths, above the floor, of a foot on its way up or down: less is on it
 FLOOR_PERCENTILE = 10.0  # of an ankle's height: that of a standing one
 STILL_SPEED = 0.2  # leg lengths/s, of a foot that stands on something
 MIN_STANCE_DURATION = 0.5  # times √(leg / g): a foot that is still for less stands on nothing
@@ -89,7 +90,7 @@ def leg_stood_on(human: Human) -> str:
 def over_level_ground(human: Human, climbs: Sequence[OffFloor]) -> Human:
     """The human who climbs, each foot lowered by the height of what it stands on, and the body by the mean of both.
 
-    `ground` keeps these heights. From one stance of a foot to the next they change with least jerk.
+    `ground` has these heights added. From one stance of a foot to the next they change with least jerk.
 
     Args:
         human: the clip.
@@ -104,7 +105,8 @@ def over_level_ground(human: Human, climbs: Sequence[OffFloor]) -> Human:
         if joint == "knee":
             under = 0.5 * (levels[side] + body)
         points[name] = place - np.outer(under, [0.0, 0.0, 1.0])
-    return replace(human, points=points, ground={f"{side}_foot": level for side, level in levels.items()})
+    ground = {f"{side}_foot": human.ground.get(f"{side}_foot", 0.0) + level for side, level in levels.items()}
+    return replace(human, points=points, ground=ground)
 
 
 def _levels(human: Human, climbs: Sequence[OffFloor]) -> list[Array]:
@@ -114,18 +116,31 @@ def _levels(human: Human, climbs: Sequence[OffFloor]) -> list[Array]:
     for side, height in zip(SIDES, _foot_heights(human), strict=True):
         speed = np.linalg.norm(np.gradient(human.points[f"{side}_ankle"], axis=0), axis=1) * human.rate
         still = speed < STILL_SPEED * human.leg
-        edges = np.flatnonzero(np.diff(still.astype(np.int8), prepend=0, append=0))
+        edges = np.flatnonzero(np.diff(still.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
+        stances = edges[edges[:, 1] - edges[:, 0] >= shortest]
+        heights = np.array([np.median(height[first:end]) for first, end in stances])
         level, last, now = np.zeros(human.count), 0, 0.0
-        for first, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-            if end - first < shortest:
-                continue
-            climbed = any(first < one.end and one.first < end for one in climbs)
-            stance = float(np.median(height[first:end]))
-            stance = stance if climbed and stance > OFF_FLOOR_HEIGHT * human.leg else 0.0
+        for (first, end), stance in zip(stances.tolist(), _climbed(stances, heights, climbs, human.leg), strict=True):
             level[last:] = now + (stance - now) * minimum_jerk((frames[last:] - last) / max(first - last, 1))
             last, now = end, stance
         found.append(level)
     return found
+
+
+def _climbed(stances: NDArray[np.int_], heights: Array, climbs: Sequence[OffFloor], leg: float) -> Array:
+    """The heights (n,) of a foot's stances where it climbs, 0 elsewhere.
+
+    Its way up and down counts, in which the other foot may be on the floor: stances above it, one after the other, one
+    of which is among the climbs.
+
+    stances: their first frames and their ends (n, 2).
+    """
+    first, end = stances.T
+    above = heights > MIN_STANCE_HEIGHT * leg
+    stretch = np.cumsum(np.diff(above, prepend=False) != 0)
+    during = np.any([(first < one.end) & (one.first < end) for one in climbs], axis=0)
+    climbed = above & np.isin(stretch, stretch[during & (heights > OFF_FLOOR_HEIGHT * leg)])
+    return np.where(climbed, heights, 0.0)
 
 
 def _foot_heights(human: Human) -> Array:

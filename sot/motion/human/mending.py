@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,18 +128,11 @@ def on_level_floor(human: Human) -> Human:
         rise = float(drift[-1] - drift[0]) if abs(drift[-1] - drift[0]) > 0.5 * np.ptp(drift) else 0.0
         way = f"{'up ' if rise > 0.0 else 'down ' if rise else ''}by {100 * (abs(rise) or np.ptp(drift)):.0f} cm"
         words = (
-            f"The recorded floor drifts {way} from {human.start:.2f} to {end:.2f} s: the robot dances on a level one."
+            f"The recorded floor drifts {way} from {human.start:.2f} to {end:.2f} s; the robot dances on a level one."
         )
         return _lowered(human, drift, Remark(human.start, end, words))
     plane = _floor_slope(human)
-    if plane is None:
-        return human
-    height, slope = plane
-    words = (
-        f"The recorded floor slopes by {100 * slope:.0f} %, {np.ptp(height):.2f} m over the way from {human.start:.2f}"
-        f" to {end:.2f} s: the robot dances on a level one."
-    )
-    return _lowered(human, height, Remark(human.start, end, words))
+    return human if plane is None else _over_slope(human, plane)
 
 
 def _lowered(human: Human, height: Array, remark: Remark) -> Human:
@@ -150,8 +144,44 @@ def _lowered(human: Human, height: Array, remark: Remark) -> Human:
     )
 
 
-def _floor_slope(human: Human) -> tuple[Array, float] | None:
-    """Height (T,) of a sloping floor below the human [m], over its mean, and its slope; None if it is level."""
+class _Plane(NamedTuple):
+    """A sloping floor: its gradient (2,), and a place (2,) at which its height counts as zero [m]."""
+
+    gradient: Array
+    origin: Array
+
+    def height(self, places: Array) -> Array:
+        """Its height (T,) at places (T, 2 or more) [m]."""
+        found: Array = (places[:, :2] - self.origin) @ self.gradient
+        return found
+
+
+def _over_slope(human: Human, plane: _Plane) -> Human:
+    """The human over a level floor instead of a sloping one, each foot lowered by as much as is under it.
+
+    `ground` keeps these heights.
+    """
+    under = {side: plane.height(human.points[f"{side}_ankle"]) for side in SIDES}
+    body = 0.5 * (under["left"] + under["right"])
+    points = {}
+    for name, place in human.points.items():
+        side, _, joint = name.partition("_")
+        low = plane.height(place) if joint in ("ankle", "toe") else body
+        if joint == "knee":
+            low = 0.5 * (under[side] + body)
+        points[name] = place - np.outer(low, [0.0, 0.0, 1.0])
+    end, way = human.start + human.duration, float(np.ptp(body))
+    words = (
+        f"The recorded floor slopes by {100 * np.linalg.norm(plane.gradient):.0f} %, {way:.2f} m over the way from"
+        f" {human.start:.2f} to {end:.2f} s; the robot dances on a level one."
+    )
+    remark = Remark(human.start, end, words, climbed=way)
+    ground = {f"{side}_foot": height for side, height in under.items()}
+    return replace(human, points=points, ground=ground, remarks=(*human.remarks, remark))
+
+
+def _floor_slope(human: Human) -> _Plane | None:
+    """The sloping floor that a human is on; None if it is level."""
     leg, rate = human.leg, human.rate
     smooth = human.low_passed(NOISE_HZ)
     stands, places = [], []
@@ -184,8 +214,7 @@ def _floor_slope(human: Human) -> tuple[Array, float] | None:
         or scatter > min(MAX_DRIFT_SCATTER * leg, MAX_SLOPE_SCATTER * spread)
     ):
         return None
-    feet = 0.5 * (smooth.points["left_ankle"] + smooth.points["right_ankle"])
-    return (feet[:, :2] - middle[:2]) @ gradient, slope
+    return _Plane(gradient, middle[:2])
 
 
 def _floor_drift(human: Human) -> Array | None:

@@ -6,6 +6,7 @@ from io import StringIO
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from rich.console import Console
 
@@ -182,9 +183,9 @@ def test_a_foot_that_slides_or_is_being_loaded_supports_nothing(motion, log):
 
 def test_slip_counts_from_where_a_stance_begins(motion, log):
     log.q[200:, 1] += 0.02
-    assert figures.contacts(log, motion.robot)["slip_max_m"] == pytest.approx(0.02)
+    assert figures.contacts(log, motion)["slip_max_m"] == pytest.approx(0.02)
     log.foot_mode[150:250] = FOOT_OFF
-    made = figures.contacts(log, motion.robot)
+    made = figures.contacts(log, motion)
     assert made["slip_max_m"] == pytest.approx(0.0, abs=1e-9)
     assert made["switches"] == 4
 
@@ -194,15 +195,27 @@ def test_torque_steps_count_around_switches(motion, log):
     log.foot_mode[150:250, 0] = FOOT_OFF
     log.torque[155:, 3] += 20.0
     log.torque[240:, 5] -= 30.0
-    assert figures.contacts(log, motion.robot)["torque_step_max_nm"] == pytest.approx(30.0)
+    assert figures.contacts(log, motion)["torque_step_max_nm"] == pytest.approx(30.0)
+
+
+def test_tilt_counts_from_what_a_foot_stands_on(motion, log):
+    (phase,) = motion.phases
+    tilted = {foot: pin.SE3(pin.utils.rotate("y", 0.1), pose.translation) for foot, pose in phase.feet.items()}
+    on_slope = replace(motion, phases=(replace(phase, feet=tilted),))
+    assert figures.contacts(log, on_slope)["sole_tilt_max_deg"] == pytest.approx(np.rad2deg(0.1))
+    in_the_air = replace(motion, phases=(replace(phase, end=0.5), replace(phase, start=0.5, end=1.0, feet={})))
+    assert figures.contacts(log, in_the_air)["sole_tilt_max_deg"] == pytest.approx(0.0, abs=1e-6)
+    both = replace(in_the_air, phases=(*in_the_air.phases, replace(phase, start=1.0, feet=tilted)))
+    log.foot_mode[log.time >= 1.0] = FOOT_OFF
+    assert figures.contacts(log, both)["sole_tilt_max_deg"] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_tilt_counts_only_while_the_foot_should_lie_flat(motion, log):
     ankle = motion.robot.joints.index("LLEG5")
     log.q[50:60, 7 + ankle] += np.deg2rad(2.0)
-    assert figures.contacts(log, motion.robot)["sole_tilt_max_deg"] == pytest.approx(2.0)
+    assert figures.contacts(log, motion)["sole_tilt_max_deg"] == pytest.approx(2.0)
     log.foot_mode[40:70, 0] = FOOT_OFF
-    assert figures.contacts(log, motion.robot)["sole_tilt_max_deg"] == pytest.approx(0.0, abs=1e-6)
+    assert figures.contacts(log, motion)["sole_tilt_max_deg"] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_excesses(motion, log):

@@ -38,7 +38,7 @@ def test_a_slide_is_measured_and_is_no_slip(motion, log):
     assert slide["contact"] == slide["light"] == 1.0
     assert [slide[name] for name in ("load", "load_min", "load_max", "load_raw_max")] == pytest.approx([0.1] * 4)
     assert slide["zmp_inside"] == 1.0 and 0.03 < slide["zmp_min_margin_m"] < 0.1
-    assert figures.contacts(log, motion.robot)["slip_max_m"] < 0.201  # of the feet that stand, as the whole robot moved
+    assert figures.contacts(log, motion)["slip_max_m"] < 0.201  # of the feet that stand, as the whole robot moved
 
 
 def test_a_foot_that_hops_is_not_in_contact_though_its_mean_load_may_be_right(motion, log):

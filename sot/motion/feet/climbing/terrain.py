@@ -4,9 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from sot.errors import InputError
+from sot.motion.feet.climbing.tread import check_tread
 from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import Foothold, Step
 from sot.polygon import Polygon
@@ -46,20 +48,21 @@ class _Candidate:
 
 
 class Terrain:
-    """The floor and level surfaces of the world above it.
+    """The floor and surfaces of the world above it, level or sloping.
 
     Args:
         surfaces: above the floor.
         reach: of the robot that steps on them.
 
     Raises:
-        InputError: a surface moves, is not level or has no edges.
+        InputError: a surface moves, is too steep or has no edges.
     """
 
     def __init__(self, surfaces: Sequence[Surface], reach: LegReach) -> None:
         for surface in surfaces:
-            if surface.point is not None or surface.axes.rotation[2, 2] < 1.0 - 1e-6 or not len(surface.corners):
-                raise InputError(f"{surface.name} is no tread: it moves, is not level or has no edges")
+            check_tread(surface)
+            if not len(surface.corners):
+                raise InputError(f"{surface.name} is no tread: it has no edges")
         self._outlines = {surface: Polygon.hull(surface.corners_at_point[:, :2]) for surface in surfaces}
         self._reach, self._margin = reach, EDGE_MARGIN * reach.leg_length
 
@@ -125,13 +128,13 @@ class Terrain:
     def _place_on(self, surface: Surface, foot: str, heading: float, wanted: Array) -> Array | None:
         """Where the ankle is near a wanted place (2,) with the sole wholly on a surface and off all higher ones; None
         where that has no room."""
-        sole = self._turned_sole(foot, heading)
-        height, inner, place = float(surface.height_at(wanted)), None, wanted
+        sole = self._turned_sole(foot, heading, surface)
+        inner, place = None, wanted
         if surface in self._outlines:
             inner = _shrunk(self._outlines[surface], sole, self._margin)
             if not len(inner.vertices):
                 return None
-        higher = [one for other, one in self._outlines.items() if other.axes.translation[2] > height + ROUNDING]
+        higher = [one for other, one in self._outlines.items() if _rises_above(other, surface)]
         for _ in range(MAX_PUSHES):
             before = place
             if inner is not None and inner.margin(place) < -ROUNDING:
@@ -144,18 +147,27 @@ class Terrain:
 
     def _highest_between(self, foot: str, here: Foothold, there: Foothold) -> float:
         """Height of the highest surface that a sole comes over from one foothold to another [m]."""
-        places = [(self._turned_sole(foot, one.heading), np.array([one.x, one.y])) for one in (here, there)]
-        swept = np.vstack([sole + place for sole, place in places])
+        swept = np.vstack(
+            [np.add(self._turned_sole(foot, one.heading, one.surface), (one.x, one.y)) for one in (here, there)]
+        )
         heights = [
-            float(one.axes.translation[2]) for one, outline in self._outlines.items() if _gap(outline, swept) < 0.0
+            min(float(one.height_at(swept).max()), float(one.corners_at_point[:, 2].max()))
+            for one, outline in self._outlines.items()
+            if _gap(outline, swept) < 0.0
         ]
         return max(heights, default=0.0)
 
-    def _turned_sole(self, foot: str, heading: float) -> Array:
-        """Corners of a sole (n, 2) about the point below the ankle, at a heading [rad]."""
+    def _turned_sole(self, foot: str, heading: float, surface: Surface) -> Array:
+        """Corners of a sole (n, 2), seen from above, about the point below the ankle, at a heading [rad]."""
         cosine, sine = np.cos(heading), np.sin(heading)
         corners: Array = self._reach.soles[foot] @ np.array([[cosine, sine], [-sine, cosine]])
-        return corners
+        return corners @ pin.exp3(surface.tilt)[:2, :2].T if surface.tilt.any() else corners
+
+
+def _rises_above(other: Surface, surface: Surface) -> bool:
+    """Whether a surface has a corner above the plane of another one."""
+    corners = other.corners_at_point
+    return bool((corners[:, 2] > surface.height_at(corners[:, :2]) + ROUNDING).any())
 
 
 def _cheapest(rows: Sequence[Sequence[_Candidate]]) -> list[_Candidate]:

@@ -54,7 +54,7 @@ def walk(robot):
 
 
 def assert_can_be_stepped(motion):
-    """Feet still where they stand, flat but for heels that rise; clear of the floor between; the ZMP where feet carry."""
+    """Feet still where they stand, flat unless a heel rises, clear of the floor between; the ZMP where feet carry."""
     robot = motion.robot
     index = phase_indices(motion.phases, motion.times)
     for foot in robot.feet:

@@ -33,6 +33,20 @@ def test_feet_that_stand_are_on_one_level(climber: Human) -> None:
     assert np.ptp(climber.points["waist"][:, 2]) < 0.2
 
 
+def test_the_way_up_a_ramp_counts_from_its_foot_on() -> None:
+    """Stances low on the ramp count, where the other foot is on the floor yet."""
+    human = recognise(read(find_clip("walk_ramp")))
+    for side in SIDES:
+        level, foot = human.ground[f"{side}_foot"], human.points[f"{side}_ankle"][:, 2]
+        still = np.linalg.norm(np.gradient(human.points[f"{side}_ankle"], axis=0), axis=1) * human.rate < 0.02
+        heights = np.unique(np.round(level[still], 2))
+        assert 0.03 < heights[heights > 0.0].min() < 0.09 and heights.max() == pytest.approx(0.21, abs=0.01)
+        assert (
+            np.ptp(foot[still]) < 0.05
+        )  # of a ramp of 0.21 m: the last stance, its toes 2 cm up, counts as on the floor
+    assert [remark.climbed > 0.0 for remark in human.remarks] == [True]
+
+
 def test_heights_go_along_with_the_clip(climber: Human) -> None:
     part = climber.slice(2.0, 3.0)
     np.testing.assert_array_equal(part.ground["left_foot"], climber.ground["left_foot"][100:251])

@@ -132,6 +132,12 @@ def test_a_floor_that_slopes_is_levelled_and_told(slope: float) -> None:
     level = on_level_floor(sloping(human, slope))
     (told,) = level.remarks
     assert told.words.startswith(f"The recorded floor slopes by {100 * abs(slope):.0f} %")
+    assert told.climbed == pytest.approx(np.ptp(slope * human.points["waist"][:, 0]), rel=0.1)
+    for side in ("left", "right"):
+        kept, way = level.ground[f"{side}_foot"], human.points[f"{side}_ankle"][:, 0]
+        np.testing.assert_allclose(kept - kept[0], slope * (way - way[0]), atol=0.06 * abs(slope))
+        off = level.points[f"{side}_toe"][:, 2] - human.points[f"{side}_toe"][:, 2]
+        np.testing.assert_allclose(off, off[0], atol=0.02)
     assert np.ptp(level.points["waist"][:, 2]) < 0.25 * abs(slope) * np.ptp(human.points["waist"][:, 0])
 
 

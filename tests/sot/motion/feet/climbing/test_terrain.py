@@ -64,6 +64,29 @@ def test_soles_stand_wholly_on_treads_that_are_not_the_humans(robot: Robot, way:
         assert all(abs(one.y - own[0].y) < 1e-9 for one in own)
 
 
+@pytest.mark.parametrize("slope", [0.1, 0.2])
+def test_soles_lie_flat_on_a_ramp_wholly_on_its_parts(robot: Robot, slope: float) -> None:
+    reach, rise = LegReach.of(robot), 0.3 * np.tan(slope)
+    parts = [ramp("up", 0.16, 0.0, slope), ramp("over", 0.46, rise, 0.0), ramp("down", 0.76, rise, -slope)]
+    found, missing = Terrain(parts, reach).laid(*climbing([0.5 * rise, 0.5 * rise, -0.5 * rise, -0.5 * rise], 0.3))
+    assert not missing
+    for foot, own in found.items():
+        assert [one.surface for one in own] == [FLOOR, *parts, FLOOR]
+        for one in own:
+            pose = foot_pose(one, feet_at_rest(robot)[foot])
+            corners = np.array([pose.act(corner) for corner in robot.sole(foot)])
+            np.testing.assert_allclose(corners[:, 2], one.surface.height_at(corners[:, :2]), atol=1e-9)
+            assert one.surface.edge_margins(corners).min() > EDGE_MARGIN * reach.leg_length - 1e-3
+        assert own[1].passed == pytest.approx(own[1].height + slope * 0.15, abs=0.06 * slope)
+
+
+def ramp(name: str, start: float, height: float, slope: float) -> Surface:
+    """A surface of 0.3 m along x that begins at a height and slopes upward."""
+    x, y = 0.15 / np.cos(slope), 0.6
+    place = pin.SE3(pin.utils.rotate("y", -slope), np.array([start + 0.15, 0.0, height + 0.15 * np.tan(slope)]))
+    return Surface(name, np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]]), place)
+
+
 def test_treads_that_fit_take_the_footholds_as_they_are(robot: Robot) -> None:
     stands, steps, levels = climbing([0.1, 0.1, -0.1, -0.1], 0.3)
     found, _ = Terrain(STAIRS, LegReach.of(robot)).laid(stands, steps, levels)
@@ -118,7 +141,7 @@ def foot_over_foot():
 
 
 def test_what_is_no_tread_is_refused(robot: Robot) -> None:
-    tilted = Surface("ramp", STAIRS[0].corners, pin.SE3(pin.utils.rotate("y", 0.2), np.zeros(3)))
+    tilted = Surface("ramp", STAIRS[0].corners, pin.SE3(pin.utils.rotate("y", 0.4), np.zeros(3)))
     moving = replace(STAIRS[0], point="lid")
     for wrong in (tilted, moving, FLOOR):
         with pytest.raises(InputError, match="is no tread"):
