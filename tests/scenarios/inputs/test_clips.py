@@ -84,7 +84,8 @@ def test_the_shipped_walks_are_what_their_script_writes_and_stand_flat(name: str
     ankles = np.array([human.points[f"{side}_ankle"] for side in ("left", "right")])
     still = np.linalg.norm(np.diff(ankles, axis=1), axis=2) < 1e-4
     assert still.any(axis=0).all(), "one foot always stands"
-    assert np.ptp(ankles[:, :-1][still][:, 2]) < 2e-3
+    lowest_stance = 0.045 if name == "walk_ramp" else 0.0  # m up a ramp, told from the floor from 0.03 leg lengths on
+    assert np.ptp(ankles[:, :-1][still][:, 2]) < lowest_stance + 2e-3
     assert np.ptp(ankles[..., :2], axis=1).max() > 1.5
 
 
