@@ -95,7 +95,7 @@ def main() -> int:
             table.add_row(
                 *(name, "upright" if ended.fell_at_s is None else f"fell at {ended.fell_at_s:.1f} s"),
                 f"{100 * figures.zmp(log, motion)['inside']:.1f}",
-                f"{1e3 * figures.contacts(log, motion.robot)['slip_max_m']:.1f}",
+                f"{1e3 * figures.contacts(log, motion)['slip_max_m']:.1f}",
                 str(figures.solver(log)["infeasible_ticks"]),
             )
         console.print(table)

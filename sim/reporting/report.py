@@ -222,9 +222,9 @@ def _when(entry: Mapping[str, Any]) -> str:
 
 
 def write_json(report: Mapping[str, Any], path: Path) -> None:
-    """Write a report as JSON, which appears under its name once it is complete."""
+    """Write a report as JSON, as `rounded`; the file appears under its name once it is complete."""
     with atomic_write(path) as place:
-        place.write_text(json.dumps(report, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        place.write_text(json.dumps(rounded(report), indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def print_table(reports: Sequence[Mapping[str, Any]], console: Console) -> None:
@@ -298,7 +298,7 @@ def rounded(value: Any) -> Any:
     """Numbers to `SIGNIFICANT_DIGITS` digits; what is not a number becomes None."""
     if isinstance(value, Mapping):
         return {key: rounded(entry) for key, entry in value.items()}
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return [rounded(entry) for entry in value]
     if isinstance(value, float):
         return float(f"{value:.{SIGNIFICANT_DIGITS}g}") if math.isfinite(value) else None

@@ -38,7 +38,7 @@ def test_a_push_beyond_what_the_feet_can_hold_is_caught_by_a_step(motion, impuls
     caught = pushed(motion, impulse, stacks.stepping_schedule(robot, motion))
     assert caught.fell_at_s is None, caught.reason
     log = caught.log.trimmed()
-    assert figures.contacts(log, robot)["switches"] >= 2
+    assert figures.contacts(log, motion)["switches"] >= 2
     upright = figures.Points.of(robot, log.q[-1:], ["chest"]).rotations["chest"][0, 2, 2]
     assert upright > np.cos(0.1)
 
@@ -46,4 +46,4 @@ def test_a_push_beyond_what_the_feet_can_hold_is_caught_by_a_step(motion, impuls
 def test_a_push_that_the_feet_can_hold_makes_no_step(motion):
     done = pushed(motion, (8.0, 0.0), stacks.stepping_schedule(motion.robot, motion))
     assert done.fell_at_s is None
-    assert figures.contacts(done.log.trimmed(), motion.robot)["switches"] == 0
+    assert figures.contacts(done.log.trimmed(), motion)["switches"] == 0

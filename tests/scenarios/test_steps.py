@@ -38,7 +38,7 @@ def stepped(motion):
 
 
 def test_each_foot_steps_and_lands_where_it_should(motion, stepped):
-    assert figures.contacts(stepped, motion.robot)["switches"] == 4
+    assert figures.contacts(stepped, motion)["switches"] == 4
     last = motion.phases[-1].feet
     places = figures.Points.of(motion.robot, stepped.q[-1:]).positions
     for foot in motion.robot.feet:
@@ -48,7 +48,7 @@ def test_each_foot_steps_and_lands_where_it_should(motion, stepped):
 
 def test_in_balance_and_without_slip(motion, stepped):
     assert figures.zmp(stepped, motion)["inside"] > 0.98
-    contacts = figures.contacts(stepped, motion.robot)
+    contacts = figures.contacts(stepped, motion)
     assert contacts["slip_max_m"] < 0.003
     assert contacts["sole_tilt_max_deg"] < 1.0
     assert figures.tracking(stepped, motion)["com_rms_m"] < 0.003
@@ -56,7 +56,7 @@ def test_in_balance_and_without_slip(motion, stepped):
 
 
 def test_no_joint_torque_jumps_at_a_switch(motion, stepped):
-    assert figures.contacts(stepped, motion.robot)["torque_step_max_nm"] < JUMP
+    assert figures.contacts(stepped, motion)["torque_step_max_nm"] < JUMP
 
 
 @pytest.mark.slow

@@ -40,4 +40,4 @@ def test_a_kick_gets_as_high_as_the_hips_and_a_held_foot_is_held():
     assert right.max() >= 0.8 * robot["right_hip"][right.argmax(), 2]
     held = robot["left_ankle"][:, 2] >= 0.9 * np.median(robot["left_knee"][:, 2])
     assert np.count_nonzero(held) * 10 * log.period >= 3.0
-    assert figures.contacts(log, plan.motion.robot)["torque_step_max_nm"] <= 28.0
+    assert figures.contacts(log, plan.motion)["torque_step_max_nm"] <= 28.0

@@ -45,7 +45,7 @@ def test_slides_lightly_loaded_where_it_should(rate, monkeypatch):
     assert done.fell_at_s is None, done.reason
     log = done.log.trimmed()
     assert figures.solver(log)["infeasible_ticks"] == 0
-    assert figures.contacts(log, robot)["slip_max_m"] < 0.002
+    assert figures.contacts(log, motion)["slip_max_m"] < 0.002
     (slide,) = slide_figures(log, motion)
     assert slide["foot"] == sliding.FEET_IN_ORDER[0]
     assert slide["moved_m"] > 0.08
