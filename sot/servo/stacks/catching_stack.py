@@ -10,12 +10,18 @@ from sot.control.controller import Controller
 from sot.gravity import GRAVITY
 from sot.motion.trajectory import Motion, MotionSample
 from sot.polygon import Polygon
+from sot.robots.size import leg_length
 from sot.servo.stacks.integrated_stack import IntegratedStack
 
 Array = np.ndarray
 
 FOLLOWING_RATE = 3.0
 """Rate at which the divergent component of the own state follows the measured one during a step, in √(g / l)."""
+
+FLOOR_RATE = 14.0
+"""Rate at which feet of the own state come to where the floor holds them, in √(g / l): no floor stops them there."""
+CALM_DCM_ERROR = 0.0125
+"""Distance of the measured divergent component from the own one within which it is followed no longer [legs]."""
 
 
 class CatchingStack(IntegratedStack):
@@ -24,8 +30,8 @@ class CatchingStack(IntegratedStack):
     As long as the measured divergent component ξ = c + ċ/ω is over the support, feet that stay bring it back to that of
     the own state, which does not know. Once it is not, no zero-moment point does. The own state then gets the velocity
     at which its ξ is the measured one. Its schedule (`RecoverySchedule`) finds a pushed robot and steps, as it does
-    under torque control, and the own ξ follows the measured one until all feet carry and ξ is over them. A foot has
-    landed when its force sensor says so.
+    under torque control, and the own ξ follows the measured one until all feet carry, ξ is over them and both are near.
+    A foot has landed when its force sensor says so, and stops at once, as the floor stops the robot's.
 
     Args:
         controller: of the stack, at the period of the calls, with a schedule that steps.
@@ -36,7 +42,10 @@ class CatchingStack(IntegratedStack):
         super().__init__(controller, motion.q[0], motion.v[0])
         self._robot, self._data = motion.robot, motion.robot.model.createData()
         self._omega = float(np.sqrt(GRAVITY / motion.com[0, 2]))
-        self._follows = False
+        self._follows, self._leg = False, leg_length(motion.robot)
+        rate = FLOOR_RATE * self._omega
+        for contact in controller.stack.contacts:
+            contact.stiffness, contact.damping = rate**2, 2.0 * rate
 
     def stances(self) -> dict[str, tuple[pin.SE3, float]]:
         """Foot -> place of its frame in the own state and load of its contact (0 to 1), of the feet that stand."""
@@ -70,20 +79,34 @@ class CatchingStack(IntegratedStack):
             self._push(share * self._omega * (dcm - self.divergent_component()))
         return self.sample(t, loads)
 
+    def sample(self, t: float, loads: Mapping[str, float] | None = None) -> MotionSample:
+        """As that of `IntegratedStack`; the floor stops a foot that lands, as it does under the robot."""
+        stood = self._standing()
+        sample = super().sample(t, loads)
+        landed = [contact for contact in self._standing() if contact not in stood]
+        if landed:
+            self._push(np.zeros(2))
+            for contact in landed:
+                contact.arrival_acceleration = None
+        return sample
+
     def _standing(self) -> list[Contact]:
         feet = self._robot.feet
         return [one for one in self._controller.stack.contacts if one.point in feet and one.mode == "fixed"]
 
     def _has_to_follow(self, dcm: Array) -> bool:
-        """Whether the own state follows ξ (2,): from when it leaves the support of all feet until it is over them."""
+        """Whether the own state follows ξ (2,): from when it leaves the support of all feet until it is over them, near
+        its own."""
         stances, feet = self.stances(), self._robot.feet
         if len(stances) < len(feet) or any(load < 1.0 for _, load in stances.values()):
             return self._follows
         corners = [place.act(corner)[:2] for foot, (place, _) in stances.items() for corner in self._robot.sole(foot)]
+        if self._follows and np.linalg.norm(dcm - self.divergent_component()) > CALM_DCM_ERROR * self._leg:
+            return True
         return float(Polygon.hull(np.array(corners)).margin(dcm)) < 0.0
 
     def _push(self, change: Array) -> None:
-        """Change the horizontal velocity of the centre of mass (2,) [m/s] by the least kinetic energy; feet stay."""
+        """Change the horizontal velocity of the centre of mass (2,) [m/s] by the least kinetic energy; feet stop."""
         model, data, q = self._robot.model, self._data, self._q
         mass = np.triu(pin.crba(model, data, q))
         mass += np.triu(mass, 1).T
@@ -92,7 +115,7 @@ class CatchingStack(IntegratedStack):
             frame = self._robot.point(contact.point)
             rows.append(pin.computeFrameJacobian(model, data, q, frame, pin.LOCAL_WORLD_ALIGNED))
         J = np.vstack(rows)
-        wanted = np.zeros(len(J))
+        wanted = -J @ self._v
         wanted[:2] = change
         effect = np.linalg.solve(mass, J.T)
         self._v = self._v + effect @ np.linalg.lstsq(J @ effect, wanted, rcond=None)[0]

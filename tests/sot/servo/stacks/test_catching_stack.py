@@ -55,21 +55,46 @@ def test_one_that_has_left_it_is_taken_over_and_feet_stay(robot):
 
 
 def test_a_foot_steps_under_it_and_lands_when_it_carries(robot):
-    """No load is felt by the foot that swings until late: it lands then, farther ahead, and both feet stand."""
+    """No load is felt by the foot that swings until late: it lands then, farther ahead, stops, and both feet stand."""
     own, stack, loads = standing(robot)
     wanted, start = own.divergent_component() + np.array([1.4 * REACH, 0.0]), own.stances()
-    swings, landed_at = None, np.nan
+    swings, landed_at, speeds = None, np.nan, []
     for k in range(95):
         t = PERIOD * k
         off = [contact.point for contact in stack.contacts if contact.mode == "off"]
         swings = off[0] if off else swings
         felt = {foot: 0.0 if foot in off and t < 0.4 else load for foot, load in loads.items()}
-        own.sample_for(t, wanted if swings is None else own.divergent_component(), felt)
+        sample = own.sample_for(t, wanted if swings is None else own.divergent_component(), felt)
+        speeds.append(max(foot_speeds(robot, sample).values()))
         if swings and not off and np.isnan(landed_at):
             landed_at = t
     assert swings is not None
     assert landed_at == pytest.approx(0.4, abs=0.02)
+    landed = round(landed_at / PERIOD)
+    assert speeds[landed - 1] > 0.02 and max(speeds[landed + 1 :]) < 0.005
     ahead = own.stances()[swings][0].translation - start[swings][0].translation
     assert ahead[0] > 0.05
     other = next(foot for foot in robot.feet if foot != swings)
     np.testing.assert_allclose(own.stances()[other][0].translation, start[other][0].translation, atol=0.01)
+
+
+def test_one_that_has_left_it_is_followed_until_the_own_state_is_near(robot):
+    """Over the support again it is brought on, as long as it is far from that of the own state."""
+    own, _, loads = standing(robot)
+    at = own.divergent_component()
+    own.sample_for(0.0, at + np.array([1.4 * REACH, 0.0]), loads)
+    ways = []
+    for k, share in ((1, 0.7), (2, 0.7), (3, 0.0)):
+        measured = own.divergent_component() + np.array([-share * REACH, 0.0])
+        before = own.divergent_component()
+        own.sample_for(PERIOD * k, measured, loads)
+        ways.append(own.divergent_component()[0] - before[0])
+    assert max(ways[:2]) < ways[2] - 0.002
+
+
+def foot_speeds(robot, sample):
+    data, found = robot.model.createData(), {}
+    pin.forwardKinematics(robot.model, data, sample.q, sample.v)
+    for foot in robot.feet:
+        found[foot] = np.linalg.norm(pin.getFrameVelocity(robot.model, data, robot.point(foot)).linear)
+    return found
