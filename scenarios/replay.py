@@ -11,7 +11,7 @@ from typing import Any
 from scenarios import stacks
 from scenarios.inputs import clips, edit_file
 from scenarios.inputs.dancer import check_format, incoming_quality, requested_human
-from scenarios.inputs.plant import estimator_of, hardware_of, position_controller
+from scenarios.inputs.plant import STEPPING, estimator_of, hardware_of, position_controller
 from scenarios.inputs.stack_file import Composer, Composition, blaming_stack_file, load_stack
 from sim.drivers import PositionController
 from sim.log import RunInfo
@@ -40,7 +40,6 @@ from sot.robots.robot import Robot
 from sot.robots.system import System
 from sot.robots.things.thing import Thing
 from sot.servo.soft_feet import refuse_soft_feet
-from sot.servo.stacks.integrated_stack import IntegratedStack
 from sot.whole_file import atomic_write
 from tasks.editing import edit
 
@@ -194,7 +193,7 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
     check_format(request)
     robot = Robot.load(request.robot)
     hardware = request.hardware(robot)
-    if hardware.servo is not None and not (request.stack or request.edits):
+    if hardware.servo is not None and request.stabiliser != STEPPING and not (request.stack or request.edits):
         motion, planned = reference_motion(request, robot, tell)
         controller = position_controller(request.stabiliser, motion, hardware, 1.0 / request.rate)
         return run_on_servos(request, controller, motion, planned, tell)
@@ -246,8 +245,7 @@ def run_motion(
     _compile_tick(motion)
     runs: Controller | PositionController = controller
     if world.hardware.servo is not None:
-        own = IntegratedStack(controller, motion.q[0], motion.v[0])
-        runs = position_controller(request.stabiliser, motion, world.hardware, 1.0 / request.rate, own.sample)
+        runs = position_controller(request.stabiliser, motion, world.hardware, 1.0 / request.rate, controller)
     with blaming_stack_file(request.stack):
         estimator = estimator_of(robot, world.hardware, request.state)
         done = run(runs, world, motion, lambda t: tell("replaying", t / motion.duration), estimator=estimator)

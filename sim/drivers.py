@@ -22,7 +22,7 @@ from sot.errors import InputError
 from sot.estimation import LEVEL_GROUND, Estimator, Footing
 from sot.hardware.readings import Readings
 from sot.hardware.servo import JointTargets
-from sot.motion.feet.contacts import Phase, phase_at
+from sot.motion.feet.contacts import Phase
 from sot.motion.trajectory import Motion, Reference
 
 Array = np.ndarray
@@ -47,6 +47,10 @@ class PositionController(Protocol):
             q, v: state of the robot as far as it is known (nq,), (nv,), Pinocchio's conventions.
             readings: of its sensors; their stamp says of when.
         """
+        ...
+
+    def phase(self, t: float) -> Phase:
+        """The feet that it has standing at a time [s], the last one or the next, and where."""
         ...
 
 
@@ -96,7 +100,7 @@ def driver_of(
         return StackDriver(controller, world, motion, estimator)
     if not isinstance(motion, Motion):
         raise TypeError("a position controller follows a motion whose phases are known")
-    return TargetDriver(controller, world, motion, estimator)
+    return TargetDriver(controller, world, estimator)
 
 
 class StackDriver:
@@ -232,23 +236,20 @@ class StackDriver:
 
 
 class TargetDriver:
-    """Runs a position controller: joint targets out. Feet stand, slide and swing as the motion has them.
+    """Runs a position controller: joint targets out. Feet stand, slide and swing as the controller has them.
 
     Args:
         controller: the controller.
         world: whose robot has servos and sensors.
-        motion: that it follows.
         estimator: of its state; the controller is told the simulated one unless given.
     """
 
     schedule: Schedule | None = None
     contacts: Sequence[Contact] = ()
 
-    def __init__(
-        self, controller: PositionController, world: World, motion: Motion, estimator: Estimator | None = None
-    ) -> None:
+    def __init__(self, controller: PositionController, world: World, estimator: Estimator | None = None) -> None:
         self.period = controller.period
-        self._controller, self._world, self._motion = controller, world, motion
+        self._controller, self._world = controller, world
         self._data = world.robot.model.createData()
         self.source: StateSource = SimulatedState(world)
         if estimator is not None:
@@ -270,18 +271,15 @@ class TargetDriver:
         robot = self._world.robot
         log.torque[k], log.target[k] = self._world.applied_torque(), self._targets.position
         log.com[k] = pin.centerOfMass(robot.model, self._data, self._q)
-        phase = self._phase(t)
+        phase = self._controller.phase(t)
         for i, foot in enumerate(robot.feet):
             slides, stands = foot in phase.sliding, foot in phase.feet
             log.foot_mode[k, i] = FOOT_SLIDING if slides else FOOT_FIXED if stands else FOOT_OFF
             log.foot_ramp[k, i] = float(slides or stands)
 
-    def _phase(self, t: float) -> Phase:
-        return phase_at(self._motion.phases, t)
-
     def _footings(self, t: float) -> dict[str, Footing]:
         """The feet that are to stand now, on level ground."""
-        phase = self._phase(t)
+        phase = self._controller.phase(t)
         standing = ((foot, place) for foot, place in phase.feet.items() if foot not in phase.sliding)
         return {foot: LEVEL_GROUND._replace(foothold=place) for foot, place in standing}
 

@@ -1,24 +1,28 @@
 """The plant as one asks for it on a command line: servos or torque motors, soft feet, sensors, and what is known."""
 
-from collections.abc import Callable
 from math import inf, isfinite
 from typing import Literal
 
 from sim.drivers import PositionController
+from sot.control.controller import Controller
 from sot.errors import InputError
 from sot.estimation import ContactFilter, Estimator
 from sot.hardware.compliance import FootCompliance
 from sot.hardware.hardware import Hardware
 from sot.hardware.sensors import sensor_preset
 from sot.hardware.servo import Servo
-from sot.motion.trajectory import Motion, MotionSample
+from sot.motion.trajectory import Motion
 from sot.robots.robot import Robot
 from sot.servo.stabiliser import DcmGains, Stabiliser
+from sot.servo.stacks.catching_stack import CatchingStack
+from sot.servo.stacks.integrated_stack import IntegratedStack
 
 PLANTS = ("torque", "servo")
-STABILISERS = ("dcm", "dcm-adaptive", "sag", "open")
+STEPPING = "dcm-steps"
+STABILISERS = ("dcm", STEPPING, "dcm-adaptive", "sag", "open")
 """What a robot with servos does beside its plan: the divergent component is fed back and what the plan's loads deflect
-is undone; the same for feet whose compliance has to be estimated; the latter alone; nothing."""
+is undone; the same, and it steps where feet that stay cannot bring that back; the same for feet whose compliance has to
+be estimated; the latter alone; nothing."""
 STATES = ("true", "estimated", "footholds")
 """What a controller is told: the simulated state, or what an estimator makes of readings, or of those and of where the
 plan puts the feet."""
@@ -80,9 +84,16 @@ def position_controller(
     motion: Motion,
     hardware: Hardware,
     period: float,
-    sample: Callable[[float], MotionSample] | None = None,
+    stack: Controller | None = None,
 ) -> PositionController:
-    """The controller of a robot with servos, by the name of what stabilises it; for `sample` see `Stabiliser`.
+    """The controller of a robot with servos, by the name of what stabilises it.
+
+    Args:
+        name: one of `STABILISERS`.
+        motion: the plan.
+        hardware: of the robot.
+        period: control period [s].
+        stack: with its solver and schedule, whose accelerations lead the robot; the plan itself unless given.
 
     Raises:
         InputError: no such name.
@@ -93,4 +104,8 @@ def position_controller(
     known = "estimated" if name == "dcm-adaptive" else hardware.compliance if name != "open" else None
     dcm = DcmGains() if name.startswith("dcm") else None
     servo = hardware.servo if name != "open" else None
+    if name == STEPPING:
+        assert stack is not None, "steps are a schedule's"
+        return Stabiliser(motion, period, known, servo, dcm, catching=CatchingStack(stack, motion))
+    sample = IntegratedStack(stack, motion.q[0], motion.v[0]).sample if stack is not None else None
     return Stabiliser(motion, period, known, servo, dcm, sample=sample)

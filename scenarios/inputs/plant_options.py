@@ -18,7 +18,8 @@ StabiliserName = Annotated[
     typer.Option(
         "--stabiliser",
         help="With --plant servo. dcm: the divergent component is fed back, and the sag of the feet is undone;"
-        " dcm-adaptive: so, with feet whose compliance is estimated; sag: undone alone; open: the plan as it is.",
+        " dcm-steps: so, and pushes are caught by steps; dcm-adaptive: as dcm, with feet whose compliance is estimated;"
+        " sag: undone alone; open: the plan as it is.",
     ),
 ]
 StateName = Annotated[

@@ -1,7 +1,7 @@
 """The position controller of a dance on compliant feet: a plan, what its loads deflect undone, and feedback."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, Protocol
 
 import numpy as np
@@ -11,6 +11,7 @@ from sot.gravity import GRAVITY
 from sot.hardware.compliance import DEFAULT_LOSS, FootCompliance, bush_position
 from sot.hardware.readings import Readings, measured_zmp
 from sot.hardware.servo import JointTargets, Servo
+from sot.motion.feet.contacts import Phase, phase_at
 from sot.motion.trajectory import Motion, MotionSample
 from sot.servo.admittance import AdmittanceGains, FootAdmittance
 from sot.servo.compliance_estimate import ComplianceEstimate
@@ -132,6 +133,13 @@ class Stabiliser:
             shift = self._damping(t, measured_zmp({foot: readings.foot_wrench[foot] for foot in feet}, feet) - plan.zmp)
         targets = self._correction(plan.q, plan.v, shift, offsets)
         return targets if self._servo_sag is None else self._with_torques(targets, self._servo_sag(plan, loads))
+
+    def phase(self, t: float) -> Phase:
+        """The feet that stand at a time [s], and where: as planned, or as steps that catch the robot have them now."""
+        planned = phase_at(self._motion.phases, t)
+        if self._catching is None:
+            return planned
+        return replace(planned, feet={foot: place for foot, (place, _) in self._catching.stances().items()})
 
     def _with_torques(self, targets: JointTargets, offset: Array) -> JointTargets:
         """Targets at which servos that give the planned torques are where they were to be."""

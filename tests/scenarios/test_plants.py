@@ -7,6 +7,8 @@ import pytest
 
 from scenarios import cli
 from scenarios.replay import Dance, Replay, dance, run_on_servos
+from sim.log import FOOT_OFF
+from sim.push import Push
 from sim.reporting.figures import zmp
 from sot.hardware import FootCompliance
 from sot.robots.models import hrp2
@@ -53,6 +55,16 @@ def test_the_rubber_of_hrp2_lets_an_open_loop_fall(on_rubber):
     soft, motion = replace(REQUEST, compliance=FootCompliance(707.0, 502.0)), on_rubber.motion
     fell_at = run_on_servos(soft, Stabiliser(motion, 0.002), motion, None, tell).run.fell_at_s
     assert fell_at is not None and fell_at > 2.0
+
+
+@pytest.mark.slow
+def test_a_push_that_feet_cannot_hold_is_caught_by_a_step():
+    asked = replace(REQUEST, duration=4.0, compliance=FootCompliance(2430.0, 2430.0, 124570.0))
+    pushed = replace(asked, pushes=(Push(2.0, (-280.0, 0.0, 0.0), 0.1, "chest"),))
+    assert dance(replace(pushed, stabiliser="dcm"), tell).run.fell_at_s is not None
+    caught = dance(replace(pushed, stabiliser="dcm-steps"), tell)
+    assert caught.run.fell_at_s is None
+    assert (caught.run.log.trimmed().foot_mode == FOOT_OFF).any(), "it has stepped"
 
 
 def test_a_bush_on_a_robot_without_soles_is_one_line(tmp_path, monkeypatch, capsys):
