@@ -174,6 +174,11 @@ class RecoverySchedule(SteppingSchedule):
             self._rest_until = t + MIN_TIME_BETWEEN_STEPS * self._time
         return done
 
+    def is_disturbed(self, tick: Tick, was: bool = False) -> bool:
+        """Whether the divergent component is farther off its plan than tracking has it; if it was, until it is calm."""
+        _, off = self._capture.dcm_and_deviation(tick)
+        return bool(np.linalg.norm(off) > (CALM_DCM_ERROR if was else DISTURBED_DCM_ERROR) * self._leg)
+
     def _all_feet_carry(self, tick: Tick) -> bool:
         """Whether all feet stand with all their load, and by the plan for long enough for a step."""
         stand = all(contact.mode == "fixed" and contact.load >= 1.0 for contact in tick.contacts)

@@ -8,24 +8,32 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from sot.behaviours.stride import BUMP_CURVATURE, Stride, bump_curve
+from sot.behaviours.stride import Stride
 from sot.control.pose import Pose
 from sot.gravity import GRAVITY
 from sot.live.steps.foot_sense import wrapped
 from sot.live.steps.leg_momentum import zmp_shift_of_swing
 from sot.live.steps.person_steps import AskedStep
 from sot.live.steps.preview import KNOT_PERIOD, StepPreview, first_knot_from
-from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, foothold_between, reachable_foothold
-from sot.live.steps.step_plan import DecidedStep, Rooms, StandingPoses, rooms_at, zmp_wishes
+from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, foothold_between, live_reach, reachable_foothold
+from sot.live.steps.step_plan import (
+    DecidedStep,
+    Rooms,
+    StandingPoses,
+    foothold_of,
+    lift_height,
+    rooms_at,
+    swing_shift,
+    zmp_wishes,
+)
 from sot.motion.feet.contacts import Phase, planted_phases
-from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import MIN_STEP_LENGTH, MIN_STEP_TURN, Foothold
-from sot.motion.feet.swing import SWING_HEIGHT_RANGE, feet_at_rest, foot_pose
+from sot.motion.feet.swing import feet_at_rest, foot_pose
 from sot.motion.feet.tempo import MAX_STEP_DELAY
 from sot.motion.feet.travel import OMISSIBLE_LENGTH_LEGS
 from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
-from sot.smooth import minimum_jerk, minimum_jerk_curve
+from sot.smooth import minimum_jerk
 
 Array = NDArray[np.float64]
 
@@ -46,8 +54,6 @@ MAX_BACKLOG_TIME = 2.1
 the centre of mass / g)."""
 MAX_TRIALS = 8
 """Times of a lift that are tried, KNOT_PERIOD apart, before the step waits for the next plan."""
-MAX_LIFT_ACCELERATION_G = 0.5
-"""Bound of a foot's acceleration upward in a step, unless it has to clear the floor, in g."""
 REDIRECTED_PARTS = (1.0, 0.5, 0.25)
 """Parts of a change of a foothold that are tried, before the foot goes on to where it was led."""
 PEAK_OVER_MEAN_SPEED = 1.875
@@ -68,11 +74,13 @@ class SteppingFooting:
         made: the steps that are over.
         scale: lengths of the robot over the person's.
         begun: called with foot, lift and landing time [s] of each step that is going to be made.
+        aloft: the feet that do not stand, as far as that is measured.
+        is_disturbed: whether the robot is off its plan by more than a step should begin with.
     """
 
     def __init__(self, robot: Robot) -> None:
         (self.start,) = planted_phases(robot, np.inf)
-        self._robot, self._rest, self.reach = robot, feet_at_rest(robot), LegReach.of(robot)
+        self._robot, self._rest, self.reach = robot, feet_at_rest(robot), live_reach(robot)
         data = robot.model.createData()
         com = pin.centerOfMass(robot.model, data, robot.rest).copy()
         pin.framesForwardKinematics(robot.model, data, robot.rest)
@@ -82,10 +90,11 @@ class SteppingFooting:
         self._rooms = Rooms(robot, self.reach, (hips - com)[:2])
         self._standing, self._landed = StandingPoses(robot), StandingPoses(robot)
         self._time = float(np.sqrt(com[2] / GRAVITY))
-        self.stands = {foot: _foothold(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
+        self.stands = {foot: foothold_of(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
         self.asked: deque[AskedStep] = deque()
         self.made: list[DecidedStep] = []
         self.begun: list[Callable[[str, float, float], object]] = []
+        self.aloft, self.is_disturbed = set[str](), False
         self.scale, self._turn = 1.0, 0.0
         self._steps: list[DecidedStep] = []
         self._stride: Stride | None = None
@@ -196,8 +205,11 @@ class SteppingFooting:
         if self._steps and self._stride is not None:
             self._redirect(t, wanted, future)
         self._catch_up(t)
-        self._decide(t, wanted, future)
-        if len(self._steps) > (0 if self._stride is None else 1):
+        if self.is_disturbed or (self.aloft and self._stride is None):
+            self._undecide()
+        else:
+            self._decide(t, wanted, future)
+        if self._has_decided:
             self._put_off_or_begin(t, wanted, future)
         jerk, self.excess = self._solved(t, self._steps, wanted, future)
         self._preview.follow(jerk)
@@ -210,26 +222,31 @@ class SteppingFooting:
         rooms, last = rooms_at(times, self.stands, steps, self._rooms)
         end = self._rooms(last)
         wish = zmp_wishes(rooms, wanted - self._rooms(self.stands).centre, self._preview.times, future)
-        swings = np.zeros((len(times), 2))
-        for step in steps:
-            span = step.land - step.lift
-            share = np.clip((times - step.lift) / span, 0.0, 1.0)
-            way = np.array([step.place.x - step.start.x, step.place.y - step.start.y])
-            ahead = np.array([np.cos(step.start.heading), np.sin(step.start.heading)])
-            swings += self._zmp_shift.along * minimum_jerk_curve(share)[:, None] * way / span**2
-            swings += self._zmp_shift.ahead * bump_curve(share)[:, None] * self._lift_height(step) * ahead / span**2
+        shifts = [
+            swing_shift(step, lift_height(step, self.reach.leg_length, self.scale), times, self._zmp_shift)
+            for step in steps
+        ]
+        swings = np.sum(shifts, axis=0) if shifts else np.zeros((len(times), 2))
         return self._preview.solve(rooms, wish, end, swings)
 
     def _land(self, t: float) -> None:
-        """Let a swing that is over be over."""
-        if self._stride is not None and t > self._steps[0].land - 1e-6:
-            step = self._steps.pop(0)
-            self.stands[step.foot] = step.place
-            self._last = step
-            self.made.append(step)
-            self._landed_at[step.foot] = step.land
-            self._stride = None
-            self._phases.append(self._phase(step.land, dict(self.stands)))
+        """Let a swing that is over be over, once its foot stands: what follows waits for that."""
+        if self._stride is None or t < self._steps[0].land - 1e-6:
+            return
+        step = self._steps[0]
+        if step.foot in self.aloft:
+            more = t + KNOT_PERIOD - step.stands
+            step.late += more
+            for later in self._steps[1:]:
+                later.put_off(more)
+            return
+        self._steps.pop(0)
+        self.stands[step.foot] = step.place
+        self._last = step
+        self.made.append(step)
+        self._landed_at[step.foot] = step.stands
+        self._stride = None
+        self._phases.append(self._phase(step.stands, dict(self.stands)))
 
     def _phase(self, start: float, stands: Mapping[str, Foothold]) -> Phase:
         return Phase(start, np.inf, {foot: foot_pose(at, self._rest[foot]) for foot, at in stands.items()})
@@ -311,7 +328,7 @@ class SteppingFooting:
         asked = self.asked[0]
         if self._steps and self._steps[0].foot == asked.foot:
             return
-        before = self._steps[0].land if self._steps else max(self._landed_at.values())
+        before = self._steps[0].stands if self._steps else max(self._landed_at.values())
         again = not self._steps and self._landed_at[asked.foot] == before
         pause = (MIN_TIME_BEFORE_SAME_FOOT if again else MIN_DOUBLE_SUPPORT_TIME) * self._time
         first = first_knot_from(max(asked.lift, t + COMMITMENT_TIME + KNOT_PERIOD, before + pause))
@@ -360,17 +377,20 @@ class SteppingFooting:
             if excess < accepted:
                 return
         if excess > MAX_PLAN_EXCESS:
-            self._steps.pop()
-            self.asked.appendleft(step.asked)
+            self._undecide()
 
-    def _lift_height(self, step: DecidedStep) -> float:
-        """How high a foot gets in a step [m]."""
-        low, high = (share * self.reach.leg_length for share in SWING_HEIGHT_RANGE)
-        high = min(high, MAX_LIFT_ACCELERATION_G * GRAVITY / BUMP_CURVATURE * (step.land - step.lift) ** 2)
-        return max(min(self.scale * step.asked.height, high), low)
+    @property
+    def _has_decided(self) -> bool:
+        """Whether a step is decided that has not begun."""
+        return len(self._steps) > (0 if self._stride is None else 1)
+
+    def _undecide(self) -> None:
+        """Let a step that is decided and has not begun be one of those to be thought about, if there is one."""
+        if self._has_decided:
+            self.asked.appendleft(self._steps.pop().asked)
 
     def _begin(self, step: DecidedStep) -> None:
-        height = self._lift_height(step)
+        height = lift_height(step, self.reach.leg_length, self.scale)
         pose = foot_pose(step.start, self._rest[step.foot])
         self._stride = Stride(pose.translation, pose.rotation, step.lift, step.land, height)
         self._strides[step.foot] = self._stride
@@ -378,11 +398,3 @@ class SteppingFooting:
         self._phases.append(self._phase(step.lift, {foot: at for foot, at in self.stands.items() if foot != step.foot}))
         for tell in self.begun:
             tell(step.foot, step.lift, step.land)
-
-
-def _foothold(pose: pin.SE3, rest: pin.SE3) -> Foothold:
-    """The foothold at which a foot's frame has a pose; rest: its pose at rest, of `feet_at_rest`."""
-    at = pose * rest.inverse()
-    return Foothold(
-        float(at.translation[0]), float(at.translation[1]), float(np.arctan2(at.rotation[1, 0], at.rotation[0, 0]))
-    )
