@@ -15,13 +15,13 @@ from sot.live.steps.foot_sense import wrapped
 from sot.live.steps.leg_momentum import zmp_shift_of_swing
 from sot.live.steps.person_steps import AskedStep
 from sot.live.steps.preview import KNOT_PERIOD, StepPreview, first_knot_from
-from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, foothold_between, live_reach, reachable_foothold
+from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, foothold_between, live_reach
+from sot.live.steps.step_place import StepPlace
 from sot.live.steps.step_plan import (
     DecidedStep,
     Rooms,
     StandingPoses,
     foothold_of,
-    lift_height,
     rooms_at,
     swing_shift,
     zmp_wishes,
@@ -72,7 +72,6 @@ class SteppingFooting:
         asked: the person's steps that the robot has not decided on yet.
         planned_at: when the centre of mass was planned last [s].
         made: the steps that are over.
-        scale: lengths of the robot over the person's.
         begun: called with foot, lift and landing time [s] of each step that is going to be made.
         aloft: the feet that do not stand, as far as that is measured.
         is_disturbed: whether the robot is off its plan by more than a step should begin with.
@@ -85,17 +84,16 @@ class SteppingFooting:
         com = pin.centerOfMass(robot.model, data, robot.rest).copy()
         pin.framesForwardKinematics(robot.model, data, robot.rest)
         hips = np.mean([data.oMf[robot.point(f"{side}_hip")].translation for side in SIDES], axis=0)
-        self._zmp_shift = zmp_shift_of_swing(robot)
+        self._zmp_shift, self._places = zmp_shift_of_swing(robot), StepPlace(robot, self.reach)
         self._preview = StepPreview(com[:2], float(com[2]), self._zmp_shift.along)
         self._rooms = Rooms(robot, self.reach, (hips - com)[:2])
         self._standing, self._landed = StandingPoses(robot), StandingPoses(robot)
-        self._time = float(np.sqrt(com[2] / GRAVITY))
+        self._time, self._height = float(np.sqrt(com[2] / GRAVITY)), float(com[2])
         self.stands = {foot: foothold_of(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
         self.asked: deque[AskedStep] = deque()
         self.made: list[DecidedStep] = []
         self.begun: list[Callable[[str, float, float], object]] = []
         self.aloft, self.is_disturbed = set[str](), False
-        self.scale, self._turn = 1.0, 0.0
         self._steps: list[DecidedStep] = []
         self._stride: Stride | None = None
         self._strides: dict[str, Stride] = {}
@@ -106,16 +104,21 @@ class SteppingFooting:
         self.excess = 0.0
         self.room = self._rooms(self.stands).inside
 
+    @property
+    def scale(self) -> float:
+        """Lengths of the robot over the person's."""
+        return self._places.scale
+
     def meet(self, scale: float) -> None:
         """Get ready for a new person, of whose lengths the robot's are a share."""
-        self.scale = scale
+        self._places.scale = scale
         self.asked.clear()
 
     def face(self, stands: Mapping[str, Foothold]) -> float:
         """Let the person face as the robot does now; the turn from the one to the other [rad]."""
         headings = [np.mean([np.exp(1j * at.heading) for at in feet.values()]) for feet in (self.stands, stands)]
-        self._turn = float(np.angle(headings[0] / headings[1]))
-        return self._turn
+        self._places.turn = float(np.angle(headings[0] / headings[1]))
+        return self._places.turn
 
     def mean_heading(self, near: float) -> float:
         """The mean heading of the feet, unwrapped to be near an angle [rad]."""
@@ -191,7 +194,7 @@ class SteppingFooting:
     ) -> Array:
         """See `Footing`."""
         if t > self.planned_at + KNOT_PERIOD - 1e-6:
-            self.planned_at = t
+            self.planned_at, self._height = t, height
             self._plan(t, wanted, future)
         (room,), _ = rooms_at(np.array([t + period]), self.stands, self._steps, self._rooms)
         self.room = room.inside
@@ -222,10 +225,7 @@ class SteppingFooting:
         rooms, last = rooms_at(times, self.stands, steps, self._rooms)
         end = self._rooms(last)
         wish = zmp_wishes(rooms, wanted - self._rooms(self.stands).centre, self._preview.times, future)
-        shifts = [
-            swing_shift(step, lift_height(step, self.reach.leg_length, self.scale), times, self._zmp_shift)
-            for step in steps
-        ]
+        shifts = [swing_shift(step, self._places.rise(step), times, self._zmp_shift) for step in steps]
         swings = np.sum(shifts, axis=0) if shifts else np.zeros((len(times), 2))
         return self._preview.solve(rooms, wish, end, swings)
 
@@ -269,7 +269,7 @@ class SteppingFooting:
         if t > step.land - FREEZE_TIME:
             return
         before, aimed, accepted = step.place, step.aimed, max(ACCEPTED_PLAN_EXCESS, self.excess)
-        place = self._place(step.asked, step.start, self._beside(step), step.land - step.lift)
+        place = self._place(step)
         for part in REDIRECTED_PARTS:
             step.place, step.aimed = (
                 foothold_between(before, place, part),
@@ -304,16 +304,15 @@ class SteppingFooting:
         before = [one for one in self._steps if one.foot == other and one.lift < step.lift]
         return before[-1].place if before else self.stands[other]
 
-    def _place(self, asked: AskedStep, start: Foothold, beside: Foothold, span: float) -> Foothold:
-        """The robot's foothold for a person's step, relative to the foot that stands."""
-        cosine, sine = np.cos(self._turn), np.sin(self._turn)
-        x, y = asked.place.x - asked.beside.x, asked.place.y - asked.beside.y
-        wanted = Foothold(
-            beside.x + self.scale * float(cosine * x - sine * y),
-            beside.y + self.scale * float(sine * x + cosine * y),
-            start.heading + wrapped(asked.place.heading + self._turn - start.heading),
-        )
-        return reachable_foothold(self.reach, asked.foot, wanted, start, beside, span)
+    def _place(self, step: DecidedStep) -> Foothold:
+        """The robot's foothold for a person's step."""
+        return self._places(step, self._beside(step), self._com_at)
+
+    def _com_at(self, times: Array) -> Array:
+        """Where the last plan has the centre of mass at times (n,) [s], as high as it is now (n, 3) [m]."""
+        later, places = times - (self.planned_at - KNOT_PERIOD), self._preview.places
+        x, y = (np.interp(later, self._preview.times, column) for column in places.T)
+        return np.column_stack([x, y, np.full(len(times), self._height)])
 
     def _decide(self, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
         """Decide on the next step of the person, if there is time for it."""
@@ -359,7 +358,7 @@ class SteppingFooting:
         step = DecidedStep(asked.foot, lift, lift, start, start, asked, asked.place)
         span = float(np.clip(asked.land - lift, least, most))
         step.land = first_knot_from(lift + span)
-        step.place = self._place(asked, start, self._beside(step), step.land - lift)
+        step.place = self._place(step)
         return step
 
     def _put_off_or_begin(self, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
@@ -368,11 +367,9 @@ class SteppingFooting:
         if t > step.lift - COMMITMENT_TIME + 1e-6 and self._stride is None:
             self._begin(step)
             return
-        before, beside, span = step.place, self._beside(step), step.land - step.lift
-        place, accepted = self._place(step.asked, step.start, beside, span), max(ACCEPTED_PLAN_EXCESS, self.excess)
+        before, place, accepted = step.place, self._place(step), max(ACCEPTED_PLAN_EXCESS, self.excess)
         for part in (*REDIRECTED_PARTS, 0.0):
-            near = foothold_between(before, place, part)
-            step.place = reachable_foothold(self.reach, step.foot, near, step.start, beside, span)
+            step.place = self._places.reachable(step, self._beside(step), foothold_between(before, place, part))
             excess = self._solved(t, self._steps, wanted, future)[1]
             if excess < accepted:
                 return
@@ -390,7 +387,7 @@ class SteppingFooting:
             self.asked.appendleft(self._steps.pop().asked)
 
     def _begin(self, step: DecidedStep) -> None:
-        height = lift_height(step, self.reach.leg_length, self.scale)
+        height = self._places.rise(step)
         pose = foot_pose(step.start, self._rest[step.foot])
         self._stride = Stride(pose.translation, pose.rotation, step.lift, step.land, height)
         self._strides[step.foot] = self._stride

@@ -1,7 +1,7 @@
 """The steps that are decided for the robot, and what supports it meanwhile."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
@@ -158,24 +158,19 @@ def rooms_at(
 ) -> tuple[list[Room], Mapping[str, Foothold]]:
     """The room at each time (n,), and where the feet stand in the end.
 
-    A foot is not counted on to carry from FORCE_RAMP_TIME before it lifts to as long after it has landed. Its leg has
-    to reach its place from as long before it lands.
+    A foot is not counted on to carry from FORCE_RAMP_TIME before it lifts to as long after it has landed.
     """
     found: list[Room] = []
-    now, pending, known = dict(stands), list(steps), dict[tuple[int, bool, bool], Room]()
+    now, pending, known = dict(stands), list(steps), dict[tuple[int, bool], Room]()
     for t in times:
         while pending and t > pending[0].stands + FORCE_RAMP_TIME + TOLERANCE:
             done = pending.pop(0)
             now[done.foot] = done.place
         step = pending[0] if pending else None
         lifted = step.foot if step is not None and t > step.lift - FORCE_RAMP_TIME - TOLERANCE else None
-        lands = step is not None and t > step.land - FORCE_RAMP_TIME - TOLERANCE
-        when = len(pending), lifted is not None, lands
+        when = len(pending), lifted is not None
         if when not in known:
-            room = rooms({foot: at for foot, at in now.items() if foot != lifted})
-            if step is not None and lands:
-                room = replace(room, reach=rooms({**now, step.foot: step.place}).reach)
-            known[when] = room
+            known[when] = rooms({foot: at for foot, at in now.items() if foot != lifted})
         found.append(known[when])
     for step in pending:
         now[step.foot] = step.place
