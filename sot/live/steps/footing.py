@@ -45,7 +45,7 @@ COMMITMENT_TIME = 0.08
 """Time before its lift from which on a step is made whatever comes [s]: its load is given away meanwhile."""
 FREEZE_TIME = 0.1
 """Time before its landing from which on a foot goes where it goes [s]."""
-ACCEPTED_PLAN_EXCESS = 0.004
+ACCEPTED_PLAN_EXCESS = 0.001
 """Distance of the zero-moment point beyond its room with which a step may be decided [m]."""
 MAX_PLAN_EXCESS = 0.02
 """The same with which a decided step, not yet begun, is put off [m]."""
@@ -100,8 +100,7 @@ class SteppingFooting:
         self._last: DecidedStep | None = None
         self._landed_at = dict.fromkeys(robot.feet, -np.inf)
         self._phases = [self.start]
-        self.planned_at = -np.inf
-        self.excess = 0.0
+        self.planned_at, self.excess = -np.inf, 0.0
         self.room = self._rooms(self.stands).inside
 
     @property
@@ -269,7 +268,7 @@ class SteppingFooting:
         if t > step.land - FREEZE_TIME:
             return
         before, aimed, accepted = step.place, step.aimed, max(ACCEPTED_PLAN_EXCESS, self.excess)
-        place = self._place(step)
+        place = self._places(step, self._beside(step))
         for part in REDIRECTED_PARTS:
             step.place, step.aimed = (
                 foothold_between(before, place, part),
@@ -289,9 +288,8 @@ class SteppingFooting:
         assert self._stride is not None
         pose = foot_pose(step.place, self._rest[step.foot])
         speed, acceleration = self._stride.peak_rates(t, pose.translation[:2], step.place.heading - step.start.heading)
-        return (
-            acceleration < MAX_SWING_ACCELERATION_G * GRAVITY and speed < PEAK_OVER_MEAN_SPEED * self.reach.turn_speed
-        )
+        most = PEAK_OVER_MEAN_SPEED * self.reach.turn_speed
+        return acceleration < MAX_SWING_ACCELERATION_G * GRAVITY and speed < most
 
     def _lead(self, step: DecidedStep, t: float) -> None:
         assert self._stride is not None
@@ -303,10 +301,6 @@ class SteppingFooting:
         other = next(foot for foot in self.stands if foot != step.foot)
         before = [one for one in self._steps if one.foot == other and one.lift < step.lift]
         return before[-1].place if before else self.stands[other]
-
-    def _place(self, step: DecidedStep) -> Foothold:
-        """The robot's foothold for a person's step."""
-        return self._places(step, self._beside(step), self._com_at)
 
     def _com_at(self, times: Array) -> Array:
         """Where the last plan has the centre of mass at times (n,) [s], as high as it is now (n, 3) [m]."""
@@ -358,16 +352,18 @@ class SteppingFooting:
         step = DecidedStep(asked.foot, lift, lift, start, start, asked, asked.place)
         span = float(np.clip(asked.land - lift, least, most))
         step.land = first_knot_from(lift + span)
-        step.place = self._place(step)
+        step.place = self._places(step, self._beside(step))
         return step
 
     def _put_off_or_begin(self, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
         """Begin the step that comes next once it is time, or think it over if no balance leads through it any more."""
         step = self._steps[-1]
         if t > step.lift - COMMITMENT_TIME + 1e-6 and self._stride is None:
+            self._shorten(step, t, wanted, future)
             self._begin(step)
             return
-        before, place, accepted = step.place, self._place(step), max(ACCEPTED_PLAN_EXCESS, self.excess)
+        before, place = step.place, self._places(step, self._beside(step))
+        accepted = max(ACCEPTED_PLAN_EXCESS, self.excess)
         for part in (*REDIRECTED_PARTS, 0.0):
             step.place = self._places.reachable(step, self._beside(step), foothold_between(before, place, part))
             excess = self._solved(t, self._steps, wanted, future)[1]
@@ -386,10 +382,16 @@ class SteppingFooting:
         if self._has_decided:
             self.asked.appendleft(self._steps.pop().asked)
 
+    def _shorten(self, step: DecidedStep, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
+        """Let a step be as long as its knee is fast, if balance leads through it then, too."""
+        long = step.part, step.place
+        self._places.shorten(step, self._beside(step), self._com_at)
+        if self._solved(t, self._steps, wanted, future)[1] > max(ACCEPTED_PLAN_EXCESS, self.excess):
+            step.part, step.place = long
+
     def _begin(self, step: DecidedStep) -> None:
-        height = self._places.rise(step)
         pose = foot_pose(step.start, self._rest[step.foot])
-        self._stride = Stride(pose.translation, pose.rotation, step.lift, step.land, height)
+        self._stride = Stride(pose.translation, pose.rotation, step.lift, step.land, self._places.rise(step))
         self._strides[step.foot] = self._stride
         self._lead(step, step.lift)
         self._phases.append(self._phase(step.lift, {foot: at for foot, at in self.stands.items() if foot != step.foot}))

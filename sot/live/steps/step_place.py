@@ -23,7 +23,8 @@ SHORTENED_PARTS = (0.85, 0.7, 0.55, 0.4)
 class StepPlace:
     """The robot's foothold for a person's step, relative to the foot that stands.
 
-    It is the nearest that the legs reach, and no farther than the knee of the foot in the air is fast enough.
+    It is the nearest that the legs reach, and no farther than the knee of the foot in the air is fast enough: that is
+    told once, when the step begins, for a place that went to and fro with each plan would leave no balance over.
 
     Args:
         robot: who steps.
@@ -38,14 +39,8 @@ class StepPlace:
         self._reach, self._knees = reach, KneeSpeed(robot)
         self.scale, self.turn = 1.0, 0.0
 
-    def __call__(self, step: DecidedStep, beside: Foothold, com_at: Callable[[Array], Array]) -> Foothold:
-        """The foothold.
-
-        Args:
-            step: what is known of the step; its place is not looked at.
-            beside: where the other foot stands meanwhile.
-            com_at: the centre of mass at times (n,) [s], (n, 3) [m].
-        """
+    def __call__(self, step: DecidedStep, beside: Foothold) -> Foothold:
+        """The foothold, with the step's part of the way; beside: where the other foot stands meanwhile."""
         asked, start = step.asked, step.start
         cosine, sine = np.cos(self.turn), np.sin(self.turn)
         x, y = asked.place.x - asked.beside.x, asked.place.y - asked.beside.y
@@ -54,14 +49,26 @@ class StepPlace:
             beside.y + self.scale * float(sine * x + cosine * y),
             start.heading + wrapped(asked.place.heading + self.turn - start.heading),
         )
-        far = place = self.reachable(step, beside, wanted)
+        far = self.reachable(step, beside, wanted)
+        if step.part == 1.0:
+            return far
+        return self.reachable(step, beside, replace(foothold_between(start, far, step.part), heading=far.heading))
+
+    def shorten(self, step: DecidedStep, beside: Foothold, com_at: Callable[[Array], Array]) -> None:
+        """Let a step be as long as its knee is fast.
+
+        Args:
+            step: which has its place with all of the way.
+            beside: where the other foot stands meanwhile.
+            com_at: the centre of mass at times (n,) [s], (n, 3) [m].
+        """
         com = com_at(np.linspace(step.lift, step.land, SAMPLES))
-        rise, heading = self.rise(step), start.heading + 0.5 * wrapped(beside.heading - start.heading)
+        heading, span = step.start.heading + 0.5 * wrapped(beside.heading - step.start.heading), step.land - step.lift
         for part in SHORTENED_PARTS:
-            if self._knees(step.foot, start, place, step.land - step.lift, rise, com, heading) < 1.0:
-                break
-            place = self.reachable(step, beside, replace(foothold_between(start, far, part), heading=far.heading))
-        return place
+            if self._knees(step.foot, step.start, step.place, span, self.rise(step), com, heading) < 1.0:
+                return
+            step.part = part
+            step.place = self(step, beside)
 
     def reachable(self, step: DecidedStep, beside: Foothold, wanted: Foothold) -> Foothold:
         """The foothold nearest to a wanted one that a step reaches."""

@@ -41,6 +41,7 @@ class DecidedStep:
         start, place: from where to where.
         asked: the person's step that it follows.
         aimed: where that was expected to end, as far as the foot has been led there.
+        part: of the way to where the person's step ends in the robot's reach that it makes.
         late: by how much later than planned the foot is counted on to stand [s].
     """
 
@@ -51,6 +52,7 @@ class DecidedStep:
     place: Foothold
     asked: AskedStep
     aimed: Foothold
+    part: float = 1.0
     late: float = 0.0
 
     @property

@@ -6,7 +6,7 @@ import pytest
 
 from sot.behaviours.capture import Capture
 from sot.behaviours.planned_swing import EarlyLanding
-from sot.behaviours.recovery import HOMEWARD_LENGTH, RecoverySchedule
+from sot.behaviours.recovery import DISTURBED_DCM_ERROR, HOMEWARD_LENGTH, RecoverySchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.control.tick import Tick
@@ -61,6 +61,20 @@ def ways(stack) -> dict:
 def test_what_the_feet_can_hold_makes_no_step(robot, motion, velocity):
     stack, done = reacts(robot, motion, velocity)
     assert done == [] and not ways(stack)
+
+
+def test_a_robot_is_disturbed_until_it_is_calm_and_while_a_foot_is_astray(robot, motion):
+    recovery, stack = RecoverySchedule.of(motion), standing(robot)
+    rate = np.sqrt(GRAVITY / moving(robot, stack, (0.0, 0.0)).com[2])
+    for share, was, now in ((0.8, False, False), (0.8, True, True), (0.3, True, False), (1.2, False, True)):
+        speed = share * DISTURBED_DCM_ERROR * leg_length(robot) * rate
+        assert recovery.is_disturbed(moving(robot, stack, (speed, 0.0)), was) == now
+    q, tick = robot.rest.copy(), Tick(robot)
+    q[7 + np.array(robot.groups["left_leg"])[1]] += 0.25
+    tick.contacts = stack.contacts
+    assert recovery.is_disturbed(tick.update(0.0, q, np.zeros(robot.nv)))
+    stack.contact("left_foot").mode = "off"
+    assert not recovery.is_disturbed(tick.update(0.0, q, np.zeros(robot.nv))), "it is on its way"
 
 
 @pytest.mark.parametrize("heading", np.deg2rad([-20.0, 0.0, 15.0, 165.0, 190.0]))

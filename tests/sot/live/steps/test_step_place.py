@@ -54,14 +54,19 @@ def test_a_knee_is_as_fast_as_the_leg_under_level_hips_needs(robot, foot, dx, dy
     assert MAX_SPEED_SHARE * limit * found == pytest.approx(fastest, rel=0.1)
 
 
+def shortened(robot, dx, span=0.4, speed=0.0):
+    """Where a step ends that would go so far, and a robot that decides on it."""
+    places = StepPlace(robot, live_reach(robot))
+    step, beside = decided(dx, span=span)
+    step.place = places(step, beside)
+    places.shorten(step, beside, com_ahead(robot, speed=speed))
+    assert places(step, beside) == step.place, "it stays so"
+    return step.place.x
+
+
 def test_a_step_is_as_long_as_its_knee_is_fast(robot):
-    place = StepPlace(robot, live_reach(robot))
-    near, beside = decided(0.1)
-    assert place(near, beside, com_ahead(robot)).x == pytest.approx(0.1)
-    far, beside = decided(0.36)
-    behind = place(far, beside, com_ahead(robot)).x
+    assert shortened(robot, 0.1) == pytest.approx(0.1)
+    behind = shortened(robot, 0.36)
     assert 0.1 < behind < 0.3, "hips that stay behind stretch the leg"
-    along = place(far, beside, com_ahead(robot, speed=0.5)).x
-    assert along > behind + 0.03
-    slow, beside = decided(0.36, span=0.7)
-    assert place(slow, beside, com_ahead(robot)).x == pytest.approx(0.36)
+    assert shortened(robot, 0.36, speed=0.5) > behind + 0.03
+    assert shortened(robot, 0.36, span=0.7) == pytest.approx(0.36)
