@@ -69,12 +69,17 @@ def test_a_robot_is_disturbed_until_it_is_calm_and_while_a_foot_is_astray(robot,
     for share, was, now in ((0.8, False, False), (0.8, True, True), (0.3, True, False), (1.2, False, True)):
         speed = share * DISTURBED_DCM_ERROR * leg_length(robot) * rate
         assert recovery.is_disturbed(moving(robot, stack, (speed, 0.0)), was) == now
-    q, tick = robot.rest.copy(), Tick(robot)
-    q[7 + np.array(robot.groups["left_leg"])[1]] += 0.25
-    tick.contacts = stack.contacts
-    assert recovery.is_disturbed(tick.update(0.0, q, np.zeros(robot.nv)))
-    stack.contact("left_foot").mode = "off"
-    assert not recovery.is_disturbed(tick.update(0.0, q, np.zeros(robot.nv))), "it is on its way"
+    for apart, astray in ((0.0, False), (0.2, True)):
+        q, tick = robot.rest.copy(), Tick(robot)
+        for side, outward in (("left", 1.0), ("right", -1.0)):
+            q[7 + robot.groups[f"{side}_leg"][1]] += outward * apart
+        tick.contacts = stack.contacts
+        recovery = RecoverySchedule.of(motion)
+        tick.update(0.0, q, np.zeros(robot.nv))
+        assert np.linalg.norm(recovery._capture.dcm_and_deviation(tick)[1]) < 0.2 * DISTURBED_DCM_ERROR * leg_length(
+            robot
+        )
+        assert recovery.is_disturbed(tick) == astray
 
 
 @pytest.mark.parametrize("heading", np.deg2rad([-20.0, 0.0, 15.0, 165.0, 190.0]))
