@@ -45,6 +45,8 @@ MIN_MARGIN_GAIN = 0.017
 """Least gain of a step over none, in the distance of the divergent component from the support's edges [legs]."""
 HOME_DISTANCE = 0.033
 """Distance from its planned place within which a foot stays where it is [legs]."""
+ASTRAY_DISTANCE = 0.15
+"""Distance of a foot from its planned place beside the other one beyond which planned steps lead astray [legs]."""
 HOMEWARD_LENGTH = 0.05
 """Length by which a planned step leads back, of what the foot beside it is off its place [legs]: it disturbs nobody."""
 MIN_REDIRECTION = 0.0067
@@ -173,6 +175,18 @@ class RecoverySchedule(SteppingSchedule):
             stack.contact(step.foot).is_catching = False
             self._rest_until = t + MIN_TIME_BETWEEN_STEPS * self._time
         return done
+
+    def is_disturbed(self, tick: Tick, was: bool = False) -> bool:
+        """Whether the divergent component is farther off its plan than tracking has it, or a foot that stands off its
+        place beside the other one; if it was so, until it is calm."""
+        capture, feet = self._capture, self._robot.feet
+        _, off = capture.dcm_and_deviation(tick)
+        if np.linalg.norm(off) > (CALM_DCM_ERROR if was else DISTURBED_DCM_ERROR) * self._leg:
+            return True
+        if any(contact.mode != "fixed" for contact in tick.contacts if contact.point in feet):
+            return False
+        astray = capture.planned_place(tick, *feet) - tick.frame(feet[0]).position[:2]
+        return bool(np.linalg.norm(astray) > ASTRAY_DISTANCE * self._leg)
 
     def _all_feet_carry(self, tick: Tick) -> bool:
         """Whether all feet stand with all their load, and by the plan for long enough for a step."""

@@ -8,24 +8,32 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from sot.behaviours.stride import BUMP_CURVATURE, Stride, bump_curve
+from sot.behaviours.stride import Stride
 from sot.control.pose import Pose
 from sot.gravity import GRAVITY
 from sot.live.steps.foot_sense import wrapped
 from sot.live.steps.leg_momentum import zmp_shift_of_swing
 from sot.live.steps.person_steps import AskedStep
 from sot.live.steps.preview import KNOT_PERIOD, StepPreview, first_knot_from
-from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, foothold_between, reachable_foothold
-from sot.live.steps.step_plan import DecidedStep, Rooms, StandingPoses, rooms_at, zmp_wishes
+from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, foothold_between, live_reach
+from sot.live.steps.step_place import StepPlace
+from sot.live.steps.step_plan import (
+    DecidedStep,
+    Rooms,
+    StandingPoses,
+    foothold_of,
+    rooms_at,
+    swing_shift,
+    zmp_wishes,
+)
 from sot.motion.feet.contacts import Phase, planted_phases
-from sot.motion.feet.footholds import LegReach
 from sot.motion.feet.footwork import MIN_STEP_LENGTH, MIN_STEP_TURN, Foothold
-from sot.motion.feet.swing import SWING_HEIGHT_RANGE, feet_at_rest, foot_pose
+from sot.motion.feet.swing import feet_at_rest, foot_pose
 from sot.motion.feet.tempo import MAX_STEP_DELAY
 from sot.motion.feet.travel import OMISSIBLE_LENGTH_LEGS
 from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
-from sot.smooth import minimum_jerk, minimum_jerk_curve
+from sot.smooth import minimum_jerk
 
 Array = NDArray[np.float64]
 
@@ -37,7 +45,7 @@ COMMITMENT_TIME = 0.08
 """Time before its lift from which on a step is made whatever comes [s]: its load is given away meanwhile."""
 FREEZE_TIME = 0.1
 """Time before its landing from which on a foot goes where it goes [s]."""
-ACCEPTED_PLAN_EXCESS = 0.004
+ACCEPTED_PLAN_EXCESS = 0.001
 """Distance of the zero-moment point beyond its room with which a step may be decided [m]."""
 MAX_PLAN_EXCESS = 0.02
 """The same with which a decided step, not yet begun, is put off [m]."""
@@ -46,8 +54,6 @@ MAX_BACKLOG_TIME = 2.1
 the centre of mass / g)."""
 MAX_TRIALS = 8
 """Times of a lift that are tried, KNOT_PERIOD apart, before the step waits for the next plan."""
-MAX_LIFT_ACCELERATION_G = 0.5
-"""Bound of a foot's acceleration upward in a step, unless it has to clear the floor, in g."""
 REDIRECTED_PARTS = (1.0, 0.5, 0.25)
 """Parts of a change of a foothold that are tried, before the foot goes on to where it was led."""
 PEAK_OVER_MEAN_SPEED = 1.875
@@ -66,47 +72,52 @@ class SteppingFooting:
         asked: the person's steps that the robot has not decided on yet.
         planned_at: when the centre of mass was planned last [s].
         made: the steps that are over.
-        scale: lengths of the robot over the person's.
         begun: called with foot, lift and landing time [s] of each step that is going to be made.
+        aloft: the feet that do not stand, as far as that is measured.
+        is_disturbed: whether the robot is off its plan by more than a step should begin with.
     """
 
     def __init__(self, robot: Robot) -> None:
         (self.start,) = planted_phases(robot, np.inf)
-        self._robot, self._rest, self.reach = robot, feet_at_rest(robot), LegReach.of(robot)
+        self._robot, self._rest, self.reach = robot, feet_at_rest(robot), live_reach(robot)
         data = robot.model.createData()
         com = pin.centerOfMass(robot.model, data, robot.rest).copy()
         pin.framesForwardKinematics(robot.model, data, robot.rest)
         hips = np.mean([data.oMf[robot.point(f"{side}_hip")].translation for side in SIDES], axis=0)
-        self._zmp_shift = zmp_shift_of_swing(robot)
+        self._zmp_shift, self._places = zmp_shift_of_swing(robot), StepPlace(robot, self.reach)
         self._preview = StepPreview(com[:2], float(com[2]), self._zmp_shift.along)
         self._rooms = Rooms(robot, self.reach, (hips - com)[:2])
         self._standing, self._landed = StandingPoses(robot), StandingPoses(robot)
-        self._time = float(np.sqrt(com[2] / GRAVITY))
-        self.stands = {foot: _foothold(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
+        self._time, self._height = float(np.sqrt(com[2] / GRAVITY)), float(com[2])
+        self.stands = {foot: foothold_of(self.start.feet[foot], self._rest[foot]) for foot in robot.feet}
         self.asked: deque[AskedStep] = deque()
         self.made: list[DecidedStep] = []
         self.begun: list[Callable[[str, float, float], object]] = []
-        self.scale, self._turn = 1.0, 0.0
+        self.aloft, self.is_disturbed = set[str](), False
         self._steps: list[DecidedStep] = []
         self._stride: Stride | None = None
         self._strides: dict[str, Stride] = {}
         self._last: DecidedStep | None = None
         self._landed_at = dict.fromkeys(robot.feet, -np.inf)
         self._phases = [self.start]
-        self.planned_at = -np.inf
-        self.excess = 0.0
+        self.planned_at, self.excess = -np.inf, 0.0
         self.room = self._rooms(self.stands).inside
+
+    @property
+    def scale(self) -> float:
+        """Lengths of the robot over the person's."""
+        return self._places.scale
 
     def meet(self, scale: float) -> None:
         """Get ready for a new person, of whose lengths the robot's are a share."""
-        self.scale = scale
+        self._places.scale = scale
         self.asked.clear()
 
     def face(self, stands: Mapping[str, Foothold]) -> float:
         """Let the person face as the robot does now; the turn from the one to the other [rad]."""
         headings = [np.mean([np.exp(1j * at.heading) for at in feet.values()]) for feet in (self.stands, stands)]
-        self._turn = float(np.angle(headings[0] / headings[1]))
-        return self._turn
+        self._places.turn = float(np.angle(headings[0] / headings[1]))
+        return self._places.turn
 
     def mean_heading(self, near: float) -> float:
         """The mean heading of the feet, unwrapped to be near an angle [rad]."""
@@ -182,7 +193,7 @@ class SteppingFooting:
     ) -> Array:
         """See `Footing`."""
         if t > self.planned_at + KNOT_PERIOD - 1e-6:
-            self.planned_at = t
+            self.planned_at, self._height = t, height
             self._plan(t, wanted, future)
         (room,), _ = rooms_at(np.array([t + period]), self.stands, self._steps, self._rooms)
         self.room = room.inside
@@ -196,8 +207,11 @@ class SteppingFooting:
         if self._steps and self._stride is not None:
             self._redirect(t, wanted, future)
         self._catch_up(t)
-        self._decide(t, wanted, future)
-        if len(self._steps) > (0 if self._stride is None else 1):
+        if self.is_disturbed or (self.aloft and self._stride is None):
+            self._undecide()
+        else:
+            self._decide(t, wanted, future)
+        if self._has_decided:
             self._put_off_or_begin(t, wanted, future)
         jerk, self.excess = self._solved(t, self._steps, wanted, future)
         self._preview.follow(jerk)
@@ -210,26 +224,28 @@ class SteppingFooting:
         rooms, last = rooms_at(times, self.stands, steps, self._rooms)
         end = self._rooms(last)
         wish = zmp_wishes(rooms, wanted - self._rooms(self.stands).centre, self._preview.times, future)
-        swings = np.zeros((len(times), 2))
-        for step in steps:
-            span = step.land - step.lift
-            share = np.clip((times - step.lift) / span, 0.0, 1.0)
-            way = np.array([step.place.x - step.start.x, step.place.y - step.start.y])
-            ahead = np.array([np.cos(step.start.heading), np.sin(step.start.heading)])
-            swings += self._zmp_shift.along * minimum_jerk_curve(share)[:, None] * way / span**2
-            swings += self._zmp_shift.ahead * bump_curve(share)[:, None] * self._lift_height(step) * ahead / span**2
+        shifts = [swing_shift(step, self._places.rise(step), times, self._zmp_shift) for step in steps]
+        swings = np.sum(shifts, axis=0) if shifts else np.zeros((len(times), 2))
         return self._preview.solve(rooms, wish, end, swings)
 
     def _land(self, t: float) -> None:
-        """Let a swing that is over be over."""
-        if self._stride is not None and t > self._steps[0].land - 1e-6:
-            step = self._steps.pop(0)
-            self.stands[step.foot] = step.place
-            self._last = step
-            self.made.append(step)
-            self._landed_at[step.foot] = step.land
-            self._stride = None
-            self._phases.append(self._phase(step.land, dict(self.stands)))
+        """Let a swing that is over be over, once its foot stands: what follows waits for that."""
+        if self._stride is None or t < self._steps[0].land - 1e-6:
+            return
+        step = self._steps[0]
+        if step.foot in self.aloft:
+            more = t + KNOT_PERIOD - step.stands
+            step.late += more
+            for later in self._steps[1:]:
+                later.put_off(more)
+            return
+        self._steps.pop(0)
+        self.stands[step.foot] = step.place
+        self._last = step
+        self.made.append(step)
+        self._landed_at[step.foot] = step.stands
+        self._stride = None
+        self._phases.append(self._phase(step.stands, dict(self.stands)))
 
     def _phase(self, start: float, stands: Mapping[str, Foothold]) -> Phase:
         return Phase(start, np.inf, {foot: foot_pose(at, self._rest[foot]) for foot, at in stands.items()})
@@ -252,7 +268,7 @@ class SteppingFooting:
         if t > step.land - FREEZE_TIME:
             return
         before, aimed, accepted = step.place, step.aimed, max(ACCEPTED_PLAN_EXCESS, self.excess)
-        place = self._place(step.asked, step.start, self._beside(step), step.land - step.lift)
+        place = self._places(step, self._beside(step))
         for part in REDIRECTED_PARTS:
             step.place, step.aimed = (
                 foothold_between(before, place, part),
@@ -272,9 +288,8 @@ class SteppingFooting:
         assert self._stride is not None
         pose = foot_pose(step.place, self._rest[step.foot])
         speed, acceleration = self._stride.peak_rates(t, pose.translation[:2], step.place.heading - step.start.heading)
-        return (
-            acceleration < MAX_SWING_ACCELERATION_G * GRAVITY and speed < PEAK_OVER_MEAN_SPEED * self.reach.turn_speed
-        )
+        most = PEAK_OVER_MEAN_SPEED * self.reach.turn_speed
+        return acceleration < MAX_SWING_ACCELERATION_G * GRAVITY and speed < most
 
     def _lead(self, step: DecidedStep, t: float) -> None:
         assert self._stride is not None
@@ -287,16 +302,11 @@ class SteppingFooting:
         before = [one for one in self._steps if one.foot == other and one.lift < step.lift]
         return before[-1].place if before else self.stands[other]
 
-    def _place(self, asked: AskedStep, start: Foothold, beside: Foothold, span: float) -> Foothold:
-        """The robot's foothold for a person's step, relative to the foot that stands."""
-        cosine, sine = np.cos(self._turn), np.sin(self._turn)
-        x, y = asked.place.x - asked.beside.x, asked.place.y - asked.beside.y
-        wanted = Foothold(
-            beside.x + self.scale * float(cosine * x - sine * y),
-            beside.y + self.scale * float(sine * x + cosine * y),
-            start.heading + wrapped(asked.place.heading + self._turn - start.heading),
-        )
-        return reachable_foothold(self.reach, asked.foot, wanted, start, beside, span)
+    def _com_at(self, times: Array) -> Array:
+        """Where the last plan has the centre of mass at times (n,) [s], as high as it is now (n, 3) [m]."""
+        later, places = times - (self.planned_at - KNOT_PERIOD), self._preview.places
+        x, y = (np.interp(later, self._preview.times, column) for column in places.T)
+        return np.column_stack([x, y, np.full(len(times), self._height)])
 
     def _decide(self, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
         """Decide on the next step of the person, if there is time for it."""
@@ -311,7 +321,7 @@ class SteppingFooting:
         asked = self.asked[0]
         if self._steps and self._steps[0].foot == asked.foot:
             return
-        before = self._steps[0].land if self._steps else max(self._landed_at.values())
+        before = self._steps[0].stands if self._steps else max(self._landed_at.values())
         again = not self._steps and self._landed_at[asked.foot] == before
         pause = (MIN_TIME_BEFORE_SAME_FOOT if again else MIN_DOUBLE_SUPPORT_TIME) * self._time
         first = first_knot_from(max(asked.lift, t + COMMITMENT_TIME + KNOT_PERIOD, before + pause))
@@ -342,47 +352,48 @@ class SteppingFooting:
         step = DecidedStep(asked.foot, lift, lift, start, start, asked, asked.place)
         span = float(np.clip(asked.land - lift, least, most))
         step.land = first_knot_from(lift + span)
-        step.place = self._place(asked, start, self._beside(step), step.land - lift)
+        step.place = self._places(step, self._beside(step))
         return step
 
     def _put_off_or_begin(self, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
         """Begin the step that comes next once it is time, or think it over if no balance leads through it any more."""
         step = self._steps[-1]
         if t > step.lift - COMMITMENT_TIME + 1e-6 and self._stride is None:
+            self._shorten(step, t, wanted, future)
             self._begin(step)
             return
-        before, beside, span = step.place, self._beside(step), step.land - step.lift
-        place, accepted = self._place(step.asked, step.start, beside, span), max(ACCEPTED_PLAN_EXCESS, self.excess)
+        before, place = step.place, self._places(step, self._beside(step))
+        accepted = max(ACCEPTED_PLAN_EXCESS, self.excess)
         for part in (*REDIRECTED_PARTS, 0.0):
-            near = foothold_between(before, place, part)
-            step.place = reachable_foothold(self.reach, step.foot, near, step.start, beside, span)
+            step.place = self._places.reachable(step, self._beside(step), foothold_between(before, place, part))
             excess = self._solved(t, self._steps, wanted, future)[1]
             if excess < accepted:
                 return
         if excess > MAX_PLAN_EXCESS:
-            self._steps.pop()
-            self.asked.appendleft(step.asked)
+            self._undecide()
 
-    def _lift_height(self, step: DecidedStep) -> float:
-        """How high a foot gets in a step [m]."""
-        low, high = (share * self.reach.leg_length for share in SWING_HEIGHT_RANGE)
-        high = min(high, MAX_LIFT_ACCELERATION_G * GRAVITY / BUMP_CURVATURE * (step.land - step.lift) ** 2)
-        return max(min(self.scale * step.asked.height, high), low)
+    @property
+    def _has_decided(self) -> bool:
+        """Whether a step is decided that has not begun."""
+        return len(self._steps) > (0 if self._stride is None else 1)
+
+    def _undecide(self) -> None:
+        """Let a step that is decided and has not begun be one of those to be thought about, if there is one."""
+        if self._has_decided:
+            self.asked.appendleft(self._steps.pop().asked)
+
+    def _shorten(self, step: DecidedStep, t: float, wanted: Array, future: Sequence[tuple[float, Array]]) -> None:
+        """Let a step be as long as its knee is fast, if balance leads through it then, too."""
+        long = step.part, step.place
+        self._places.shorten(step, self._beside(step), self._com_at)
+        if self._solved(t, self._steps, wanted, future)[1] > max(ACCEPTED_PLAN_EXCESS, self.excess):
+            step.part, step.place = long
 
     def _begin(self, step: DecidedStep) -> None:
-        height = self._lift_height(step)
         pose = foot_pose(step.start, self._rest[step.foot])
-        self._stride = Stride(pose.translation, pose.rotation, step.lift, step.land, height)
+        self._stride = Stride(pose.translation, pose.rotation, step.lift, step.land, self._places.rise(step))
         self._strides[step.foot] = self._stride
         self._lead(step, step.lift)
         self._phases.append(self._phase(step.lift, {foot: at for foot, at in self.stands.items() if foot != step.foot}))
         for tell in self.begun:
             tell(step.foot, step.lift, step.land)
-
-
-def _foothold(pose: pin.SE3, rest: pin.SE3) -> Foothold:
-    """The foothold at which a foot's frame has a pose; rest: its pose at rest, of `feet_at_rest`."""
-    at = pose * rest.inverse()
-    return Foothold(
-        float(at.translation[0]), float(at.translation[1]), float(np.arctan2(at.rotation[1, 0], at.rotation[0, 0]))
-    )

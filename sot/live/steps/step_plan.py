@@ -4,22 +4,29 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
+from sot.behaviours.stride import BUMP_CURVATURE, bump_curve
 from sot.control.pose import Pose
+from sot.gravity import GRAVITY
 from sot.live.com_preview import COM_MARGIN_PER_SOLE, shrunk_within
+from sot.live.steps.leg_momentum import ZmpShift
 from sot.live.steps.person_steps import AskedStep
 from sot.motion.feet.contacts import Phase
 from sot.motion.feet.footholds import LegReach, body_axes
 from sot.motion.feet.footwork import Foothold
 from sot.motion.feet.support import FORCE_RAMP_TIME, support_over
-from sot.motion.feet.swing import feet_at_rest, foot_pose
+from sot.motion.feet.swing import SWING_HEIGHT_RANGE, feet_at_rest, foot_pose
 from sot.polygon import Polygon
 from sot.robots.leg_range import normals
 from sot.robots.robot import Robot
+from sot.smooth import minimum_jerk_curve
 
 Array = NDArray[np.float64]
 
+MAX_LIFT_ACCELERATION_G = 0.5
+"""Bound of a foot's acceleration upward in a step, unless it has to clear the floor, in g."""
 TOLERANCE = 1e-6
 """Of times [s]."""
 
@@ -34,6 +41,8 @@ class DecidedStep:
         start, place: from where to where.
         asked: the person's step that it follows.
         aimed: where that was expected to end, as far as the foot has been led there.
+        part: of the way to where the person's step ends in the robot's reach that it makes.
+        late: by how much later than planned the foot is counted on to stand [s].
     """
 
     foot: str
@@ -43,6 +52,18 @@ class DecidedStep:
     place: Foothold
     asked: AskedStep
     aimed: Foothold
+    part: float = 1.0
+    late: float = 0.0
+
+    @property
+    def stands(self) -> float:
+        """When the foot is counted on to stand [s]."""
+        return self.land + self.late
+
+    def put_off(self, time: float) -> None:
+        """Let a step that has not begun begin later by a time [s]."""
+        self.lift += time
+        self.land += time
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +128,14 @@ class Rooms:
         return Polygon(np.tile(-ways, (len(stands), 1)), np.concatenate(found))
 
 
+def foothold_of(pose: pin.SE3, rest: pin.SE3) -> Foothold:
+    """The foothold at which a foot's frame has a pose; rest: its pose at rest, of `feet_at_rest`."""
+    at = pose * rest.inverse()
+    return Foothold(
+        float(at.translation[0]), float(at.translation[1]), float(np.arctan2(at.rotation[1, 0], at.rotation[0, 0]))
+    )
+
+
 class StandingPoses:
     """Poses of feet that stand; the last of each foot is remembered.
 
@@ -136,7 +165,7 @@ def rooms_at(
     found: list[Room] = []
     now, pending, known = dict(stands), list(steps), dict[tuple[int, bool], Room]()
     for t in times:
-        while pending and t > pending[0].land + FORCE_RAMP_TIME + TOLERANCE:
+        while pending and t > pending[0].stands + FORCE_RAMP_TIME + TOLERANCE:
             done = pending.pop(0)
             now[done.foot] = done.place
         step = pending[0] if pending else None
@@ -148,6 +177,23 @@ def rooms_at(
     for step in pending:
         now[step.foot] = step.place
     return found, now
+
+
+def lift_height(step: DecidedStep, leg: float, scale: float) -> float:
+    """How high a foot gets in a step [m], with legs of a length [m], and lengths of a share of the person's."""
+    low, high = (share * leg for share in SWING_HEIGHT_RANGE)
+    high = min(high, MAX_LIFT_ACCELERATION_G * GRAVITY / BUMP_CURVATURE * (step.land - step.lift) ** 2)
+    return max(min(scale * step.asked.height, high), low)
+
+
+def swing_shift(step: DecidedStep, height: float, times: Array, shift: ZmpShift) -> Array:
+    """How far a step, whose foot gets so high [m], moves the zero-moment point at times (n,), (n, 2) [m]."""
+    span = step.land - step.lift
+    share = np.clip((times - step.lift) / span, 0.0, 1.0)
+    way = np.array([step.place.x - step.start.x, step.place.y - step.start.y])
+    ahead = np.array([np.cos(step.start.heading), np.sin(step.start.heading)])
+    along, up = minimum_jerk_curve(share)[:, None], bump_curve(share)[:, None]
+    return np.asarray((shift.along * along * way + shift.ahead * up * height * ahead) / span**2)
 
 
 def zmp_wishes(rooms: Sequence[Room], lean: Array, later: Array, future: Sequence[tuple[float, Array]]) -> Array:

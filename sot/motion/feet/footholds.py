@@ -133,24 +133,32 @@ class LegReach:
             turn_speed=TURN_SPEED_SHARE * min(float(robot.velocity[yaw(side)]) for side in SIDES),
             soles=soles,
         )
-        return replace(reach, toe_out_range=_toe_out_with_legs_apart(reach, robot))
+        apart = float(np.ptp([place(f"{side}_ankle")[1] for side in SIDES]))
+        return replace(reach, toe_out_range=toe_out_with_legs_apart(reach, robot, MAX_EXTENSION, apart))
 
 
-def _toe_out_with_legs_apart(reach: LegReach, robot: Robot) -> tuple[float, float]:
+def toe_out_with_legs_apart(
+    reach: LegReach, robot: Robot, extension: float, least_separation: float = 0.0
+) -> tuple[float, float]:
     """The part of the range of angles from the right foot's heading to the left one's over which legs stay apart [rad].
 
-    Feet are turned alike, as near to each other as at rest or as their soles allow, and the hips are as high as they
-    can be over them: the lower, the farther knees stand out.
+    Feet are turned alike, beside each other as near as their soles allow, or farther; the lower the hips are, the
+    farther knees stand out.
+
+    Args:
+        reach: of the robot.
+        robot: whose legs.
+        extension: distance from hip to ankle [leg lengths].
+        least_separation: of the ankles [m].
     """
     stance, ends = Stance(robot), []
-    at_rest = float(np.ptp([leg.ankle[1] for leg in stance.legs]))
     for end in reach.toe_out_range:
         posture, turned, before = [leg.rest for leg in stance.legs], end, 0.0
         for angle in (np.sign(end) * np.arange(0.0, 0.5 * abs(end), TOE_ANGLE_RESOLUTION)).tolist():
             yaws = angle, -angle
-            apart = max(min_ankle_separation(yaws, reach, np.array([0.0, 1.0])), at_rest)
+            apart = max(min_ankle_separation(yaws, reach, np.array([0.0, 1.0])), least_separation)
             out = 0.5 * (apart - reach.hip_width)
-            down = np.sqrt((MAX_EXTENSION * reach.leg_length) ** 2 - out**2)
+            down = np.sqrt((extension * reach.leg_length) ** 2 - out**2)
             ankles = [np.array([0.0, out, -down]), np.array([0.0, -out, -down])]
             found = stance.postures(posture, ankles, [pin.utils.rotate("z", yaw) for yaw in yaws])
             if found is None or not stance.are_apart(found):

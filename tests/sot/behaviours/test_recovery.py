@@ -6,7 +6,7 @@ import pytest
 
 from sot.behaviours.capture import Capture
 from sot.behaviours.planned_swing import EarlyLanding
-from sot.behaviours.recovery import HOMEWARD_LENGTH, RecoverySchedule
+from sot.behaviours.recovery import DISTURBED_DCM_ERROR, HOMEWARD_LENGTH, RecoverySchedule
 from sot.control.contact import Contact
 from sot.control.stack import Stack
 from sot.control.tick import Tick
@@ -61,6 +61,25 @@ def ways(stack) -> dict:
 def test_what_the_feet_can_hold_makes_no_step(robot, motion, velocity):
     stack, done = reacts(robot, motion, velocity)
     assert done == [] and not ways(stack)
+
+
+def test_a_robot_is_disturbed_until_it_is_calm_and_while_a_foot_is_astray(robot, motion):
+    recovery, stack = RecoverySchedule.of(motion), standing(robot)
+    rate = np.sqrt(GRAVITY / moving(robot, stack, (0.0, 0.0)).com[2])
+    for share, was, now in ((0.8, False, False), (0.8, True, True), (0.3, True, False), (1.2, False, True)):
+        speed = share * DISTURBED_DCM_ERROR * leg_length(robot) * rate
+        assert recovery.is_disturbed(moving(robot, stack, (speed, 0.0)), was) == now
+    for apart, astray in ((0.0, False), (0.2, True)):
+        q, tick = robot.rest.copy(), Tick(robot)
+        for side, outward in (("left", 1.0), ("right", -1.0)):
+            q[7 + robot.groups[f"{side}_leg"][1]] += outward * apart
+        tick.contacts = stack.contacts
+        recovery = RecoverySchedule.of(motion)
+        tick.update(0.0, q, np.zeros(robot.nv))
+        assert np.linalg.norm(recovery._capture.dcm_and_deviation(tick)[1]) < 0.2 * DISTURBED_DCM_ERROR * leg_length(
+            robot
+        )
+        assert recovery.is_disturbed(tick) == astray
 
 
 @pytest.mark.parametrize("heading", np.deg2rad([-20.0, 0.0, 15.0, 165.0, 190.0]))

@@ -8,14 +8,17 @@ import pytest
 
 from sot.gravity import GRAVITY
 from sot.live.reference import PERIOD
-from sot.live.steps.footing import MAX_BACKLOG_TIME, SteppingFooting
+from sot.live.steps.footing import MAX_BACKLOG_TIME, MIN_DOUBLE_SUPPORT_TIME, SteppingFooting
 from sot.live.steps.person_steps import AskedStep
-from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, reachable_foothold
+from sot.live.steps.preview import KNOT_PERIOD
+from sot.live.steps.reachable import MAX_SWING_ACCELERATION_G, live_reach, reachable_foothold
+from sot.live.steps.step_plan import rooms_at
 from sot.motion.feet.contacts import support_polygon
-from sot.motion.feet.footholds import LegReach, min_ankle_separation
+from sot.motion.feet.footholds import min_ankle_separation
 from sot.motion.feet.footwork import Foothold
 from sot.motion.feet.support import supports
 from sot.robots.robot import Robot
+from sot.robots.stance_range import Stance
 
 
 @pytest.fixture(scope="module")
@@ -118,7 +121,7 @@ def test_a_foot_is_led_elsewhere_no_faster_than_feet_may_go(robot):
     knots = play(footing, 3.0, start=lift + 0.2)
     fastest = max(np.linalg.norm(poses["left_foot"].acceleration[:2]) for _, _, poses, _ in knots)
     assert fastest < 1.05 * MAX_SWING_ACCELERATION_G * GRAVITY
-    assert footing.stands["left_foot"].x > 0.0, "it had no time for all of it"
+    assert footing.stands["left_foot"].x > -0.1, "it had no time for all of it"
     assert max(excess for *_, excess in knots) < 0.02
 
 
@@ -157,9 +160,58 @@ def test_who_is_far_behind_leaves_out_what_later_steps_have_made_needless(robot)
     assert footing.made[-1].asked.place.x == pytest.approx(0.1)
 
 
+def test_what_follows_waits_for_a_foot_that_is_late(robot):
+    footing = SteppingFooting(robot)
+    footing.asked += [asked("left_foot", 1.0, 0.2), asked("right_foot", 1.5, 0.2)]
+    play(footing, 1.3)
+    first, late = footing._steps[0], 3 * KNOT_PERIOD
+    footing.aloft = {"left_foot"}
+    knots = play(footing, first.land + late - 0.5 * KNOT_PERIOD, start=1.3)
+    assert footing.made == [] and max(excess for *_, excess in knots) < 0.02
+    (alone,), _ = rooms_at(np.array([first.land + late]), footing.stands, footing._steps, footing._rooms)
+    assert alone.is_single, "the foot that is late is not counted on"
+    footing.aloft = set()
+    knots = play(footing, 4.0, start=first.land + late)
+    one, other = footing.made
+    assert one.stands == pytest.approx(first.land + late, abs=1e-6)
+    assert other.lift - one.stands > MIN_DOUBLE_SUPPORT_TIME * footing._time
+    assert max(excess for *_, excess in knots) < 0.02
+
+
+def test_no_foot_lifts_while_the_robot_is_off_its_plan(robot):
+    footing = SteppingFooting(robot)
+    footing.asked += [asked("left_foot", 1.0, 0.2)]
+    play(footing, 0.8)
+    assert len(footing._steps) == 1
+    footing.is_disturbed = True
+    play(footing, 2.0, start=0.8)
+    assert not footing.made and footing._stride is None
+    footing.is_disturbed = False
+    play(footing, 3.5, start=2.0)
+    assert [step.foot for step in footing.made] == ["left_foot"] and footing.made[0].lift > 2.0
+
+
+@pytest.mark.parametrize("extension", [0.94, 0.75, 0.55])
+def test_knees_are_apart_over_footholds_that_point_at_each_other(robot, extension):
+    reach, stance, random = live_reach(robot), Stance(robot), np.random.default_rng(1)
+    beside, turns = Foothold(0.0, 0.0, 0.0), []
+    for _ in range(20):
+        wanted = Foothold(0.0, random.uniform(0.0, 0.2), -random.uniform(0.0, 1.0))
+        found = reachable_foothold(reach, "left_foot", wanted, Foothold(0.0, 0.17, 0.0), beside, 0.5)
+        out, turns = 0.5 * (found.y - beside.y - reach.hip_width), [*turns, found.heading]
+        down = np.sqrt((extension * reach.leg_length) ** 2 - out**2)
+        ankles = [np.array([0.0, out, -down]), np.array([0.0, -out, -down])]
+        posture = [leg.rest for leg in stance.legs]
+        for share in np.linspace(0.0, 1.0, 10):
+            yaws = np.array([0.5, -0.5]) * share * found.heading
+            posture = stance.postures(posture, ankles, [pin.utils.rotate("z", yaw) for yaw in yaws])
+        assert stance.are_apart(posture)
+    assert min(turns) < -0.05
+
+
 @pytest.mark.parametrize("foot", ["left_foot", "right_foot"])
 def test_footholds_are_in_reach_uncrossed_and_clear(robot, foot):
-    reach, random = LegReach.of(robot), np.random.default_rng(3)
+    reach, random = live_reach(robot), np.random.default_rng(3)
     sign = 1.0 if foot == "left_foot" else -1.0
     for _ in range(50):
         beside = Foothold(*random.uniform(-1.0, 1.0, 3))
@@ -178,7 +230,7 @@ def test_footholds_are_in_reach_uncrossed_and_clear(robot, foot):
 
 
 def test_what_is_in_reach_is_kept(robot):
-    reach, beside = LegReach.of(robot), Foothold(0.0, 0.0, 0.0)
+    reach, beside = live_reach(robot), Foothold(0.0, 0.0, 0.0)
     wanted = Foothold(0.1, 0.2, 0.2)
     found = reachable_foothold(reach, "left_foot", wanted, Foothold(0.0, 0.17, 0.0), beside, 0.5)
     assert (found.x, found.y, found.heading) == pytest.approx((wanted.x, wanted.y, wanted.heading))

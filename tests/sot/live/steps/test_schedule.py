@@ -2,12 +2,31 @@
 
 from types import SimpleNamespace
 
+import numpy as np
+import pytest
+
 from scenarios.live.live_stack import live_stack
+from sot.control.tick import Tick
 from sot.live.reference import LiveReference
 from sot.live.steps.footing import SteppingFooting
 from sot.live.steps.schedule import LiveSteppingSchedule
 from sot.motion.body.limits import Limits
 from sot.robots.robot import Robot
+
+
+@pytest.mark.parametrize("velocity, is_disturbed", [(0.02, False), (0.4, True)])
+def test_the_footing_is_told_what_stands_and_whether_the_robot_is_off_its_plan(velocity, is_disturbed):
+    robot = Robot.load("hrp2")
+    footing = SteppingFooting(robot)
+    reference = LiveReference(robot, Limits.of(robot), footing=footing)
+    stack = live_stack(robot, reference, {foot: footing.swing_path(foot) for foot in robot.feet})
+    schedule, tick, v = LiveSteppingSchedule(robot, reference, footing), Tick(robot), np.zeros(robot.nv)
+    v[0], tick.contacts = velocity, stack.contacts
+    schedule.observe(tick.update(0.0, robot.rest, v))
+    assert footing.aloft == set() and footing.is_disturbed == is_disturbed
+    stack.contact("left_foot").mode = "off"
+    schedule.observe(tick.update(0.1, robot.rest, v))
+    assert footing.aloft == {"left_foot"}
 
 
 def test_a_step_that_is_begun_lifts_and_lands_its_foot():
