@@ -3,6 +3,7 @@
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from types import MappingProxyType
@@ -200,7 +201,7 @@ def dance(request: Replay, tell: ProgressCallback) -> Dance:
     edits = edit_file.read_edits(request.edits) if request.edits else ()
     for one in edits:
         one.check(robot)
-    compose = load_stack(request.stack) if request.stack else _default_stack
+    compose = load_stack(request.stack) if request.stack else partial(_default_stack, request.stabiliser)
 
     def compose_edited(robot: Robot, motion: Motion) -> Composition:
         composition = compose(robot, motion)
@@ -367,11 +368,12 @@ def check_writable(folder: Path) -> None:
         raise InputError(f"{folder}: cannot write there ({error.strerror}); choose another output folder") from error
 
 
-def _default_stack(robot: Robot, motion: Motion) -> Composition:
-    """The stack that fits the motion's feet."""
+def _default_stack(stabiliser: str, robot: Robot, motion: Motion) -> Composition:
+    """The stack that fits the motion's feet and what it leads."""
     if any(phase.sliding for phase in motion.phases):
         return Composition(stacks.sliding_stack(robot, motion), stacks.sliding_schedule(robot, motion))
-    return Composition(stacks.stepping_stack(robot, motion), stacks.stepping_schedule(robot, motion))
+    made = stacks.catching_stack if stabiliser == STEPPING else stacks.stepping_stack
+    return Composition(made(robot, motion), stacks.stepping_schedule(robot, motion))
 
 
 def reference_motion(request: Replay, robot: Robot, tell: ProgressCallback) -> tuple[Motion, Plan | None]:

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from sot.behaviours.recovery import RecoverySchedule
 from sot.behaviours.sliding import SlidingSchedule
 from sot.control.contact import Contact
@@ -21,6 +23,11 @@ from tasks import (
     TorqueBounds,
     TorqueRateBounds,
 )
+from tasks.bounds import RANGE_MARGIN
+
+LEG_MARGIN_ON_SERVOS = 0.1
+"""Distance that leg joints of a state that leads servos keep from the ends of their range [rad]: the servos' error, and
+what a stabiliser does to the legs. A knee that met its stop before its foot met the floor had the robot on its toes."""
 
 
 def planted_stack(robot: Robot, motion: Motion, on: Mapping[str, Surface] | None = None) -> Stack:
@@ -55,6 +62,14 @@ def stepping_stack(robot: Robot, motion: Motion, on: Mapping[str, Surface] | Non
     stack = planted_stack(robot, motion, on)
     for foot in robot.feet:
         stack.add(SwingFoot(robot, foot, motion), level="feet", before="waist")
+    return stack
+
+
+def catching_stack(robot: Robot, motion: Motion) -> Stack:
+    """`stepping_stack` for a state that leads a robot on servos: its legs keep off the ends of their range."""
+    stack, margin = stepping_stack(robot, motion), np.full(robot.na, RANGE_MARGIN)
+    margin[list(robot.groups["legs"])] = LEG_MARGIN_ON_SERVOS
+    stack.hard = [JointBounds(robot, margin) if isinstance(one, JointBounds) else one for one in stack.hard]
     return stack
 
 

@@ -11,6 +11,9 @@ from sot.robots.robot import Robot
 
 Array = np.ndarray
 
+RANGE_MARGIN = 0.002
+"""Distance that joints keep from the ends of their range [rad]."""
+
 
 class TorqueBounds(Task):
     """Joint torques within the robot's limits.
@@ -76,14 +79,17 @@ class JointBounds(Task):
 
     Args:
         robot: The robot.
-        range_margin: Distance kept from the ends of the range, for what the model does not know [rad].
+        range_margin: Distance kept from the ends of the range, for what the model does not know, of all joints or each
+            (na,) [rad].
         velocity_fraction: Part of the velocity limits that may be used.
     """
 
     equality = False
     gives_way = 1
 
-    def __init__(self, robot: Robot, range_margin: float = 0.002, velocity_fraction: float = 0.99) -> None:
+    def __init__(
+        self, robot: Robot, range_margin: float | Array = RANGE_MARGIN, velocity_fraction: float = 0.99
+    ) -> None:
         super().__init__("JointBounds", "rad/s²", "rad", weight=1.0 / 100.0)
         self.labels = robot.joints
         self._bounds = AccelerationBounds(

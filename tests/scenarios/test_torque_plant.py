@@ -1,5 +1,7 @@
 """Torque control is what it was before there were servos: none of their code has a say in it."""
 
+from functools import partial
+
 import numpy as np
 
 from scenarios.replay import Replay, _default_stack, run_motion
@@ -13,7 +15,9 @@ from sot.servo.stabiliser import Stabiliser
 
 def torques() -> np.ndarray:
     motion = Motion.standing(Robot.load("hrp2"), 0.1, 500.0)
-    return run_motion(Replay("", rate=500.0), _default_stack, motion, None, lambda words, share: None).run.log.torque
+    return run_motion(
+        Replay("", rate=500.0), partial(_default_stack, "dcm"), motion, None, lambda words, share: None
+    ).run.log.torque
 
 
 def test_no_code_of_servos_soles_and_sensors_is_called(monkeypatch):

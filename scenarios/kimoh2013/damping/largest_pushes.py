@@ -11,7 +11,7 @@ from rich.table import Table
 from scenarios.kimoh2013.damping.push_runs import IMPULSE_STEP, SENSORS, force_along, usual_push
 from scenarios.kimoh2013.damping.stance import Stance, stance_of, world_of
 from scenarios.kimoh2013.damping.sweep import SAMPLING_RATE
-from scenarios.stacks import stepping_schedule, stepping_stack
+from scenarios.stacks import catching_stack, stepping_schedule
 from sim.loop import run
 from sim.push import Push
 from solvers import Cascade
@@ -43,7 +43,7 @@ def stabiliser_of(way: str, motion: Motion, compliance: FootCompliance) -> Stabi
         return Stabiliser(motion, period)
     robot, catching = motion.robot, None
     if way == STEPS:
-        stack, schedule = stepping_stack(robot, motion), stepping_schedule(robot, motion)
+        stack, schedule = catching_stack(robot, motion), stepping_schedule(robot, motion)
         catching = CatchingStack(Controller(robot, stack, Cascade(), period, schedule), motion)
     return Stabiliser(motion, period, compliance, Servo.of(robot), DcmGains(), catching=catching)
 
