@@ -1,9 +1,10 @@
 """Drivers: what runs a controller tick by tick, of torques or of joint targets, and logs what it knows of each."""
 
 from collections.abc import Sequence
+from functools import partial
 from math import sqrt
 from time import perf_counter
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import pinocchio as pin
@@ -22,7 +23,7 @@ from sot.errors import InputError
 from sot.estimation import LEVEL_GROUND, Estimator, Footing
 from sot.hardware.readings import Readings
 from sot.hardware.servo import JointTargets
-from sot.motion.feet.contacts import Phase
+from sot.motion.feet.contacts import Phase, phase_at
 from sot.motion.trajectory import Motion, Reference
 
 Array = np.ndarray
@@ -49,8 +50,13 @@ class PositionController(Protocol):
         """
         ...
 
+
+@runtime_checkable
+class HasPhase(Protocol):
+    """A position controller whose feet may stand otherwise than its motion has them."""
+
     def phase(self, t: float) -> Phase:
-        """The feet that it has standing at a time [s], the last one or the next, and where."""
+        """The feet that stand at a time [s], the last one or the next, and where."""
         ...
 
 
@@ -100,7 +106,7 @@ def driver_of(
         return StackDriver(controller, world, motion, estimator)
     if not isinstance(motion, Motion):
         raise TypeError("a position controller follows a motion whose phases are known")
-    return TargetDriver(controller, world, estimator)
+    return TargetDriver(controller, world, motion, estimator)
 
 
 class StackDriver:
@@ -236,20 +242,24 @@ class StackDriver:
 
 
 class TargetDriver:
-    """Runs a position controller: joint targets out. Feet stand, slide and swing as the controller has them.
+    """Runs a position controller: joint targets out. Feet stand, slide and swing as it has them, or else its motion.
 
     Args:
         controller: the controller.
         world: whose robot has servos and sensors.
+        motion: that it follows.
         estimator: of its state; the controller is told the simulated one unless given.
     """
 
     schedule: Schedule | None = None
     contacts: Sequence[Contact] = ()
 
-    def __init__(self, controller: PositionController, world: World, estimator: Estimator | None = None) -> None:
+    def __init__(
+        self, controller: PositionController, world: World, motion: Motion, estimator: Estimator | None = None
+    ) -> None:
         self.period = controller.period
         self._controller, self._world = controller, world
+        self._phase = controller.phase if isinstance(controller, HasPhase) else partial(phase_at, motion.phases)
         self._data = world.robot.model.createData()
         self.source: StateSource = SimulatedState(world)
         if estimator is not None:
@@ -271,7 +281,7 @@ class TargetDriver:
         robot = self._world.robot
         log.torque[k], log.target[k] = self._world.applied_torque(), self._targets.position
         log.com[k] = pin.centerOfMass(robot.model, self._data, self._q)
-        phase = self._controller.phase(t)
+        phase = self._phase(t)
         for i, foot in enumerate(robot.feet):
             slides, stands = foot in phase.sliding, foot in phase.feet
             log.foot_mode[k, i] = FOOT_SLIDING if slides else FOOT_FIXED if stands else FOOT_OFF
@@ -279,7 +289,7 @@ class TargetDriver:
 
     def _footings(self, t: float) -> dict[str, Footing]:
         """The feet that are to stand now, on level ground."""
-        phase = self._controller.phase(t)
+        phase = self._phase(t)
         standing = ((foot, place) for foot, place in phase.feet.items() if foot not in phase.sliding)
         return {foot: LEVEL_GROUND._replace(foothold=place) for foot, place in standing}
 

@@ -19,12 +19,12 @@ def planned_support(log: RunLog, motion: Motion) -> Iterator[tuple[np.ndarray, P
     feet = motion.robot.feet
     rolls = log.foot_mode == FOOT_ROLLING
     carries = (rolls | (log.foot_mode == FOOT_FIXED)) & (log.foot_ramp >= 1.0)
-    phases = phase_indices(motion.phases, log.time)
-    for index, phase in enumerate(motion.phases):
-        here = phases == index
+    flats, risings = carries & ~rolls, carries & rolls
+    starts = np.searchsorted(phase_indices(motion.phases, log.time), np.arange(len(motion.phases) + 1))
+    for phase, first, end in zip(motion.phases, starts[:-1], starts[1:], strict=True):
         for flat, rising in product(product((False, True), repeat=len(feet)), repeat=2):
-            rows = np.flatnonzero(
-                here & ((carries & ~rolls) == flat).all(axis=1) & ((carries & rolls) == rising).all(axis=1)
+            rows = first + np.flatnonzero(
+                (flats[first:end] == flat).all(axis=1) & (risings[first:end] == rising).all(axis=1)
             )
             if not len(rows):
                 continue
