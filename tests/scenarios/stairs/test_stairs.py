@@ -95,7 +95,7 @@ def test_a_part_without_a_clip_is_refused(tmp_path, capsys):
     [
         ("walk_stairs", 7, 7, ()),
         ("walk_stairs_over", 7, 0, ()),
-        ("walk_ramp", 6, 0, ("--slope", "8", "--treads", "4", "--depth", "0.4")),
+        ("walk_ramp", 6, 6, ("--slope", "8", "--treads", "4", "--depth", "0.4")),
     ],
 )
 def test_who_climbs_is_followed_with_heights_told_wrong(tmp_path, clip, on_one, on_both, scene):
