@@ -6,6 +6,9 @@ from scipy.signal import butter, sosfiltfilt
 
 Array = NDArray[np.float64]
 
+MINIMUM_JERK_PEAK_SPEED = 1.875
+"""Greatest speed of the minimum-jerk profile over its mean one."""
+
 
 def minimum_jerk(s: Array) -> Array:
     """The minimum-jerk profile from 0 to 1 over s in 0..1; velocity and acceleration vanish at both ends and beyond."""

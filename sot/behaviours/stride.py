@@ -73,6 +73,11 @@ class Stride:
         return value_and_derivatives(self._coefficients, t - self._coefficients_from)
 
 
+def bump(s: Any) -> Any:
+    """A stride's bump of unit height over its shares s (0 to 1), an array or a number."""
+    return 64.0 * (s * (1.0 - s)) ** 3
+
+
 def bump_curve(s: Any) -> Any:
     """The second derivative of a stride's bump of unit height over its shares s (0 to 1), an array or a number."""
     r = s * (1.0 - s)

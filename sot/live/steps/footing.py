@@ -33,7 +33,7 @@ from sot.motion.feet.tempo import MAX_STEP_DELAY
 from sot.motion.feet.travel import OMISSIBLE_LENGTH_LEGS
 from sot.motion.human.human import SIDES
 from sot.robots.robot import Robot
-from sot.smooth import minimum_jerk
+from sot.smooth import MINIMUM_JERK_PEAK_SPEED, minimum_jerk
 
 Array = NDArray[np.float64]
 
@@ -56,8 +56,6 @@ MAX_TRIALS = 8
 """Times of a lift that are tried, KNOT_PERIOD apart, before the step waits for the next plan."""
 REDIRECTED_PARTS = (1.0, 0.5, 0.25)
 """Parts of a change of a foothold that are tried, before the foot goes on to where it was led."""
-PEAK_OVER_MEAN_SPEED = 1.875
-"""Greatest speed over the mean of a minimum-jerk path."""
 MIN_REDIRECTION = 0.002
 """Change of a foothold that a swing is led elsewhere for [m, rad]."""
 
@@ -288,7 +286,7 @@ class SteppingFooting:
         assert self._stride is not None
         pose = foot_pose(step.place, self._rest[step.foot])
         speed, acceleration = self._stride.peak_rates(t, pose.translation[:2], step.place.heading - step.start.heading)
-        most = PEAK_OVER_MEAN_SPEED * self.reach.turn_speed
+        most = MINIMUM_JERK_PEAK_SPEED * self.reach.turn_speed
         return acceleration < MAX_SWING_ACCELERATION_G * GRAVITY and speed < most
 
     def _lead(self, step: DecidedStep, t: float) -> None:

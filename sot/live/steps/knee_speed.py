@@ -4,6 +4,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from sot.behaviours.stride import bump
 from sot.motion.feet.footwork import Foothold
 from sot.robots.robot import Robot
 from sot.smooth import minimum_jerk
@@ -59,7 +60,7 @@ class KneeSpeed:
         hip = com + np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]]) @ self._hips[foot]
         way = np.array([place.x - start.x, place.y - start.y, 0.0])
         ankle = np.array([start.x, start.y, self._ankle_height]) + minimum_jerk(share)[:, None] * way
-        ankle[:, 2] += rise * 64.0 * (share * (1.0 - share)) ** 3
+        ankle[:, 2] += rise * bump(share)
         thigh, shank = self._links[foot]
         length = np.minimum(np.linalg.norm(hip - ankle, axis=1), MAX_LENGTH_SHARE * (thigh + shank))
         bend = np.arccos(np.clip((length**2 - thigh**2 - shank**2) / (2.0 * thigh * shank), -1.0, 1.0))

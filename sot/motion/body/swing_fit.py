@@ -7,13 +7,15 @@ import numpy as np
 import quadprog
 from numpy.typing import NDArray
 
+from sot.smooth import MINIMUM_JERK_PEAK_SPEED
+
 Array = NDArray[np.float64]
 
 ACCEPTED_ERROR_LEGS = 0.03  # leg lengths off the wanted path, that cost as much as ACCEPTED_JERK
 ACCEPTED_JERK = 600.0  # leg lengths/s³
 ONSET_SHARE = 0.1  # of a swing's time at either end, in which its acceleration begins and ends
 LEAST_ROOM = 1.3  # of the speed and acceleration of a path straight from hold to hold, that a limit leaves at least
-LEAST_JERK_SPEED, LEAST_JERK_ACCELERATION = 1.875, 5.774  # peaks of that path, over its length and its time (squared)
+LEAST_JERK_ACCELERATION = 5.774  # peak of that path, over its length and the square of its time
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ def nearest_path(
     time = period * (count + 1)
     away = np.abs(np.diff(ends - hips[[0, -1]], axis=0)[0])
     far = np.abs(np.diff(ends, axis=0)[0])
-    fastest = np.maximum(limits.speed, LEAST_ROOM * LEAST_JERK_SPEED * away / time) * period
+    fastest = np.maximum(limits.speed, LEAST_ROOM * MINIMUM_JERK_PEAK_SPEED * away / time) * period
     hardest = np.maximum(limits.acceleration, LEAST_ROOM * LEAST_JERK_ACCELERATION * far / time**2) * period**2
     apart = np.minimum(np.arange(len(bend)), np.arange(len(bend))[::-1]) + 0.5  # periods from the nearer end
     begun = np.minimum(1.0, apart * period / (ONSET_SHARE * time))

@@ -17,7 +17,7 @@ from sot.motion.feet.footwork import Foothold, Step
 from sot.motion.feet.support import FORCE_RAMP_TIME
 from sot.robots.leg_range import MAX_EXTENSION
 from sot.robots.robot import Robot
-from sot.smooth import minimum_jerk
+from sot.smooth import MINIMUM_JERK_PEAK_SPEED, minimum_jerk
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,6 @@ TOP_SHARE, FLAT_SHARE = 0.25, 0.85  # of a swing that are over when the heel is 
 SPEED_SHARE = 0.8  # of the legs' speed limit, that a heel rises with
 ACCELERATION_SHARE = 0.9  # of the legs' acceleration limit, up
 SWING_ACCELERATION_SHARE = 0.7  # of it, down: the swing takes the rest
-LEAST_JERK_SPEED = 1.875  # greatest speed of a rise over its mean
 ANGLES_TRIED = 31
 MIN_PROFILE = 0.15  # share of a rise that is over: what is needed before comes too early
 
@@ -118,7 +117,7 @@ def heel_rises(
         needed = _needed_angles(toes[step.foot], here, hip, MAX_EXTENSION * reach.leg_length)
         up, down = rise.top - rise.start, rise.flat - rise.top
         light = min(ACCELERATION_SHARE * up**2, SWING_ACCELERATION_SHARE * down**2) * acceleration / LEAST_JERK_PEAK
-        most = min(MAX_ANGLE, speed * up / LEAST_JERK_SPEED, light)
+        most = min(MAX_ANGLE, speed * up / MINIMUM_JERK_PEAK_SPEED, light)
         angle = min(float((needed / rise.profile(times[rows])).max()), most)
         found.append(HeelRise(rise.start, rise.top, rise.flat, angle) if angle > MIN_ANGLE else None)
     return tuple(found)

@@ -4,7 +4,7 @@ A human who climbs is put over level ground, and what each foot stood on is kept
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,16 +97,7 @@ def over_level_ground(human: Human, climbs: Sequence[OffFloor]) -> Human:
         climbs: stretches in which it stands above the floor.
     """
     levels = dict(zip(SIDES, _levels(human, climbs), strict=True))
-    body = 0.5 * (levels["left"] + levels["right"])
-    points = {}
-    for name, place in human.points.items():
-        side, _, joint = name.partition("_")
-        under = levels[side] if joint in ("ankle", "toe") else body
-        if joint == "knee":
-            under = 0.5 * (levels[side] + body)
-        points[name] = place - np.outer(under, [0.0, 0.0, 1.0])
-    ground = {f"{side}_foot": human.ground.get(f"{side}_foot", 0.0) + level for side, level in levels.items()}
-    return replace(human, points=points, ground=ground)
+    return human.lowered({f"{side}_{joint}": level for side, level in levels.items() for joint in ("ankle", "toe")})
 
 
 def _levels(human: Human, climbs: Sequence[OffFloor]) -> list[Array]:

@@ -1,5 +1,6 @@
 """A human in motion: canonical points and the frames of pelvis, chest and head over time."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -188,6 +189,20 @@ class Human:
             points={name: factor * position for name, position in self.points.items()},
             ground={foot: factor * level for foot, level in self.ground.items()},
         )
+
+    def lowered(self, under: Mapping[str, np.ndarray]) -> "Human":
+        """The human over level ground: ankles and toes lowered by what is `under` each, point -> (T,) [m].
+
+        The body goes down by the mean of both ankles, and a knee by the mean of its ankle and the body. What was under
+        the ankles is added to `ground`.
+        """
+        body, points = 0.5 * (under["left_ankle"] + under["right_ankle"]), {}
+        for name, place in self.points.items():
+            side, _, joint = name.partition("_")
+            low = 0.5 * (under[f"{side}_ankle"] + body) if joint == "knee" else under.get(name, body)
+            points[name] = place - np.outer(low, [0.0, 0.0, 1.0])
+        ground = {f"{side}_foot": self.ground.get(f"{side}_foot", 0.0) + under[f"{side}_ankle"] for side in SIDES}
+        return replace(self, points=points, ground=ground)
 
 
 def nearest_rotations(matrices: np.ndarray) -> np.ndarray:

@@ -161,23 +161,15 @@ def _over_slope(human: Human, plane: _Plane) -> Human:
 
     `ground` keeps these heights.
     """
-    under = {side: plane.height(human.points[f"{side}_ankle"]) for side in SIDES}
-    body = 0.5 * (under["left"] + under["right"])
-    points = {}
-    for name, place in human.points.items():
-        side, _, joint = name.partition("_")
-        low = plane.height(place) if joint in ("ankle", "toe") else body
-        if joint == "knee":
-            low = 0.5 * (under[side] + body)
-        points[name] = place - np.outer(low, [0.0, 0.0, 1.0])
-    end, way = human.start + human.duration, float(np.ptp(body))
+    under = {name: plane.height(place) for name, place in human.points.items() if name.endswith(("ankle", "toe"))}
+    end = human.start + human.duration
+    way = float(np.ptp(0.5 * (under["left_ankle"] + under["right_ankle"])))
     words = (
         f"The recorded floor slopes by {100 * np.linalg.norm(plane.gradient):.0f} %, {way:.2f} m over the way from"
         f" {human.start:.2f} to {end:.2f} s; the robot dances on a level one."
     )
     remark = Remark(human.start, end, words, climbed=way)
-    ground = {f"{side}_foot": height for side, height in under.items()}
-    return replace(human, points=points, ground=ground, remarks=(*human.remarks, remark))
+    return replace(human.lowered(under), remarks=(*human.remarks, remark))
 
 
 def _floor_slope(human: Human) -> _Plane | None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sot.behaviours.stride import BUMP_CURVATURE, LANDING_DEPTH, Stride, bump_curve, lowered_pose, raised_pose
+from sot.behaviours.stride import BUMP_CURVATURE, LANDING_DEPTH, Stride, bump, bump_curve, lowered_pose, raised_pose
 from sot.control.pose import Pose
 
 START, TO, OTHER = np.array([0.1, 0.2, 0.001]), np.array([0.4, 0.25]), np.array([0.3, 0.4])
@@ -92,6 +92,13 @@ def test_a_foot_that_turns_turns_about_the_vertical_and_its_velocity_is_the_deri
     for t in (0.6, 0.7):
         before, after = (np.arctan2(*stride(t + d).rotation[1::-1, 0]) for d in (-STEP, STEP))
         assert stride(t).velocity[5] == pytest.approx((after - before) / (2 * STEP), abs=1e-6)
+
+
+def test_the_curve_of_the_bump_is_its_second_derivative():
+    shares, h = np.linspace(0.05, 0.95, 19), 1e-4
+    numeric = (bump(shares + h) - 2.0 * bump(shares) + bump(shares - h)) / h**2
+    np.testing.assert_allclose(bump_curve(shares), numeric, atol=1e-5)
+    assert bump(0.5) == pytest.approx(1.0)
 
 
 def test_the_greatest_curvature_of_the_bump_upward_is_what_is_said():
