@@ -2,11 +2,13 @@
 
     python benchmarks/live_steps.py [--mocap FOLDER] [--delay 0.5 0] [--seconds 20] [--only NAME ...] [--rate 500]
     python benchmarks/live_steps.py --faults
+    python benchmarks/live_steps.py --pushes 8
     python benchmarks/live_steps.py --loop 600
 
 Clips are those of the suite "dance", lafan1_aiming in pieces, and the walks of this project. `--faults` plays the walk
-with stops ten times for each fault of the stream that a planted robot bears; `--loop` plays LAFAN1's dance and aiming
-one after the other for so many seconds. The time of a stream is the simulation's, so that load changes nothing.
+with stops ten times for each fault of the stream that a planted robot bears; `--pushes` pushes the chest twenty times
+while it steps, once a run; `--loop` plays LAFAN1's dance and aiming one after the other for so many seconds. The time
+of a stream is the simulation's, so that load changes nothing.
 """
 
 import argparse
@@ -23,6 +25,7 @@ import numpy as np
 from rich.console import Console
 
 from scenarios.inputs import clips
+from scenarios.inputs.disturbances import spaced_pushes
 from scenarios.live.paced_stream import Fault, PacedStream
 from scenarios.live.session import LiveRequest, follow
 from scenarios.live.streaming import part_of, performance
@@ -53,6 +56,7 @@ COLUMNS: Columns = (
 FAULT_CLIP, FAULT_RUNS = "walk_stops", 10
 LOST_SHARE, GREATEST_JITTER_S = 0.2, 0.1
 GAP_S, STOP_EARLIEST_S, STOP_LATEST_S = 1.0, 2.0, 7.0
+PUSH_COUNT, PUSHED_FOR_S = 20, 8.0
 
 
 class Faults:
@@ -157,6 +161,16 @@ def fault_rows(arguments: argparse.Namespace, delay: float) -> Iterator[dict[str
             yield row_of(f"{name} {run}", capture, request, arguments.out, getattr(Faults(run), name))
 
 
+def push_rows(arguments: argparse.Namespace, delay: float) -> Iterator[dict[str, Any]]:
+    """A row a push: twenty of the first clip whose name is asked for."""
+    piece = next(piece for piece in live_pieces(arguments.mocap) if piece.name in (arguments.only or WALKS))
+    capture = part_of(read(clips.find_clip(piece.clip)), piece.start, min(piece.duration or np.inf, PUSHED_FOR_S))
+    request = request_of(piece.clip, arguments, delay)
+    for push in spaced_pushes(STOP_EARLIEST_S, capture.duration + delay, PUSH_COUNT, arguments.pushes):
+        name = f"{piece.name} at {push.t:.2f} s {np.degrees(push.direction):.0f} deg"
+        yield row_of(name, capture, replace(request, pushes=(push,)), arguments.out, None)
+
+
 def loop_rows(arguments: argparse.Namespace, delay: float) -> Iterator[dict[str, Any]]:
     """One long row."""
     capture = performance((LONG_CLIP, AIMING_CLIP), FRAME_RATE_HZ, loop=arguments.loop)
@@ -175,9 +189,16 @@ def main() -> int:
     parser.add_argument("--out", type=Path, help="folder that keeps recordings and reports")
     kind = parser.add_mutually_exclusive_group()
     kind.add_argument("--faults", action="store_true")
+    kind.add_argument("--pushes", type=float, help="N s")
     kind.add_argument("--loop", type=float, help="s")
     arguments = parser.parse_args()
-    rows_of = fault_rows if arguments.faults else loop_rows if arguments.loop else suite_rows
+    rows_of = suite_rows
+    if arguments.faults:
+        rows_of = fault_rows
+    elif arguments.pushes:
+        rows_of = push_rows
+    elif arguments.loop:
+        rows_of = loop_rows
     for delay in arguments.delay:
         rows = []
         for row in rows_of(arguments, delay):

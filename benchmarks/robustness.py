@@ -1,10 +1,12 @@
-"""How much a dance on planted feet takes: random pushes, and what the controller is not told.
+"""How much a dance takes: pushes, and what the controller is not told.
 
     python benchmarks/robustness.py CLIP [--impulse 8 15] [--count 20] [--seed 0] [--rate 500]
+    python benchmarks/robustness.py CLIP --feet auto [--impulse 8 12]
     python benchmarks/robustness.py CLIP --mismatches
 
-Every push acts on the chest, horizontally, for 0.1 s; the dance is begun shortly before it and followed for a while.
-Mismatches are tried one at a time over the whole clip.
+Every push acts on the chest, horizontally, for 0.1 s. A dance on planted feet is pushed at random times, begun shortly
+before and followed for a while; one that steps is danced whole, and pushed at even times from its first lift to its
+last landing. Mismatches are tried one at a time over the whole clip.
 """
 
 import argparse
@@ -18,6 +20,7 @@ from rich.table import Table
 
 from scenarios import stacks
 from scenarios.inputs.clips import find_clip
+from scenarios.inputs.disturbances import spaced_pushes
 from sim.loop import Run, run
 from sim.mismatch import NO_MISMATCH, Mismatch
 from sim.push import Push
@@ -58,20 +61,20 @@ def run_with_shipped_stack(motion: Motion, mismatch: Mismatch = NO_MISMATCH, pus
     return run(controller, World(robot, period, mismatch, pushes), motion)
 
 
-def runs_with_pushes(motion: Motion, impulse: float, count: int, seed: int) -> Iterator[tuple[float, float, Run]]:
-    """Time [s] and direction [rad] of random pushes, and how each ended."""
+def planted_runs(motion: Motion, impulse: float, count: int, seed: int) -> Iterator[tuple[Push, Run]]:
+    """Random pushes of a dance on planted feet, and how each ended."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
-        t, direction = (
-            rng.uniform(UNPUSHED_TIME, motion.duration - UNPUSHED_TIME - TIME_AFTER_PUSH),
-            rng.uniform(0.0, 2.0 * np.pi),
-        )
-        force = impulse / 0.1 * np.array([np.cos(direction), np.sin(direction), 0.0])
-        yield (
-            t,
-            direction,
-            run_with_shipped_stack(part_around(motion, t), pushes=(Push(TIME_BEFORE_PUSH, tuple(force.tolist())),)),
-        )
+        t = rng.uniform(UNPUSHED_TIME, motion.duration - UNPUSHED_TIME - TIME_AFTER_PUSH)
+        push = Push.horizontal(t, impulse, rng.uniform(0.0, 2.0 * np.pi))
+        yield push, run_with_shipped_stack(part_around(motion, t), pushes=(replace(push, t=TIME_BEFORE_PUSH),))
+
+
+def stepping_runs(motion: Motion, impulse: float, count: int) -> Iterator[tuple[Push, Run]]:
+    """Pushes of a dance that steps, and how each ended."""
+    first, *_, last = motion.phases
+    for push in spaced_pushes(first.end, last.start, count, impulse):
+        yield push, run_with_shipped_stack(motion, pushes=(push,))
 
 
 def main() -> int:
@@ -79,13 +82,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("clip", help="file or name of a clip")
     parser.add_argument("--robot", default="hrp2", help="name of a robot, or its file")
+    parser.add_argument("--feet", default="planted", help="planted, or auto")
     parser.add_argument("--impulse", type=float, nargs="+", default=[8.0, 15.0], help="of the pushes [N s]")
     parser.add_argument("--count", type=int, default=20, help="pushes of each impulse")
     parser.add_argument("--seed", type=int, default=0, help="of times and directions")
     parser.add_argument("--rate", type=float, default=500.0, help="of the control [Hz]")
     parser.add_argument("--mismatches", action="store_true", help="try these, and no pushes")
     args = parser.parse_args()
-    motion = plan(recognise(read(find_clip(args.clip))), Robot.load(args.robot), "planted", args.rate).motion
+    motion = plan(recognise(read(find_clip(args.clip))), Robot.load(args.robot), args.feet, args.rate).motion
     console = Console(width=None if sys.stdout.isatty() else 120)
     if args.mismatches:
         table = Table("", "ending", "zmp inside, %", "slip, mm", "infeasible ticks", box=None, padding=(0, 2, 0, 0))
@@ -102,9 +106,14 @@ def main() -> int:
         return 0
     for impulse in args.impulse:
         falls = []
-        for t, direction, ended in runs_with_pushes(motion, impulse, args.count, args.seed):
+        runs = (
+            stepping_runs(motion, impulse, args.count)
+            if len(motion.phases) > 1
+            else planted_runs(motion, impulse, args.count, args.seed)
+        )
+        for push, ended in runs:
             if ended.fell_at_s is not None:
-                falls.append(f"t = {t:.2f} s, {np.degrees(direction):.0f}°: {ended.reason}")
+                falls.append(f"t = {push.t:.2f} s, {np.degrees(push.direction):.0f}°: {ended.reason}")
         console.print(f"{impulse:g} N s: {args.count - len(falls)} of {args.count} survived")
         for fall in falls:
             console.print(f"  fell: {fall}")

@@ -1,8 +1,8 @@
 """Pushes: forces on a robot's bodies, at a time and for a while."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import hypot, inf, isfinite
+from dataclasses import dataclass, replace
+from math import atan2, cos, hypot, inf, isfinite, sin
 
 import mujoco
 import numpy as np
@@ -33,6 +33,18 @@ class Push:
     def __post_init__(self) -> None:
         if not (0.0 <= self.t < inf and 0.0 < self.duration < inf and all(map(isfinite, self.force))):
             raise InputError(f"push at t={self.t:g}: t must not be negative, duration positive, force finite")
+
+    @classmethod
+    def horizontal(cls, t: float, impulse: float, direction: float) -> "Push":
+        """Push of an impulse [N s] whose direction is an angle about z from x [rad]."""
+        push = cls(t, (0.0, 0.0, 0.0))
+        force = impulse / push.duration
+        return replace(push, force=(force * cos(direction), force * sin(direction), 0.0))
+
+    @property
+    def direction(self) -> float:
+        """Angle of its force about z, from x [rad]."""
+        return atan2(self.force[1], self.force[0])
 
     @property
     def end(self) -> float:

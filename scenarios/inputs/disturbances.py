@@ -1,13 +1,24 @@
-"""Pushes and mismatches as one writes them on a command line: words like ``t=5 force=80,0,0``."""
+"""Pushes and mismatches as one writes them on a command line: words like ``t=5 force=80,0,0``; series of pushes."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
+
+import numpy as np
 
 from sim.mismatch import Mismatch
 from sim.push import Push
 from sot.errors import InputError
 
 ParserByName = Mapping[str, Callable[[str], Any]]
+
+TURN_BETWEEN_PUSHES = 2.2
+"""Angle between a push of a series and the next, which no small number of them closes to a circle [rad]."""
+
+
+def spaced_pushes(begin: float, end: float, count: int, impulse: float) -> Iterator[Push]:
+    """Horizontal pushes of an impulse [N s] at even times from one to another [s], each from elsewhere."""
+    for number, t in enumerate(np.linspace(begin, end, count).tolist()):
+        yield Push.horizontal(t, impulse, TURN_BETWEEN_PUSHES * number)
 
 
 def parse_push(text: str) -> Push:

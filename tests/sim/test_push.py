@@ -47,6 +47,14 @@ def test_the_body_that_is_pushed(robot, point, body):
     assert pushed == 1 if body is None else body in joints
 
 
+def test_a_horizontal_push_has_its_impulse_and_its_direction():
+    push = Push.horizontal(1.5, 8.0, 2.0)
+    assert push.t == 1.5
+    assert push.impulse == pytest.approx(8.0)
+    assert push.direction == pytest.approx(2.0)
+    assert push.force[2] == 0.0
+
+
 @pytest.mark.parametrize("bad", [{"t": -1.0}, {"duration": 0.0}, {"force": (np.nan, 0.0, 0.0)}, {"t": np.inf}])
 def test_bad_numbers(bad):
     with pytest.raises(InputError, match="push at t="):
