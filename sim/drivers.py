@@ -283,18 +283,26 @@ class TargetDriver:
         log.com[k] = pin.centerOfMass(robot.model, self._data, self._q)
         phase = self._phase(t)
         for i, foot in enumerate(robot.feet):
-            slides, stands = foot in phase.sliding, foot in phase.feet
-            log.foot_mode[k, i] = FOOT_SLIDING if slides else FOOT_FIXED if stands else FOOT_OFF
-            log.foot_ramp[k, i] = float(slides or stands)
+            log.foot_mode[k, i] = _foot_mode(foot, phase)
+            log.foot_ramp[k, i] = float(foot in phase.feet or foot in phase.sliding)
 
     def _footings(self, t: float) -> dict[str, Footing]:
-        """The feet that are to stand now, on level ground."""
+        """The feet that are to stand flat now, on level ground."""
         phase = self._phase(t)
-        standing = ((foot, place) for foot, place in phase.feet.items() if foot not in phase.sliding)
+        standing = ((foot, place) for foot, place in phase.feet.items() if _foot_mode(foot, phase) == FOOT_FIXED)
         return {foot: LEVEL_GROUND._replace(foothold=place) for foot, place in standing}
 
     def end(self, log: RunLog) -> None:
         pass
+
+
+def _foot_mode(foot: str, phase: Phase) -> int:
+    """How a foot is to touch in a phase: one of the modes of the log."""
+    if foot in phase.sliding:
+        return FOOT_SLIDING
+    if foot in phase.rising:
+        return FOOT_ROLLING
+    return FOOT_FIXED if foot in phase.feet else FOOT_OFF
 
 
 def _placed(pose: Pose) -> pin.SE3:

@@ -1,9 +1,11 @@
 """Position controllers in the loop: what they are told, what their run logs, and that it does not matter where."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from sim.log import FOOT_FIXED, RunInfo, RunLog
+from sim.log import FOOT_FIXED, FOOT_ROLLING, FOOT_SLIDING, RunInfo, RunLog
 from sim.loop import run
 from sim.mismatch import Mismatch
 from sim.push import Push
@@ -96,6 +98,18 @@ def test_a_robot_on_servos_can_fall(motion):
     longer = Motion.standing(motion.robot, 2.0, 1.0 / PERIOD)
     done = run(Stabiliser(longer, PERIOD), world, longer)
     assert done.fell_at_s is not None and done.fell_at_s < 2.0 and done.reason
+
+
+def test_feet_are_logged_as_their_motion_has_them(motion):
+    """A heel that rises, and a foot that slides, are not told as feet that stand flat."""
+    (stance,) = motion.phases
+    left, right = motion.robot.feet
+    parts = replace(stance, end=0.2), replace(stance, start=0.2, rising=(left,), sliding=(right,))
+    moved = replace(motion, phases=parts)
+    log = run(Stabiliser(moved, PERIOD), servo_world(motion.robot), moved).log.trimmed()
+    half = log.ticks // 2
+    assert (log.foot_mode[: half - 1] == FOOT_FIXED).all()
+    assert (log.foot_mode[half + 1 :] == (FOOT_ROLLING, FOOT_SLIDING)).all()
 
 
 def test_only_a_planned_motion_can_be_followed(motion):
