@@ -104,11 +104,12 @@ class Equality:
         out = Z[self.selects] if self.selects is not None else self.A @ Z
         return out if self.scale == 1.0 else self.scale * out
 
-    def row_products(self, X: Array) -> Array:
-        """``scale A x`` of all variables x in each row of X, shape (any, m)."""
+    def write_row_products(self, X: Array, out: Array) -> None:
+        """Write ``scale A x`` of all variables x in each row of X to an array, shape (any, m)."""
         if self.selects is not None:
-            return _scaled_columns(X, self.start + self.selects.start, self.start + self.selects.stop, self.scale)
-        return self.scale * (X[:, self.start : self.start + self.A.shape[1]] @ self.A.T)
+            _write_scaled_columns(X, self.start + self.selects.start, self.scale, out)
+        else:
+            _write_row_products(X, self.start, self.A, self.scale, out)
 
     def residual(self, x: Array) -> Array:
         """``scale A x - b`` of all variables x, shape (m,)."""
@@ -116,12 +117,20 @@ class Equality:
 
 
 @compiled
-def _scaled_columns(X: Array, start: int, stop: int, scale: float) -> Array:
-    out = np.empty((len(X), stop - start))
+def _write_scaled_columns(X: Array, start: int, scale: float, out: Array) -> None:
     for i in range(len(X)):
-        for k in range(stop - start):
+        for k in range(out.shape[1]):
             out[i, k] = scale * X[i, start + k]
-    return out
+
+
+@compiled
+def _write_row_products(X: Array, start: int, A: Array, scale: float, out: Array) -> None:
+    for i in range(len(X)):
+        for j in range(len(A)):
+            total = 0.0
+            for k in range(A.shape[1]):
+                total += X[i, start + k] * A[j, k]
+            out[i, j] = scale * total
 
 
 @dataclass(slots=True)

@@ -14,16 +14,19 @@ DEPENDENT_SHARE = 1e-10
 
 
 @compiled
-def active_rows(H: Array, pull: Array, rows: Array, bounds: Array, equalities: int) -> tuple[Array, bool]:
+def active_rows(
+    H: Array, pull: Array, rows: Array, bounds: Array, equalities: int, expected: Array
+) -> tuple[Array, bool]:
     """The rows that are tight where ``½ xᵀHx − pullᵀx`` is least with ``rows x >= bounds``.
 
-    From the least without any rows one violated row after the other is taken in, the farthest first. On the way there,
-    active ones whose multipliers would become negative are dropped: the objective only grows, so that no active set
-    comes twice.
+    From the least without any rows one violated row after the other is taken in, the farthest first; as long as any of
+    the expected ones is violated, the others are not looked at. On the way there, active ones whose multipliers would
+    become negative are dropped: the objective only grows, so that no active set comes twice.
 
     Args:
         H, pull: Objective, shapes (n, n), positive definite, and (n,).
         rows, bounds: Shapes (m, n) and (m,); the first `equalities` are equalities.
+        expected: Numbers of inequalities that are likely tight, which only makes it faster.
 
     Returns:
         Numbers of the tight rows, shape (k,), and whether they were found: not if rows contradict each other, depend on
@@ -47,6 +50,7 @@ def active_rows(H: Array, pull: Array, rows: Array, bounds: Array, equalities: i
         for k in range(n):
             lengths[i] += rows[i, k] ** 2
         lengths[i] = np.sqrt(lengths[i])
+    inequalities = np.arange(equalities, m)
     R, u = np.zeros((n, n)), np.zeros(n)  # R's columns are rows here
     q = taken = 0
     entering, multiplier, missing = -1, 0.0, 0.0
@@ -54,12 +58,17 @@ def active_rows(H: Array, pull: Array, rows: Array, bounds: Array, equalities: i
     sign = 1.0
     for _ in range(MAX_STEPS_PER_VARIABLE * (n + equalities)):
         if entering < 0:
-            entering, missing = _next_row(x, rows, bounds, lengths, is_active, taken, equalities)
+            if taken < equalities:
+                entering, missing = taken, _excess(x, rows, bounds, taken)
+                taken += 1
+            else:
+                entering, missing = _farthest_row(x, rows, bounds, lengths, is_active, expected)
+                if entering < 0:
+                    entering, missing = _farthest_row(x, rows, bounds, lengths, is_active, inequalities)
             if entering < 0:
                 return active[:q], True
             sign, multiplier = 1.0 if missing <= 0.0 else -1.0, 0.0
             missing = -abs(missing)
-            taken += int(taken < equalities)
         room = 0.0
         for k in range(n):
             d[k] = 0.0
@@ -114,21 +123,27 @@ def active_rows(H: Array, pull: Array, rows: Array, bounds: Array, equalities: i
 
 
 @compiled
-def _next_row(
-    x: Array, rows: Array, bounds: Array, lengths: Array, is_active: Array, taken: int, equalities: int
+def _farthest_row(
+    x: Array, rows: Array, bounds: Array, lengths: Array, is_active: Array, among: Array
 ) -> tuple[int, float]:
-    """The row that is taken in next, -1 if all are met, and its value less its bound."""
-    first, last = (taken, taken + 1) if taken < equalities else (equalities, len(bounds))
+    """The row that x is farthest beyond, -1 if there is none, and its value less its bound."""
     chosen, worst, missing = -1, -NEGLIGIBLE_VIOLATION, 0.0
-    for i in range(first, last):
-        value = -bounds[i]
-        for k in range(len(x)):
-            value += rows[i, k] * x[k]
-        if taken < equalities:
-            return i, value
-        if not is_active[i] and value < worst * lengths[i]:
+    for i in among:
+        if is_active[i]:
+            continue
+        value = _excess(x, rows, bounds, i)
+        if value < worst * lengths[i]:
             chosen, worst, missing = i, value / lengths[i], value
     return chosen, missing
+
+
+@compiled
+def _excess(x: Array, rows: Array, bounds: Array, row: int) -> float:
+    """A row's value less its bound."""
+    value: float = -bounds[row]
+    for k in range(len(x)):
+        value += rows[row, k] * x[k]
+    return value
 
 
 @compiled

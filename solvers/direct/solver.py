@@ -43,7 +43,7 @@ from solvers.direct.weighted_guess import guessed_active_sides
 from solvers.reduction import leading_count
 from solvers.rows import Array, Equality, Level
 
-MAX_ACTIVE_SET_CHANGES = 12
+MAX_ACTIVE_SET_CHANGES = 6
 """Largest number of changes to the active set before the solver gives up."""
 IRRATIONAL = 1.0 / np.pi
 FOUND, NOT_FOUND, UNFIT = 1, 0, -1
@@ -98,7 +98,10 @@ class DirectSolver:
         W, b = _row_products(parts.overdetermined, X)
         bounds, wish = (hard.C, hard.lower, hard.upper), x[leading:].copy()
         outcome, self.max_violation = _active_set_optimum(X, W, b, K, r, x, *bounds, self.active_sides, self.tolerance)
-        if outcome == NOT_FOUND and (sides := guessed_active_sides(X, W, b, K, r, wish, *bounds)) is not None:
+        if outcome == NOT_FOUND:
+            sides = guessed_active_sides(X, W, b, K, r, wish, *bounds, self.active_sides)
+            if sides is None:
+                return None
             self.active_sides, x[leading:] = sides, wish
             outcome, self.max_violation = _active_set_optimum(X, W, b, K, r, x, *bounds, sides, self.tolerance)
         self.levels_met = parts.levels_met
@@ -198,11 +201,16 @@ def _copy_scaled_rows(J: Array, target: Array, row: int, start: int, A: Array, s
 
 def _row_products(equalities: Sequence[Equality], X: Array) -> tuple[Array, Array]:
     """Rows W and right-hand side b of the leading variables as ``X Wᵀ`` and b."""
-    if len(equalities) == 1:
-        return equalities[0].row_products(X), equalities[0].b
-    if not equalities:
-        return np.empty((len(X), 0)), np.empty(0)
-    return np.hstack([e.row_products(X) for e in equalities]), np.hstack([e.b for e in equalities])
+    count = 0
+    for e in equalities:
+        count += len(e.b)
+    products, target = np.empty((len(X), count)), np.empty(count)
+    row = 0
+    for e in equalities:
+        own = slice(row, row := row + len(e.b))
+        e.write_row_products(X, products[:, own])
+        target[own] = e.b
+    return products, target
 
 
 @compiled

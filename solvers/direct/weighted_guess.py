@@ -17,7 +17,7 @@ LAST_LEVEL_WEIGHT = 1e-6
 
 
 def guessed_active_sides(
-    X: Array, B: Array, b: Array, K: Array, r: Array, wish: Array, C: Array, lower: Array, upper: Array
+    X: Array, B: Array, b: Array, K: Array, r: Array, wish: Array, C: Array, lower: Array, upper: Array, last: Array
 ) -> Array | None:
     """Active sides of ``min ‖W x_1 − b‖² + ε ‖x_2 − wish‖²`` under all rows; None if there is no such x.
 
@@ -27,23 +27,34 @@ def guessed_active_sides(
         K, r: Equalities on x = (x_1, x_2), shapes (c, n) and (c,).
         wish: For x_2, shape (n_2,).
         C, lower, upper: Inequalities on x, shapes (p, n), (p,) and (p,).
+        last: The answer to a program much like this one, zeros if there was none, shape (p,).
 
     Returns:
         +1 where a row is tight at its upper bound, −1 at the lower one, 0 elsewhere, shape (p,).
     """
-    trailing, free = len(wish), len(X) - 1
-    if not free + trailing:
-        return None
+    sides, found = _tight_sides(X, B, b, K, r, wish, C, lower, upper, last)
+    return sides if found else None
+
+
+@compiled
+def _tight_sides(
+    X: Array, B: Array, b: Array, K: Array, r: Array, wish: Array, C: Array, lower: Array, upper: Array, last: Array
+) -> tuple[Array, bool]:
+    """As `guessed_active_sides`, and whether there are any."""
+    sides = np.zeros(len(upper))
     H, pull, rows, bounds, owner = _weighted_program(X, B, b, K, r, wish, C, lower, upper)
-    if len(bounds) == len(r):
-        return None
-    active, found = active_rows(H, pull, rows, bounds, len(r))
-    if not found:
-        return None
-    tight, sides = owner[active], np.zeros(len(upper))
-    sides[tight[tight > 0] - 1] = 1.0
-    sides[-tight[tight < 0] - 1] = -1.0
-    return sides
+    if not len(H) or len(bounds) == len(r):
+        return sides, False
+    expected, count = np.empty(len(bounds), np.int64), 0
+    for row in range(len(r), len(bounds)):
+        if owner[row] * last[abs(owner[row]) - 1] > 0.0:
+            expected[count] = row
+            count += 1
+    active, found = active_rows(H, pull, rows, bounds, len(r), expected[:count])
+    for row in active:
+        if owner[row] != 0:
+            sides[abs(owner[row]) - 1] = 1.0 if owner[row] > 0 else -1.0
+    return sides, found
 
 
 @compiled
@@ -95,10 +106,15 @@ def _weighted_program(
 @compiled
 def _write_row(row: Array, X: Array, wish: Array, out: Array) -> float:
     """Write a row on x as one on z, and return its value at z = 0."""
-    leading, value = X.shape[1], 0.0
+    leading, value, first = X.shape[1], 0.0, 0
+    while first < leading and row[first] == 0.0:  # many rows are on x_2 alone, or on one joint
+        first += 1
+    stop = leading
+    while stop > first and row[stop - 1] == 0.0:
+        stop -= 1
     for i in range(len(X)):
         total = 0.0
-        for k in range(leading):
+        for k in range(first, stop):
             total += row[k] * X[i, k]
         if i:
             out[i - 1] = total

@@ -3,7 +3,9 @@
 from collections import deque
 from collections.abc import Mapping
 
-from sot.behaviours.recovery import RecoverySchedule
+import numpy as np
+
+from sot.behaviours.recovery import CHECK_INTERVAL, RecoverySchedule
 from sot.control.stack import Stack
 from sot.control.tick import Tick
 from sot.live.steps.footing import SteppingFooting
@@ -27,13 +29,16 @@ class LiveSteppingSchedule(RecoverySchedule):
         super().__init__(robot, reference, footing.phases(float("inf")), swings, ramp)
         self._footing = footing
         self._begun: deque[tuple[str, float, float]] = deque()
+        self._looked_at = -np.inf
         footing.begun.append(lambda *step: self._begun.append(step))
 
     def observe(self, tick: Tick) -> None:
         """As `RecoverySchedule`; the footing is told which feet do not stand, and whether the robot is off its plan."""
         super().observe(tick)
         self._footing.aloft = {contact.point for contact in tick.contacts if contact.mode == "off"}
-        self._footing.is_disturbed = self.is_disturbed(tick, self._footing.is_disturbed)
+        if self._checked_at < tick.t and not 0.0 < tick.t - self._looked_at < CHECK_INTERVAL:  # one look a tick
+            self._looked_at = tick.t
+            self._footing.is_disturbed = self.is_disturbed(tick, self._footing.is_disturbed)
 
     def apply(self, t: float, stack: Stack, loads: Mapping[str, float] | None = None) -> list[str]:
         """As `RecoverySchedule`, with the steps that have been begun since."""
