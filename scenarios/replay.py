@@ -395,5 +395,4 @@ def _plan_of_clip(request: Replay, robot: Robot, tell: ProgressCallback) -> Plan
     human = requested_human(request, robot)
     tell("planning", None)
     contacts = contact_file.read(request.contacts) if request.contacts else None
-    heels = request.plant == "torque"  # servos share the load between flat soles
-    return plan(human, robot, request.feet, request.rate, contacts, as_danced=request.as_danced, heels=heels)
+    return plan(human, robot, request.feet, request.rate, contacts, as_danced=request.as_danced)

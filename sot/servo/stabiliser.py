@@ -148,11 +148,11 @@ class Stabiliser:
         return JointTargets(targets.position + offset, targets.velocity + rate)
 
     def divergent_component(self, t: float, q: Array, v: Array) -> Array:
-        """ξ of a state (2,), moved and turned along with the feet that stand from where they are to their plan [m]."""
+        """ξ of a state (2,), moved and turned along with the feet that stand flat from where they are to their plan."""
         robot, data = self._motion.robot, self._data
         pin.centerOfMass(robot.model, data, q, v, False)
         xi = (data.com[0] + data.vcom[0] / self._omega)[:2]
-        feet, limits = self._loads.feet(t), self._loads.limits(t)
+        feet, limits = self._loads.flat_feet(t), self._loads.limits(t)
         seen, total = np.zeros(2), 0.0
         for foot, planned in feet.items():
             place, share = pin.updateFramePlacement(robot.model, data, robot.point(foot)), max(limits[foot], MIN_SHARE)

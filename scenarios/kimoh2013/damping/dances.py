@@ -65,7 +65,7 @@ def dance_figures(
         InputError: a clip that cannot be danced, feet too soft for it, or a design that is refused.
     """
     robot = Robot.load(request.robot)
-    request = replace(request, clip=request.clip or CLIP, feet=STUDIES[study], plant="servo")
+    request = replace(request, clip=request.clip or CLIP, feet=STUDIES[study])
     period = 1.0 / request.rate
     planes = identified.designs(ratio, period)[0] if identified is not None and study != GAINS else None
     motion, _ = reference_motion(request, robot, tell)

@@ -51,6 +51,27 @@ def test_loads_add_up_to_force_and_zero_moment_point(where, turn):
     np.testing.assert_allclose(force, FORCE, atol=1e-9)
 
 
+def test_a_foot_whose_heel_rises_bears_on_its_toes():
+    """The two of them still add up, and it does not tell where the robot is."""
+    feet = standing().phases[0].feet
+    sharing = LoadSharing(standing([Phase(0.0, 1.0, feet), Phase(1.0, 4.0, feet, rising=("left_foot",))]))
+    sole = standing().robot.sole("left_foot")
+    toes, length = sole[:, 0].max(), np.ptp(sole[:, 0])
+    middle = sum(feet[foot].act(sharing.middles[foot])[:2] for foot in feet) / 2.0
+    flat, rising = sharing(0.5, middle, FORCE), sharing(2.0, middle, FORCE)
+    for loads in (flat, rising):
+        at, _ = zmp_of(loads, feet)
+        np.testing.assert_allclose(at, middle, atol=1e-9)
+    pressure = {
+        name: -loads["left_foot"].moment[1] / loads["left_foot"].force[2]
+        for name, loads in (("flat", flat), ("rising", rising))
+    }
+    assert pressure["flat"] < toes - 0.3 * length
+    assert toes - 0.1 * length < pressure["rising"] < toes
+    assert set(sharing.flat_feet(0.5)) == set(feet)
+    assert set(sharing.flat_feet(2.0)) == {"right_foot"}
+
+
 def test_centres_of_pressure_stay_on_the_soles():
     motion = standing()
     sharing, robot = LoadSharing(motion), motion.robot
