@@ -1,6 +1,5 @@
 """Persistent quadratic programs where they are least comfortable."""
 
-import time
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +16,10 @@ def test_a_bound_that_only_rounding_could_reach_is_given_up_at_once():
     C[::2] *= 1e-20
     lower, upper = np.full(m, -1.0), np.full(m, 1.0)
     lower[4], upper[4] = 0.5, 2.0
-    start = time.perf_counter()
     problem = QP(np.eye(n), rng.normal(size=n), C, lower, upper)
     answer = PersistentQPs().solve("impossible", problem, use_second_solver=False)
     assert answer.status == Status.FAILED
-    assert time.perf_counter() - start < 0.2
+    assert answer.reason == "ProxQP gave up after 100 iterations"  # left alone, it goes on for seconds
 
 
 def test_a_problem_with_rows_of_rounding_is_solved():
