@@ -300,9 +300,9 @@ def _foot_mode(foot: str, phase: Phase) -> int:
     """How a foot is to touch in a phase: one of the modes of the log."""
     if foot in phase.sliding:
         return FOOT_SLIDING
-    if foot in phase.rising:
-        return FOOT_ROLLING
-    return FOOT_FIXED if foot in phase.feet else FOOT_OFF
+    if foot not in phase.feet:
+        return FOOT_OFF
+    return FOOT_ROLLING if foot in phase.rising else FOOT_FIXED
 
 
 def _placed(pose: Pose) -> pin.SE3:
