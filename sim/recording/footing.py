@@ -39,10 +39,12 @@ def _send_points(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray
 
 def _send_support(columns: Columns, log: RunLog, motion: Motion, rows: np.ndarray) -> None:
     outlines: dict[int, np.ndarray] = {}
+    heights, is_shown = ground_heights(motion, log.time), np.zeros(log.ticks, dtype=bool)
+    is_shown[rows] = True
     for shared, polygon in planned_support(log, motion):
-        seen = np.intersect1d(shared, rows)
+        seen = shared[is_shown[shared]]
         if len(seen):
-            ground = ground_heights(motion, log.time[seen[:1]])  # all are of one phase
+            ground = heights[seen[:1]]  # all are of one phase
             outline = _on_ground(_closed_outline(polygon.vertices), ground).astype(np.float32)
             outlines.update(dict.fromkeys(seen.tolist(), outline))
     columns.static("world/contact/support", rr.LineStrips3D.from_fields(colors=[COLORS["planned"]], radii=[0.005]))
