@@ -23,6 +23,7 @@ from sot.gravity import GRAVITY
 from sot.robots.robot import Robot
 from sot.robots.surface import Surface, SurfaceAxes
 from sot.robots.system import System
+from sot.vector_view import owned_view
 
 Array = np.ndarray
 Mode = Literal["fixed", "sliding", "off"]
@@ -112,7 +113,7 @@ class Tick:
         self.torque: Array | None = None
         self.data = data = system.model.createData()
         # Live views of where Pinocchio writes: to ask it for them anew takes longer than to compute what is in them.
-        self.M, self.com = data.M, data.com[0]
+        self.M, self.com = owned_view(data.M, data), owned_view(data.com[0], data)
         self._forces, self._base, self._A_g = data.nle, data.oMi[1].rotation, data.Ag
         self._joint_losses = np.stack([self.robot.damping, self.robot.friction, coulomb_speeds(self.robot)])
         self._J, self.mass = data.J, self.robot.mass
@@ -334,7 +335,8 @@ class Tick:
         frame = self.system.point(name)
         place = self.data.oMf[frame]
         moving, free = moving_velocities(model, frame)
-        state = FrameState(place.translation, place.rotation, np.empty(6), np.zeros((6, self.system.nv)), np.empty(6))
+        position, rotation = owned_view(place.translation, self.data), owned_view(place.rotation, self.data)
+        state = FrameState(position, rotation, np.empty(6), np.zeros((6, self.system.nv)), np.empty(6))
         return state, moving, free
 
 

@@ -171,6 +171,22 @@ def test_a_quantity_is_computed_once_per_state(case):
     assert tick.centroidal()[1] is tick.centroidal()[1]
 
 
+def test_what_a_tick_has_told_outlives_it():
+    """Its arrays lie in Pinocchio's memory, which others are given once nothing holds it."""
+    robot = Robot.load("hrp2")
+    tick = Tick(robot)
+    wanted = [tick.com.copy(), tick.M.copy(), tick.frame("waist").position.copy(), tick.frame("waist").rotation.copy()]
+    kept = []
+    for k in range(50):
+        kept.append(
+            [Tick(robot).com, Tick(robot).M, Tick(robot).frame("waist").position, Tick(robot).frame("waist").rotation]
+        )
+        kept.append([np.full(n, np.nan) for n in (3, 9, 40 + k)])
+    for values in kept[::2]:
+        for value, right in zip(values, wanted, strict=True):
+            np.testing.assert_array_equal(value, right)
+
+
 def test_a_point_that_does_not_exist_is_named():
     with pytest.raises(InputError, match="no point 'tail'"):
         Tick(Robot.load("hrp2")).frame("tail")
