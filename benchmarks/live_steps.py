@@ -142,11 +142,18 @@ def request_of(source: str, arguments: argparse.Namespace, delay: float) -> Live
     return LiveRequest(source, arguments.robot, rate=arguments.rate, delay=delay, feet="steps", keeps_time=False)
 
 
+def asked_pieces(arguments: argparse.Namespace, otherwise: Sequence[str] = ("",)) -> list[Piece]:
+    """The pieces whose names hold what is asked for, or something else where nothing is."""
+    names = arguments.only or otherwise
+    found = [piece for piece in live_pieces(arguments.mocap) if any(name in piece.name for name in names)]
+    if not found:
+        sys.exit(f"--only {' '.join(names)}: no piece has such a name; those of --mocap need its folder")
+    return found
+
+
 def suite_rows(arguments: argparse.Namespace, delay: float) -> Iterator[dict[str, Any]]:
     """A row a clip."""
-    for piece in live_pieces(arguments.mocap):
-        if arguments.only and not any(name in piece.name for name in arguments.only):
-            continue
+    for piece in asked_pieces(arguments):
         seconds = min(piece.duration or np.inf, arguments.seconds)
         capture = part_of(read(clips.find_clip(piece.clip)), piece.start, seconds if np.isfinite(seconds) else None)
         yield row_of(piece.name, capture, request_of(piece.clip, arguments, delay), arguments.out, None)
@@ -163,7 +170,7 @@ def fault_rows(arguments: argparse.Namespace, delay: float) -> Iterator[dict[str
 
 def push_rows(arguments: argparse.Namespace, delay: float) -> Iterator[dict[str, Any]]:
     """A row a push: twenty of the first clip whose name is asked for."""
-    piece = next(piece for piece in live_pieces(arguments.mocap) if piece.name in (arguments.only or WALKS))
+    piece = asked_pieces(arguments, otherwise=WALKS)[0]
     capture = part_of(read(clips.find_clip(piece.clip)), piece.start, min(piece.duration or np.inf, PUSHED_FOR_S))
     request = request_of(piece.clip, arguments, delay)
     for push in spaced_pushes(STOP_EARLIEST_S, capture.duration + delay, PUSH_COUNT, arguments.pushes):
